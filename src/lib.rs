@@ -1,0 +1,4 @@
+//! tauscope: a physics-simulator-in-the-loop testbed for robot-arm identification.
+
+pub mod error;
+pub mod random;

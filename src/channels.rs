@@ -1,0 +1,79 @@
+//! Several signals over the same samples, laid out [channel][time].
+
+/// A table of `channels` signals of `samples` values each; every signal is one contiguous run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Channels {
+    channels: usize,
+    samples: usize,
+    data: Vec<f64>,
+}
+
+impl Channels {
+    /// All zeros.
+    pub fn zeros(channels: usize, samples: usize) -> Self {
+        Channels { channels, samples, data: vec![0.0; channels * samples] }
+    }
+
+    /// From one vector per channel.
+    ///
+    /// # Panics
+    /// If the vectors differ in length.
+    pub fn from_vectors(vectors: &[Vec<f64>]) -> Self {
+        let samples = vectors.first().map_or(0, Vec::len);
+        assert!(vectors.iter().all(|v| v.len() == samples), "channels differ in length");
+        Channels { channels: vectors.len(), samples, data: vectors.concat() }
+    }
+
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Samples in each channel.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// One signal.
+    pub fn channel(&self, index: usize) -> &[f64] {
+        &self.data[index * self.samples..][..self.samples]
+    }
+
+    /// One signal, to write.
+    pub fn channel_mut(&mut self, index: usize) -> &mut [f64] {
+        &mut self.data[index * self.samples..][..self.samples]
+    }
+
+    /// All signals in order.
+    pub fn iter(&self) -> impl Iterator<Item = &[f64]> {
+        (0..self.channels).map(|index| self.channel(index))
+    }
+
+    /// The whole table, [channel][time].
+    pub fn as_slice(&self) -> &[f64] {
+        &self.data
+    }
+
+    /// The whole table, to write.
+    pub fn as_mut_slice(&mut self) -> &mut [f64] {
+        &mut self.data
+    }
+
+    /// The values of all channels at one sample.
+    pub fn at(&self, sample: usize) -> Vec<f64> {
+        self.iter().map(|signal| signal[sample]).collect()
+    }
+
+    /// Writes the values of all channels at one sample.
+    pub fn set(&mut self, sample: usize, values: &[f64]) {
+        for (index, &value) in values.iter().enumerate() {
+            self.channel_mut(index)[sample] = value;
+        }
+    }
+
+    /// A table of what `convert` makes of every signal.
+    pub fn map(&self, mut convert: impl FnMut(usize, &[f64]) -> Vec<f64>) -> Self {
+        let vectors: Vec<Vec<f64>> = self.iter().enumerate().map(|(index, signal)| convert(index, signal)).collect();
+        Self::from_vectors(&vectors)
+    }
+}

@@ -1,0 +1,48 @@
+//! Rigid-body dynamics of any serial chain: inverse dynamics, torque regressor, base parameters.
+//!
+//! All functions are batched over samples laid out [channel][time], and walk the chain in link frames, carrying the
+//! joints' screws forward (Featherstone 2008 for the recursions, Atkeson, An and Hollerbach 1986 for the linearity in
+//! the inertial parameters).
+
+mod base_parameters;
+mod chain;
+mod lane;
+mod regressor;
+mod rnea;
+
+pub use base_parameters::{BaseParameters, Grouping};
+pub use chain::Chain;
+pub use lane::Lane;
+pub use regressor::{block_row, regressor};
+pub use rnea::{inverse_dynamics, inverse_dynamics_at, mass_matrix};
+
+use crate::channels::Channels;
+
+/// Positions, velocities and accelerations of all joints over time; each is [joint][time].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Motion {
+    /// Positions, rad or m.
+    pub q: Channels,
+    /// Velocities, rad/s or m/s.
+    pub qd: Channels,
+    /// Accelerations, rad/s2 or m/s2.
+    pub qdd: Channels,
+}
+
+impl Motion {
+    /// A motion at rest at zero.
+    pub fn zeros(joints: usize, samples: usize) -> Self {
+        let zeros = || Channels::zeros(joints, samples);
+        Motion { q: zeros(), qd: zeros(), qdd: zeros() }
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.q.channels()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.q.samples()
+    }
+}

@@ -1,0 +1,105 @@
+//! Inverse dynamics by the recursive Newton-Euler algorithm (Luh, Walker and Paul 1980), batched over samples.
+
+use super::chain::{Chain, LinkState};
+use super::lane::{Lane, Vec3, add, cross, dot, scale, times};
+use super::Motion;
+use crate::channels::Channels;
+use crate::robot::PARAMETERS;
+
+/// Rigid-body joint torques, [joint][time], of a motion. `inertial` holds ten parameters per link, base to flange.
+/// Friction and rotor inertia are not included.
+///
+/// # Panics
+/// If the motion or the parameters do not fit the chain.
+pub fn inverse_dynamics(chain: &Chain, inertial: &[f64], motion: &Motion) -> Channels {
+    let (dof, samples) = (chain.dof(), motion.samples());
+    assert_eq!(motion.joints(), dof, "the motion has another number of joints than the arm");
+    assert_eq!(inertial.len(), dof * PARAMETERS, "ten inertial parameters a link are wanted");
+    let mut torque = Channels::zeros(dof, samples);
+    let mut scratch = Vec::with_capacity(dof);
+    let mut tau = vec![0.0; dof];
+    for sample in 0..samples {
+        let value = |channels: &Channels, joint: usize| channels.channel(joint)[sample];
+        recursion::<f64>(
+            chain,
+            inertial,
+            |joint| (value(&motion.q, joint), value(&motion.qd, joint), value(&motion.qdd, joint)),
+            &mut scratch,
+            |joint, effort| tau[joint] = effort,
+        );
+        torque.set(sample, &tau);
+    }
+    torque
+}
+
+/// Rigid-body joint torques at one state.
+pub fn inverse_dynamics_at(chain: &Chain, inertial: &[f64], q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
+    let mut tau = vec![0.0; chain.dof()];
+    let mut scratch = Vec::with_capacity(chain.dof());
+    recursion::<f64>(chain, inertial, |joint| (q[joint], qd[joint], qdd[joint]), &mut scratch, |joint, effort| {
+        tau[joint] = effort;
+    });
+    tau
+}
+
+/// Joint-space mass matrix at `q`, column by column from inverse dynamics at unit accelerations without gravity.
+pub fn mass_matrix(chain: &Chain, inertial: &[f64], q: &[f64]) -> nalgebra::DMatrix<f64> {
+    let dof = chain.dof();
+    let weightless = chain.clone().with_gravity([0.0; 3]);
+    let still = vec![0.0; dof];
+    let mut matrix = nalgebra::DMatrix::zeros(dof, dof);
+    for column in 0..dof {
+        let mut unit = vec![0.0; dof];
+        unit[column] = 1.0;
+        matrix.set_column(column, &inverse_dynamics_at(&weightless, inertial, q, &still, &unit).into());
+    }
+    matrix
+}
+
+/// Forward pass over motion, then wrenches carried back from the flange.
+#[inline(always)]
+fn recursion<L: Lane>(
+    chain: &Chain,
+    inertial: &[f64],
+    state: impl Fn(usize) -> (L, L, L),
+    scratch: &mut Vec<LinkState<L>>,
+    mut write: impl FnMut(usize, L),
+) {
+    scratch.clear();
+    let base = chain.base();
+    for joint in 0..chain.dof() {
+        let (q, qd, qdd) = state(joint);
+        let link = chain.next(joint, scratch.last().unwrap_or(&base), q, qd, qdd);
+        scratch.push(link);
+    }
+    let zero: Vec3<L> = [L::splat(0.0); 3];
+    let (mut force, mut moment) = (zero, zero);
+    for joint in (0..chain.dof()).rev() {
+        let link = &scratch[joint];
+        let (own_force, own_moment) = wrench(&inertial[joint * PARAMETERS..][..PARAMETERS], link);
+        force = add(force, own_force);
+        moment = add(moment, own_moment);
+        write(joint, dot(chain.axis(joint), if chain.is_revolute(joint) { moment } else { force }));
+        let turned = times(&link.rotation, force);
+        moment = add(times(&link.rotation, moment), cross(link.translation, turned));
+        force = turned;
+    }
+}
+
+/// Force and moment about the link origin that move the link's body as `link` says.
+#[inline(always)]
+fn wrench<L: Lane>(body: &[f64], link: &LinkState<L>) -> (Vec3<L>, Vec3<L>) {
+    let p = |index: usize| L::splat(body[index]);
+    let first = [p(1), p(2), p(3)];
+    let inertia = |v: Vec3<L>| -> Vec3<L> {
+        [
+            p(4) * v[0] + p(5) * v[1] + p(7) * v[2],
+            p(5) * v[0] + p(6) * v[1] + p(8) * v[2],
+            p(7) * v[0] + p(8) * v[1] + p(9) * v[2],
+        ]
+    };
+    let swing = add(cross(link.alpha, first), cross(link.omega, cross(link.omega, first)));
+    let force = add(scale(link.acceleration, p(0)), swing);
+    let spin = add(inertia(link.alpha), cross(link.omega, inertia(link.omega)));
+    (force, add(spin, cross(first, link.acceleration)))
+}

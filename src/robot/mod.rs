@@ -1,0 +1,177 @@
+//! A serial arm: joints from base to flange, each carrying one rigid body.
+
+mod inertia;
+mod urdf;
+
+pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
+pub use urdf::{InertiaCheck, load};
+
+use crate::error::{Error, Result};
+use nalgebra::{Matrix3, Vector3};
+use std::path::PathBuf;
+
+/// Standard gravity of the models here, along -z of the base, m/s2 (Pinocchio's default).
+pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// A fixed pose of a child frame in its parent: x_parent = rotation x_child + translation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Rotation matrix, child axes in parent coordinates.
+    pub rotation: Matrix3<f64>,
+    /// Origin of the child in the parent, m.
+    pub translation: Vector3<f64>,
+}
+
+impl Pose {
+    /// The pose that changes nothing.
+    pub fn identity() -> Self {
+        Pose { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+    }
+
+    /// This pose followed by `inner`, which is given in this pose's child frame.
+    pub fn then(&self, inner: &Pose) -> Pose {
+        Pose {
+            rotation: self.rotation * inner.rotation,
+            translation: self.rotation * inner.translation + self.translation,
+        }
+    }
+}
+
+/// How a joint moves along or about its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// Turns about the axis; coordinates in rad, efforts in N m.
+    Revolute,
+    /// Slides along the axis; coordinates in m, efforts in N.
+    Prismatic,
+}
+
+/// Limits of a joint, in rad (or m), rad/s (or m/s), and N m (or N). Infinite where the URDF gives none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Lowest position.
+    pub lower: f64,
+    /// Highest position.
+    pub upper: f64,
+    /// Highest speed.
+    pub velocity: f64,
+    /// Highest effort of the drive.
+    pub effort: f64,
+}
+
+/// Friction and rotor of a joint's drive, at the joint side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Drive {
+    /// Viscous friction Fv, N m s/rad.
+    pub viscous: f64,
+    /// Coulomb friction Fc, N m.
+    pub coulomb: f64,
+    /// Rotor inertia reflected to the joint Ia, kg m2.
+    pub armature: f64,
+}
+
+/// One joint and the body it carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name of the joint in the URDF.
+    pub name: String,
+    /// Name of the link it carries.
+    pub link: String,
+    /// Revolute or prismatic.
+    pub kind: JointKind,
+    /// Pose of the joint frame at zero position in the frame of the joint before it (or the base).
+    pub origin: Pose,
+    /// Unit axis in the joint frame.
+    pub axis: Vector3<f64>,
+    /// Position, velocity and effort limits.
+    pub limits: Limits,
+    /// The body, links behind fixed joints included, about the joint frame.
+    pub inertia: Inertia,
+    /// Friction and rotor inertia as the URDF gives them.
+    pub drive: Drive,
+}
+
+/// A serial arm of one or more revolute or prismatic joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// Name of the robot in the URDF.
+    pub name: String,
+    /// The file it came from.
+    pub source: PathBuf,
+    /// Gravity in base coordinates, m/s2.
+    pub gravity: Vector3<f64>,
+    /// Joints from base to flange.
+    pub joints: Vec<Joint>,
+    /// Pose of the flange (the last link behind fixed joints) in the last joint frame.
+    pub flange: Pose,
+}
+
+impl Robot {
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Joint names from base to flange.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// Inertial parameters of all links, ten per joint, base to flange.
+    pub fn inertial_parameters(&self) -> Vec<f64> {
+        self.joints.iter().flat_map(|joint| joint.inertia.0).collect()
+    }
+
+    /// Index of the joint called `name`; the error lists the joints there are.
+    pub fn joint_index(&self, name: &str) -> Result<usize> {
+        self.joints.iter().position(|joint| joint.name == name).ok_or_else(|| {
+            Error::request(
+                format!("joint `{name}`"),
+                format!("{} has no such joint; its joints are {}", self.name, self.joint_names().join(", ")),
+            )
+        })
+    }
+
+    /// Poses of all joint frames, and of the flange as the last entry, in the base at position `q`.
+    pub fn frames(&self, q: &[f64]) -> Vec<Pose> {
+        let mut pose = Pose::identity();
+        let mut frames = Vec::with_capacity(self.dof() + 1);
+        for (joint, &value) in self.joints.iter().zip(q) {
+            pose = pose.then(&joint.origin).then(&joint.motion(value));
+            frames.push(pose);
+        }
+        frames.push(pose.then(&self.flange));
+        frames
+    }
+}
+
+impl Joint {
+    /// Pose of the moved joint frame in the joint frame at zero.
+    pub fn motion(&self, q: f64) -> Pose {
+        match self.kind {
+            JointKind::Revolute => {
+                let rotation =
+                    nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_unchecked(self.axis), q).into_inner();
+                Pose { rotation, translation: Vector3::zeros() }
+            }
+            JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * self.axis },
+        }
+    }
+
+    /// Unit of the joint's position.
+    pub fn position_unit(&self) -> &'static str {
+        match self.kind {
+            JointKind::Revolute => "rad",
+            JointKind::Prismatic => "m",
+        }
+    }
+
+    /// Unit of the joint's effort.
+    pub fn effort_unit(&self) -> &'static str {
+        match self.kind {
+            JointKind::Revolute => "N m",
+            JointKind::Prismatic => "N",
+        }
+    }
+}

@@ -168,15 +168,18 @@ impl<'a> Chain<'a> {
     /// The rigid body that starts at `link`: the link and everything fixed to it, in that link's frame.
     fn body(&self, link: &str, inertias: InertiaCheck) -> Result<Body<'a>> {
         let mut body = Body { inertia: Inertia::default(), next: None, tip: Pose::identity() };
-        let mut open = vec![(link.to_owned(), Pose::identity())];
-        while let Some((name, place)) = open.pop() {
+        let mut open = vec![(link.to_owned(), Pose::identity(), 0)];
+        let mut deepest = 0;
+        while let Some((name, place, depth)) = open.pop() {
             let own = self.inertia(&name, inertias)?;
             body.inertia = body.inertia.welded_to(&own.seen_from_parent(&place.rotation, &place.translation));
-            body.tip = place;
+            if depth > deepest {
+                (deepest, body.tip) = (depth, place);
+            }
             for joint in self.children(&name) {
                 if joint.joint_type == urdf_rs::JointType::Fixed {
                     let step = pose(&joint.origin, |problem| self.lines.error("joint", &joint.name, problem))?;
-                    open.push((joint.child.link.clone(), place.then(&step)));
+                    open.push((joint.child.link.clone(), place.then(&step), depth + 1));
                 } else if let Some((_, other)) = body.next.replace((place, joint)) {
                     return Err(self.lines.error(
                         "joint",
@@ -254,7 +257,7 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// A rigid body with the moving joint it carries, and the pose of its last link.
+/// A rigid body with the moving joint it carries, and the pose of the link behind the most fixed joints.
 struct Body<'a> {
     inertia: Inertia,
     next: Option<(Pose, &'a urdf_rs::Joint)>,

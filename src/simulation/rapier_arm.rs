@@ -59,7 +59,14 @@ impl RapierArm {
             .ok_or_else(|| Error::request(&robot.name, "rapier does not take the arm as one articulated body"))?;
         let mut arm =
             RapierArm { world, bodies, joints, kinds: robot.joints.iter().map(|j| j.kind).collect(), multibody };
-        let body = arm.multibody_mut();
+        // The base counts as free until the kinematics have seen that its body is fixed.
+        let RapierArm { world, multibody, .. } = &mut arm;
+        let body = world.multibody_joints.get_multibody_mut(*multibody).expect("just inserted");
+        body.forward_kinematics(&world.bodies, true);
+        body.update_rigid_bodies(&mut world.bodies, true);
+        world.integration_parameters.dt = 0.0;
+        world.step();
+        let body = world.multibody_joints.get_multibody_mut(*multibody).expect("just inserted");
         if body.ndofs() != robot.dof() {
             let problem = format!("rapier made {} degrees of freedom of {} joints", body.ndofs(), robot.dof());
             return Err(Error::request(&robot.name, problem));
@@ -117,10 +124,6 @@ impl RapierArm {
         self.world.multibody_joints.get_multibody(self.multibody).expect("the arm stays in its world")
     }
 
-    fn multibody_mut(&mut self) -> &mut Multibody {
-        self.world.multibody_joints.get_multibody_mut(self.multibody).expect("the arm stays in its world")
-    }
-
     fn set_state(&mut self, q: &[f64], qd: &[f64]) {
         let world = &mut self.world;
         let body = world.multibody_joints.get_multibody_mut(self.multibody).expect("the arm stays in its world");
@@ -130,10 +133,8 @@ impl RapierArm {
             link.joint.apply_displacement(&[q[index]]);
         }
         body.generalized_velocity_mut().copy_from_slice(qd);
-        // Jacobians need the bodies' centres of mass at the new pose: poses first, then mass properties, then again.
         body.forward_kinematics(&world.bodies, false);
         body.update_rigid_bodies(&mut world.bodies, true);
-        body.forward_kinematics(&world.bodies, false);
     }
 
     /// Joint torques as equal and opposite wrenches on neighbouring bodies (rapier takes no generalised forces).

@@ -1,0 +1,6 @@
+//! Identification: from a recording to base parameters with standard deviations.
+
+pub mod least_squares;
+pub mod model;
+pub mod noise;
+pub mod prepare;

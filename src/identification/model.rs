@@ -1,0 +1,175 @@
+//! The torque model that is identified: rigid bodies, rotor inertia, viscous and Coulomb friction of every joint.
+
+use crate::channels::Channels;
+use crate::dynamics::{BaseParameters, Chain, Motion, block_row, regressor};
+use crate::effects::{self, CoulombFriction, Effect, ViscousFriction};
+use crate::random;
+use crate::robot::{PARAMETERS, Robot, SYMBOLS, UNITS};
+use nalgebra::DMatrix;
+use rand::RngExt;
+
+/// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
+pub const STANDARD: usize = PARAMETERS + 3;
+
+/// States from which the base parameters are found; well above one per standard parameter of any arm.
+const PROBES_PER_JOINT: usize = 40;
+
+/// Torque linear in standard parameters (13 per joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
+/// can tell apart.
+#[derive(Debug, Clone)]
+pub struct Model {
+    chain: Chain,
+    names: Vec<String>,
+    base: BaseParameters,
+}
+
+impl Model {
+    /// The model of `robot`, whose geometry and gravity it takes; its inertias play no part.
+    pub fn new(robot: &Robot) -> Self {
+        let chain = Chain::new(robot);
+        let names = standard_names(robot.dof());
+        let base = BaseParameters::new(&probe(&chain), &names);
+        Model { chain, names, base }
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.chain.dof()
+    }
+
+    /// Symbols of the standard parameters, 13 per joint: "m1", "mx1", .. "Fc6".
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The base parameters.
+    pub fn base(&self) -> &BaseParameters {
+        &self.base
+    }
+
+    /// Unit of a standard parameter on a revolute joint.
+    pub fn unit(standard: usize) -> &'static str {
+        match standard % STANDARD {
+            inertial if inertial < PARAMETERS => UNITS[inertial],
+            PARAMETERS => "kg m2",
+            11 => ViscousFriction.parameters()[0].unit,
+            _ => CoulombFriction.parameters()[0].unit,
+        }
+    }
+
+    /// Base columns on one joint: indices of the base parameters that can act there (those of links from the joint outwards).
+    pub fn active(&self, joint: usize) -> Vec<usize> {
+        (0..self.base.len())
+            .filter(|&b| {
+                let standard = self.base.kept()[b];
+                let (link, which) = (standard / STANDARD, standard % STANDARD);
+                if which < PARAMETERS { link >= joint } else { link == joint }
+            })
+            .collect()
+    }
+
+    /// The columns of all base parameters along a motion: for every joint a table [active base parameter][time] in the
+    /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
+    pub fn columns(&self, motion: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
+        let source = Source { rows: regressor(&self.chain, motion), motion, time, width };
+        (0..self.dof())
+            .map(|joint| {
+                let columns: Vec<Vec<f64>> = self
+                    .active(joint)
+                    .into_iter()
+                    .map(|b| source.column(self.base.kept()[b], joint).unwrap_or_else(|| vec![0.0; motion.samples()]))
+                    .collect();
+                Channels::from_vectors(&columns)
+            })
+            .collect()
+    }
+
+    /// Standard parameters of an arm, in the order of [`Model::names`].
+    pub fn standard_values(robot: &Robot) -> Vec<f64> {
+        robot
+            .joints
+            .iter()
+            .flat_map(|joint| {
+                let drive = joint.drive;
+                joint.inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
+            })
+            .collect()
+    }
+}
+
+fn standard_names(dof: usize) -> Vec<String> {
+    (1..=dof)
+        .flat_map(|joint| {
+            SYMBOLS
+                .into_iter()
+                .chain(["Ia", ViscousFriction.parameters()[0].symbol, CoulombFriction.parameters()[0].symbol])
+                .map(move |symbol| format!("{symbol}{joint}"))
+        })
+        .collect()
+}
+
+/// Everything the column of a standard parameter is made of.
+struct Source<'a> {
+    rows: Channels,
+    motion: &'a Motion,
+    time: &'a [f64],
+    width: f64,
+}
+
+impl Source<'_> {
+    /// Torque on `joint` per unit of a standard parameter; None where it cannot act.
+    fn column(&self, standard: usize, joint: usize) -> Option<Vec<f64>> {
+        let (link, which) = (standard / STANDARD, standard % STANDARD);
+        let friction = |law: &dyn Effect| effects::along(law, &[1.0], joint, self.motion, self.time, self.width);
+        match which {
+            inertial if inertial < PARAMETERS => (link >= joint)
+                .then(|| self.rows.channel(block_row(self.motion.joints(), link, inertial, joint)).to_vec()),
+            _ if link != joint => None,
+            PARAMETERS => Some(self.motion.qdd.channel(joint).to_vec()),
+            11 => Some(friction(&ViscousFriction)),
+            _ => Some(friction(&CoulombFriction)),
+        }
+    }
+}
+
+/// Regressor rows of all standard parameters at random noise-free states: what can be told apart by any motion.
+fn probe(chain: &Chain) -> DMatrix<f64> {
+    let dof = chain.dof();
+    let samples = PROBES_PER_JOINT * dof;
+    let mut random = random::stream(0, "base parameter probe", 0);
+    let mut motion = Motion::zeros(dof, samples);
+    for signals in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
+        signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
+    }
+    let time = vec![0.0; samples];
+    let source = Source { rows: regressor(chain, &motion), motion: &motion, time: &time, width: 0.0 };
+    let mut observation = DMatrix::zeros(samples * dof, dof * STANDARD);
+    for standard in 0..dof * STANDARD {
+        for joint in 0..dof {
+            if let Some(column) = source.column(standard, joint) {
+                observation.view_mut((joint * samples, standard), (samples, 1)).copy_from_slice(&column);
+            }
+        }
+    }
+    observation
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{self, InertiaCheck};
+
+    #[test]
+    fn the_irb_1600_has_52_base_parameters_of_78() {
+        let robot =
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+        let model = Model::new(&robot);
+        assert_eq!(model.names().len(), 78);
+        assert_eq!(model.base().len(), 52);
+        let singular = probe(&Chain::new(&robot)).svd(false, false).singular_values;
+        let rank = singular.iter().filter(|&&s| s > 1e-10 * singular[0]).count();
+        assert_eq!(rank, 52, "the singular values must agree with the QR");
+        let first = &model.base().groupings()[0];
+        assert!(first.name.starts_with("Izz1 + Ia1"), "{}", first.name);
+    }
+}

@@ -1,0 +1,147 @@
+//! Inverse dynamics, mass matrix, gravity and regressor against Pinocchio and MuJoCo (numbers and script under
+//! tests/reference), and rapier's forward dynamics against the project's own inverse dynamics.
+
+use serde::Deserialize;
+use tauscope::channels::Channels;
+use tauscope::dynamics::{Chain, Motion, block_row, inverse_dynamics, inverse_dynamics_at, mass_matrix, regressor};
+use tauscope::robot::{self, InertiaCheck, PARAMETERS, Robot};
+use tauscope::simulation::rapier_arm::RapierArm;
+
+#[derive(Deserialize)]
+struct Reference {
+    joints: Vec<String>,
+    parameters: Vec<[f64; PARAMETERS]>,
+    states: Vec<State>,
+}
+
+#[derive(Deserialize)]
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    qdd: Vec<f64>,
+    gravity: [f64; 3],
+    tau: Vec<f64>,
+    tau_mujoco: Vec<f64>,
+    mass_matrix: Vec<Vec<f64>>,
+    gravity_torque: Vec<f64>,
+    regressor: Vec<Vec<f64>>,
+    tip_position: [f64; 3],
+    tip_rotation: [[f64; 3]; 3],
+}
+
+fn references() -> Vec<(Reference, Robot)> {
+    [
+        ("irb1600", "urdf/irb1600_6_120.urdf"),
+        ("skew7", "tests/reference/skew7.urdf"),
+        ("fixed_links", "tests/reference/fixed_links.urdf"),
+    ]
+        .map(|(name, urdf)| {
+            let path = format!("{}/tests/reference/{name}_dynamics.json", env!("CARGO_MANIFEST_DIR"));
+            let reference: Reference = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+            let urdf = format!("{}/{urdf}", env!("CARGO_MANIFEST_DIR"));
+            let robot = robot::load(urdf, InertiaCheck::Required).unwrap();
+            (reference, robot)
+        })
+        .into()
+}
+
+/// Largest difference over the largest size, at least 1.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let scale = b.iter().fold(1.0f64, |m, v| m.max(v.abs()));
+    a.iter().zip(b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / scale
+}
+
+#[test]
+fn urdf_gives_pinocchios_joints_parameters_and_tip() {
+    for (reference, robot) in references() {
+        assert_eq!(robot.joint_names(), reference.joints);
+        assert!(difference(&robot.inertial_parameters(), &reference.parameters.concat()) < 1e-12, "{}", robot.name);
+        for state in &reference.states {
+            let tip = robot.frames(&state.q)[robot.dof()];
+            assert!(difference(tip.translation.as_slice(), &state.tip_position) < 1e-12);
+            assert!(difference(tip.rotation.transpose().as_slice(), &state.tip_rotation.concat()) < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn inverse_dynamics_mass_matrix_and_gravity_agree_with_pinocchio_and_mujoco() {
+    for (reference, robot) in references() {
+        let inertial = robot.inertial_parameters();
+        for state in &reference.states {
+            let chain = Chain::new(&robot).with_gravity(state.gravity);
+            let tau = inverse_dynamics_at(&chain, &inertial, &state.q, &state.qd, &state.qdd);
+            assert!(difference(&tau, &state.tau) < 1e-10, "{}: {tau:?} {:?}", robot.name, state.tau);
+            assert!(difference(&tau, &state.tau_mujoco) < 1e-10);
+            let still = vec![0.0; robot.dof()];
+            let gravity = inverse_dynamics_at(&chain, &inertial, &state.q, &still, &still);
+            assert!(difference(&gravity, &state.gravity_torque) < 1e-10);
+            let mass = mass_matrix(&chain, &inertial, &state.q);
+            assert!(difference(mass.transpose().as_slice(), &state.mass_matrix.concat()) < 1e-10);
+        }
+    }
+}
+
+/// The states under one gravity as a batched motion.
+fn batch(states: &[&State]) -> Motion {
+    let joints = states[0].q.len();
+    let table = |value: fn(&State) -> &Vec<f64>| {
+        let vectors: Vec<Vec<f64>> =
+            (0..joints).map(|j| states.iter().map(|state| value(state)[j]).collect()).collect();
+        Channels::from_vectors(&vectors)
+    };
+    Motion { q: table(|s| &s.q), qd: table(|s| &s.qd), qdd: table(|s| &s.qdd) }
+}
+
+#[test]
+fn batched_regressor_and_inverse_dynamics_agree_with_pinocchio() {
+    for (reference, robot) in references() {
+        let dof = robot.dof();
+        for state_gravity in reference.states.iter().map(|s| s.gravity) {
+            let states: Vec<&State> = reference.states.iter().filter(|s| s.gravity == state_gravity).collect();
+            let chain = Chain::new(&robot).with_gravity(state_gravity);
+            let motion = batch(&states);
+            let torque = inverse_dynamics(&chain, &robot.inertial_parameters(), &motion);
+            let rows = regressor(&chain, &motion);
+            for (sample, state) in states.iter().enumerate() {
+                assert!(difference(&torque.at(sample), &state.tau) < 1e-10);
+                for joint in 0..dof {
+                    let own: Vec<f64> = (0..dof * PARAMETERS)
+                        .map(|c| rows.channel(block_row(dof, c / PARAMETERS, c % PARAMETERS, joint))[sample])
+                        .collect();
+                    assert!(difference(&own, &state.regressor[joint]) < 1e-10, "{} joint {joint}", robot.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rapiers_accelerations_satisfy_the_inverse_dynamics() {
+    for (reference, mut robot) in references() {
+        for state in &reference.states {
+            robot.gravity = state.gravity.into();
+            let mut arm = RapierArm::new(&robot).unwrap();
+            let tau: Vec<f64> = state.tau.iter().zip(&state.qdd).map(|(t, a)| 0.7 * t + 3.0 * a).collect();
+            let mut qdd = vec![0.0; robot.dof()];
+            arm.forward_dynamics(&state.q, &state.qd, &tau, &mut qdd);
+            let mut needed =
+                inverse_dynamics_at(&Chain::new(&robot), &robot.inertial_parameters(), &state.q, &state.qd, &qdd);
+            for (value, (joint, a)) in needed.iter_mut().zip(robot.joints.iter().zip(&qdd)) {
+                *value += joint.drive.armature * a;
+            }
+            assert!(difference(&needed, &tau) < 1e-12, "{}: {:e}", robot.name, difference(&needed, &tau));
+            let mass = mass_matrix(&Chain::new(&robot), &robot.inertial_parameters(), &state.q);
+            for joint in 0..robot.dof() {
+                let response = nalgebra::DVector::from_vec(arm.response(joint));
+                let mut unit = &mass * &response;
+                for (value, (j, a)) in unit.iter_mut().zip(robot.joints.iter().zip(response.iter())) {
+                    *value += j.drive.armature * a;
+                }
+                unit[joint] -= 1.0;
+                assert!(unit.amax() < 1e-9, "{}: response of joint {joint}: {unit}", robot.name);
+            }
+        }
+    }
+}

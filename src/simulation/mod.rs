@@ -1,3 +1,134 @@
 //! The arm in the loop: rapier as forward dynamics, friction and drives, controller, sensors.
 
+pub mod controller;
+pub mod integrator;
+pub mod plant;
 pub mod rapier_arm;
+pub mod sensors;
+
+use crate::channels::Channels;
+use crate::error::{Error, Result};
+use crate::excitation::Reference;
+use crate::random;
+use crate::recording::{Recording, Signals};
+use crate::scenario::Setup;
+use crate::signal;
+use controller::ComputedTorque;
+use integrator::Run;
+use plant::{Plant, State};
+use std::collections::BTreeMap;
+
+/// The exact log of a run: what really happened at every sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Positions, velocities, accelerations and motor torques.
+    pub signals: Signals,
+    /// Torque taken by friction, that of sticking joints included.
+    pub friction: Channels,
+}
+
+/// Drives the plant of `setup` along `reference` and logs what happens. `tick` is told the number of samples done.
+///
+/// # Errors
+/// If the plant cannot be built, or the motion runs away (numbers no longer finite).
+pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(usize)) -> Result<Truth> {
+    let scenario = &setup.scenario;
+    let dof = setup.plant.dof();
+    let per_sample = scenario.steps_per_sample();
+    let samples = (reference.duration_s() * scenario.sensors.rate_hz + 1e-9).floor() as usize + 1;
+    let controller = ComputedTorque::new(
+        &setup.nominal,
+        reference,
+        scenario.controller.bandwidth_hz,
+        scenario.controller.damping_ratio,
+    );
+    let mut plant = Plant::new(&setup.plant, setup.laws.clone())?;
+    let start = start_state(reference);
+    let mut run = Run::new(&mut plant, &controller, start);
+    let zeros = || Channels::zeros(dof, samples);
+    let mut truth = Truth {
+        time: Vec::with_capacity(samples),
+        signals: Signals { q: zeros(), qd: zeros(), qdd: zeros(), tau: zeros() },
+        friction: zeros(),
+    };
+    for sample in 0..samples {
+        let first_step = sample * per_sample;
+        let mut response = run.response();
+        truth.time.push(first_step as f64 * scenario.plant.step_s);
+        truth.signals.q.set(sample, &run.state().q);
+        truth.signals.qd.set(sample, &run.state().qd);
+        truth.signals.qdd.set(sample, &response.qdd);
+        truth.signals.tau.set(sample, &response.tau);
+        truth.friction.set(sample, &response.friction);
+        if let Some(joint) = (0..dof).find(|&j| !(run.state().q[j].is_finite() && response.qdd[j].is_finite())) {
+            let problem = format!(
+                "the simulation ran away at t = {:.3} s; lower plant.step_s or controller.bandwidth_hz",
+                truth.time[sample]
+            );
+            return Err(Error::request(&setup.plant.joints[joint].name, problem));
+        }
+        tick(sample + 1);
+        if sample + 1 == samples {
+            break;
+        }
+        for step in first_step..first_step + per_sample {
+            if step > first_step {
+                response = run.response();
+            }
+            run.advance(scenario.plant.integrator, &response, (step + 1) as f64 * scenario.plant.step_s);
+        }
+    }
+    Ok(truth)
+}
+
+fn start_state(reference: &dyn Reference) -> State {
+    let zeros = || vec![0.0; reference.joints()];
+    let (mut q, mut qd, mut qdd) = (zeros(), zeros(), zeros());
+    reference.at(0.0, &mut q, &mut qd, &mut qdd);
+    State { q, qd }
+}
+
+/// What the sensors of `setup` make of a run; `run` numbers the noise, so that two motions never share it.
+///
+/// # Errors
+/// If the run is too short to differentiate.
+pub fn measure(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
+    let seed = setup.scenario.seed;
+    let period = 1.0 / setup.scenario.sensors.rate_hz;
+    let q = sensors::encoders(&truth.signals.q, &setup.sensors, seed, run);
+    let mut qd = Channels::zeros(q.channels(), q.samples());
+    let mut qdd = qd.clone();
+    for joint in 0..q.channels() {
+        match setup.sensors[joint].tachometer_noise {
+            Some(noise) => {
+                let measured = sensors::tachometer(truth.signals.qd.channel(joint), noise, seed, run, joint);
+                qd.channel_mut(joint).copy_from_slice(&measured);
+            }
+            None => signal::first_derivative(q.channel(joint), period, qd.channel_mut(joint))?,
+        }
+        signal::second_derivative(q.channel(joint), period, qdd.channel_mut(joint))?;
+    }
+    let tachometers = setup.sensors.iter().all(|sensor| sensor.tachometer_noise.is_some());
+    let provenance = BTreeMap::from([
+        ("generator".to_owned(), random::GENERATOR.to_owned()),
+        ("seed".to_owned(), seed.to_string()),
+        ("run".to_owned(), run.to_string()),
+        ("scenario".to_owned(), setup.scenario.name.clone()),
+        ("tauscope".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("qd".to_owned(), if tachometers { "tachometer" } else { "central differences of q" }.to_owned()),
+        ("qdd".to_owned(), "second central differences of q".to_owned()),
+    ]);
+    Ok(Recording {
+        robot: setup.plant.name.clone(),
+        joints: setup.plant.joint_names(),
+        time: truth.time.clone(),
+        tau: sensors::torque(&truth.signals.tau, &setup.sensors, period, seed, run),
+        q,
+        qd: Some(qd),
+        qdd: Some(qdd),
+        truth: Some(truth.signals.clone()),
+        provenance,
+    })
+}

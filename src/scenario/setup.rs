@@ -1,0 +1,191 @@
+//! A scenario brought to life: the arm, the plant, the controller's belief, motions and sensors.
+
+use super::locate::Located;
+use super::{MotionSpec, PerJoint, Scenario};
+use crate::effects::{CoulombFriction, ViscousFriction};
+use crate::error::{Error, Result};
+use crate::excitation::{self, JointLimits, Motion, MotionFile};
+use crate::random;
+use crate::robot::{self, InertiaCheck, Robot};
+use crate::simulation::plant::Law;
+use crate::simulation::sensors::JointSensors;
+use rand::RngExt;
+use std::path::Path;
+
+/// Everything a run needs, checked against each other.
+#[derive(Clone)]
+pub struct Setup {
+    /// The scenario, with paths resolved.
+    pub scenario: Scenario,
+    /// The arm as simulated: the plant's truth.
+    pub plant: Robot,
+    /// What the controller believes the arm to be.
+    pub nominal: Robot,
+    /// Friction laws on the plant's joints.
+    pub laws: Vec<Law>,
+    /// Sensors of every joint.
+    pub sensors: Vec<JointSensors>,
+    /// Limits of the motions.
+    pub limits: Vec<JointLimits>,
+    /// The motion that is identified from.
+    pub motion: Motion,
+    /// The motion on which the identified model is judged.
+    pub held_out: Motion,
+}
+
+impl Setup {
+    /// Reads a scenario with everything it refers to. `seed` replaces the scenario's seed where given.
+    ///
+    /// # Errors
+    /// Names file, line and key or joint for anything that is missing, malformed, impossible or meant for another arm,
+    /// and for motions outside the limits.
+    pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
+        let path = path.as_ref();
+        let mut scenario = Scenario::load(path)?;
+        scenario.seed = seed.unwrap_or(scenario.seed);
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
+        Self::new(scenario, &Located::new(path, &text))
+    }
+
+    fn new(scenario: Scenario, at: &Located) -> Result<Self> {
+        let mut plant = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
+        if plant.name != scenario.robot.name {
+            let problem = format!("the scenario is for `{}`, but {} is `{}`", scenario.robot.name, plant.source.display(), plant.name);
+            return Err(at.error("robot.name", problem));
+        }
+        if let Some(gravity) = scenario.robot.gravity_m_s2 {
+            plant.gravity = gravity.into();
+        }
+        check_lengths(&scenario, plant.dof(), at)?;
+        override_drives(&scenario, &mut plant);
+        let limits = limits(&scenario, &plant);
+        let motion = self::motion(&scenario, &scenario.motion, "motion", &plant, &limits)?;
+        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &plant, &limits)?;
+        Ok(Setup {
+            nominal: misjudged(&plant, scenario.controller.model_error, scenario.seed),
+            laws: laws(&plant),
+            sensors: sensors(&scenario, plant.dof()),
+            scenario,
+            plant,
+            limits,
+            motion,
+            held_out,
+        })
+    }
+}
+
+/// Refuses lists whose length is not the number of joints.
+fn check_lengths(scenario: &Scenario, dof: usize, at: &Located) -> Result<()> {
+    let wrong = scenario.per_joint().into_iter().find_map(|(key, value)| match value {
+        PerJoint::Each(values) if values.len() != dof => Some((key, values.len())),
+        _ => None,
+    });
+    match wrong {
+        Some((key, length)) => {
+            Err(at.error(key, format!("{length} values for {dof} joints; give one value, or one per joint")))
+        }
+        None => Ok(()),
+    }
+}
+
+fn override_drives(scenario: &Scenario, plant: &mut Robot) {
+    let dof = plant.dof();
+    let values = |spec: &Option<PerJoint>| spec.as_ref().map(|per_joint| per_joint.values(dof));
+    let (viscous, coulomb, armature) = (
+        values(&scenario.plant.viscous_nms_rad),
+        values(&scenario.plant.coulomb_nm),
+        values(&scenario.plant.armature_kg_m2),
+    );
+    for (index, joint) in plant.joints.iter_mut().enumerate() {
+        let drive = &mut joint.drive;
+        for (target, given) in
+            [(&mut drive.viscous, &viscous), (&mut drive.coulomb, &coulomb), (&mut drive.armature, &armature)]
+        {
+            if let Some(values) = given {
+                *target = values[index];
+            }
+        }
+    }
+}
+
+fn limits(scenario: &Scenario, plant: &Robot) -> Vec<JointLimits> {
+    plant
+        .joints
+        .iter()
+        .zip(scenario.limits.acceleration_rad_s2.values(plant.dof()))
+        .map(|(joint, acceleration)| JointLimits {
+            lower: joint.limits.lower,
+            upper: joint.limits.upper,
+            velocity: joint.limits.velocity,
+            acceleration,
+        })
+        .collect()
+}
+
+fn motion(scenario: &Scenario, spec: &MotionSpec, label: &str, plant: &Robot, limits: &[JointLimits]) -> Result<Motion> {
+    let names = plant.joint_names();
+    let motion = match (&spec.file, &spec.random) {
+        (Some(file), _) => MotionFile::read(file)?.for_arm(&plant.name, &names)?,
+        (None, Some(random)) => Motion::Freudenstein(excitation::random_sequence::random_sequence(
+            scenario.seed,
+            label,
+            0,
+            random.moves,
+            random.duration_s,
+            limits,
+        )?),
+        (None, None) => return Err(Error::request(label, "give exactly one of `file` and `random`")),
+    };
+    excitation::limits::check(&motion, limits, 1.0 / scenario.plant.step_s, &names)?;
+    Ok(motion)
+}
+
+/// The friction of the plant's drives as laws.
+fn laws(plant: &Robot) -> Vec<Law> {
+    plant
+        .joints
+        .iter()
+        .enumerate()
+        .flat_map(|(joint, spec)| {
+            [
+                Law { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
+                Law { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
+            ]
+        })
+        .filter(|law| law.parameters[0] > 0.0)
+        .collect()
+}
+
+fn sensors(scenario: &Scenario, dof: usize) -> Vec<JointSensors> {
+    let spec = &scenario.sensors;
+    let resolution = spec.encoder_resolution_rad.values(dof);
+    let encoder = spec.encoder_noise_rad.values(dof);
+    let tachometer = spec.tachometer_noise_rad_s.as_ref().map(|noise| noise.values(dof));
+    let torque = spec.torque_noise_nm.values(dof);
+    let correlation = spec.torque_noise_correlation_s.values(dof);
+    (0..dof)
+        .map(|joint| JointSensors {
+            encoder_resolution: resolution[joint],
+            encoder_noise: encoder[joint],
+            tachometer_noise: tachometer.as_ref().map(|noise| noise[joint]),
+            torque_noise: torque[joint],
+            torque_correlation_s: correlation[joint],
+        })
+        .collect()
+}
+
+/// A copy of `robot` in which every body, friction and rotor is wrong by a factor drawn from 1 - error .. 1 + error.
+/// A body is scaled as a whole, so that it stays one that can exist.
+fn misjudged(robot: &Robot, error: f64, seed: u64) -> Robot {
+    let mut source = random::stream(seed, "controller model", 0);
+    let mut factor = || if error > 0.0 { source.random_range(1.0 - error..=1.0 + error) } else { 1.0 };
+    let mut wrong = robot.clone();
+    for joint in &mut wrong.joints {
+        let body = factor();
+        joint.inertia.0.iter_mut().for_each(|value| *value *= body);
+        for value in [&mut joint.drive.viscous, &mut joint.drive.coulomb, &mut joint.drive.armature] {
+            *value *= factor();
+        }
+    }
+    wrong
+}

@@ -4,6 +4,7 @@ pub mod channels;
 pub mod dynamics;
 pub mod effects;
 pub mod error;
+pub mod excitation;
 pub mod random;
 pub mod robot;
 pub mod simulation;

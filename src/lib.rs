@@ -6,7 +6,6 @@ pub mod effects;
 pub mod error;
 pub mod excitation;
 pub mod identification;
-pub mod output;
 pub mod random;
 pub mod recording;
 pub mod robot;

@@ -1,0 +1,126 @@
+//! The filter that the torque and every regressor column go through alike.
+
+use super::{Edge, SavitzkyGolay, ZeroPhaseLowPass, check_same_length};
+use crate::error::{Error, Result};
+
+/// The filter between the recording and the estimate.
+///
+/// Identification solves tau = Y(q, qd, qdd) beta for beta. A linear filter F leaves the equation true only if both
+/// sides go through it: F tau = (F Y) beta, column by column. To filter the torque but not a column invents physics. The
+/// clearest case is Coulomb friction: a low-passed torque passes through a reversal as a smooth ramp while sign(v) still
+/// jumps, and the difference looks like a friction law that depends on acceleration, or like an inertia that is off. So
+/// a column, the sign(v) one included, is first computed from its kinematics and then filtered exactly like the torque.
+/// This is the parallel filtering of M. Gautier, "Dynamic identification of robots with power model", IEEE
+/// International Conference on Robotics and Automation, 1997.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Filter {
+    /// Signals stay as they are.
+    #[default]
+    None,
+    /// Least-squares polynomial over a sliding window.
+    SavitzkyGolay(SavitzkyGolay),
+    /// Butterworth low-pass, forward and backward.
+    LowPass(ZeroPhaseLowPass),
+}
+
+impl Filter {
+    /// Filters `input` into `output`, both `[time]`. Call it with the torque and with every column of the regressor.
+    ///
+    /// # Errors
+    /// When the lengths differ, the signal is too short for the filter, or a Savitzky-Golay filter differentiates or
+    /// continues the signal with a constant other than zero: then filtered columns no longer add up to the filtered
+    /// torque, or no longer in its units.
+    pub fn apply(&self, input: &[f64], output: &mut [f64]) -> Result<()> {
+        match self {
+            Filter::None => {
+                check_same_length("filter", input, output)?;
+                output.copy_from_slice(input);
+                Ok(())
+            }
+            Filter::SavitzkyGolay(filter) => {
+                check_smooths_linearly(filter)?;
+                filter.apply(input, output)
+            }
+            Filter::LowPass(filter) => filter.apply(input, output),
+        }
+    }
+}
+
+fn check_smooths_linearly(filter: &SavitzkyGolay) -> Result<()> {
+    if filter.derivative() != 0 {
+        return Err(Error::request(
+            "filter",
+            format!("it takes derivative {} of torque and regressor; take derivative 0", filter.derivative()),
+        ));
+    }
+    match filter.edge() {
+        Edge::Constant(value) if value != 0.0 => Err(Error::request(
+            "filter",
+            format!(
+                "it continues torque and regressor columns alike with {value}, which their equation does not hold for; \
+                 take another edge"
+            ),
+        )),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn savitzky_golay(derivative: usize, edge: Edge) -> Filter {
+        Filter::SavitzkyGolay(SavitzkyGolay::new(9, 3, derivative, 0.01, edge).unwrap())
+    }
+
+    fn filtered(filter: &Filter, input: &[f64]) -> Vec<f64> {
+        let mut output = vec![f64::NAN; input.len()];
+        filter.apply(input, &mut output).unwrap();
+        output
+    }
+
+    #[test]
+    fn none_copies_and_the_others_delegate() {
+        let input: Vec<f64> = (0..50).map(|t| ((t * t) % 13) as f64).collect();
+        assert_eq!(filtered(&Filter::default(), &input), input);
+        let mut want = vec![0.0; input.len()];
+        let smoother = SavitzkyGolay::new(9, 3, 0, 0.01, Edge::Polynomial).unwrap();
+        smoother.apply(&input, &mut want).unwrap();
+        assert_eq!(filtered(&Filter::SavitzkyGolay(smoother), &input), want);
+        let low_pass = ZeroPhaseLowPass::new(3, 10.0, 100.0).unwrap();
+        low_pass.apply(&input, &mut want).unwrap();
+        assert_eq!(filtered(&Filter::LowPass(low_pass), &input), want);
+    }
+
+    #[test]
+    fn what_would_break_the_equation_is_refused() {
+        let (input, mut output) = ([1.0; 30], [0.0; 30]);
+        let message = savitzky_golay(1, Edge::Mirror).apply(&input, &mut output).unwrap_err().to_string();
+        assert!(message.contains("derivative 1"), "{message}");
+        let message = savitzky_golay(0, Edge::Constant(2.0)).apply(&input, &mut output).unwrap_err().to_string();
+        assert!(message.contains("with 2"), "{message}");
+        savitzky_golay(0, Edge::Constant(0.0)).apply(&input, &mut output).unwrap();
+        let message = Filter::None.apply(&input, &mut output[1..]).unwrap_err().to_string();
+        assert!(message.contains("output holds 29"), "{message}");
+    }
+
+    proptest! {
+        /// The point of it: filtered columns still add up to the filtered torque, with the same parameters.
+        #[test]
+        fn filtered_columns_add_up_to_the_filtered_torque(
+            inertia in prop::collection::vec(-1.0..1.0_f64, 60), beta in prop::array::uniform2(-10.0..10.0_f64),
+        ) {
+            let sign: Vec<f64> = (0..60).map(|t| if (t / 11) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            let torque: Vec<f64> = inertia.iter().zip(&sign).map(|(i, s)| beta[0] * i + beta[1] * s).collect();
+            let low_pass = Filter::LowPass(ZeroPhaseLowPass::new(4, 8.0, 100.0).unwrap());
+            for filter in [Filter::None, savitzky_golay(0, Edge::Polynomial), low_pass] {
+                let (tau, inertia, sign) =
+                    (filtered(&filter, &torque), filtered(&filter, &inertia), filtered(&filter, &sign));
+                for t in 0..60 {
+                    prop_assert!((tau[t] - beta[0] * inertia[t] - beta[1] * sign[t]).abs() < 1e-11);
+                }
+            }
+        }
+    }
+}

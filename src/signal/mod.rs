@@ -1,0 +1,31 @@
+//! Filters and differences for uniformly sampled signals: pure functions on slices of f64, one channel at a time.
+
+pub mod decimate;
+pub mod difference;
+pub mod filter;
+mod gram;
+pub mod low_pass;
+pub mod savitzky_golay;
+
+pub use decimate::{block_means, downsample};
+pub use difference::{first_derivative, second_derivative};
+pub use filter::Filter;
+pub use low_pass::ZeroPhaseLowPass;
+pub use savitzky_golay::{Edge, SavitzkyGolay};
+
+use crate::error::{Error, Result};
+
+/// Refuses an output of another length than the input.
+fn check_same_length(subject: &str, input: &[f64], output: &[f64]) -> Result<()> {
+    if input.len() == output.len() {
+        return Ok(());
+    }
+    Err(Error::request(
+        subject,
+        format!(
+            "the output holds {} samples and the input {}; make the output as long as the input",
+            output.len(),
+            input.len()
+        ),
+    ))
+}

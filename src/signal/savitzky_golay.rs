@@ -1,0 +1,417 @@
+//! Savitzky-Golay filter: least-squares polynomial over a sliding window, for the smoothed signal or one derivative.
+
+use super::check_same_length;
+use super::gram::Gram;
+use crate::error::{Error, Result};
+use std::f64::consts::TAU;
+
+const SUBJECT: &str = "Savitzky-Golay filter";
+
+/// Outputs computed together in the interior: enough independent sums to hide the latency of the additions.
+const BLOCK: usize = 16;
+
+/// Highest order taken: the weights are good to 1e-13 of the greatest one up to here, and motions need far less.
+const MAX_ORDER: usize = 12;
+
+/// What stands for the samples that the window misses at both ends of the signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Edge {
+    /// Nothing is made up: the polynomial of the first (last) full window is evaluated up to the end (scipy "interp").
+    Polynomial,
+    /// The end sample is repeated.
+    Nearest,
+    /// The signal is reflected about its end sample, which is not repeated.
+    Mirror,
+    /// The signal is continued with this value. Other than zero it makes the filter affine instead of linear.
+    Constant(f64),
+}
+
+/// Savitzky-Golay filter for a uniformly sampled signal.
+///
+/// Each output is the `derivative`-th derivative, at the window's centre, of the polynomial of degree `order` that fits
+/// the `window` samples around it best in the least-squares sense. It has no delay, and reproduces every polynomial up
+/// to `order` exactly.
+///
+/// The weights come from the Gram (discrete Legendre) polynomials, so that no ill-conditioned system is solved.
+///
+/// References: A. Savitzky and M. J. E. Golay, "Smoothing and differentiation of data by simplified least squares
+/// procedures", Analytical Chemistry 36 (1964) 1627-1639; P. A. Gorry, "General least-squares smoothing and
+/// differentiation by the convolution (Savitzky-Golay) method", Analytical Chemistry 62 (1990) 570-573; R. W. Schafer,
+/// "What is a Savitzky-Golay filter?", IEEE Signal Processing Magazine 28 (2011) 111-117.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SavitzkyGolay {
+    half: usize,
+    derivative: usize,
+    sample_period_s: f64,
+    edge: Edge,
+    /// Weights of the centre sample and of those after it; before the centre they are the same, negated for odd
+    /// derivatives.
+    weights: Vec<f64>,
+    /// Weights of the first `half` outputs over the first full window, one row per output; empty unless the edge is
+    /// [`Edge::Polynomial`].
+    start_weights: Vec<f64>,
+}
+
+impl SavitzkyGolay {
+    /// A filter over `window` samples (odd) that are `sample_period_s` seconds apart, with polynomials of degree
+    /// `order`; `derivative` 0 smooths, 1 gives the rate in units per second, 2 units per second squared, and so on.
+    ///
+    /// # Errors
+    /// When the window is even or not longer than the order, the order above 12, the derivative above the order, or
+    /// the sample period not a positive number.
+    pub fn new(window: usize, order: usize, derivative: usize, sample_period_s: f64, edge: Edge) -> Result<Self> {
+        let refuse = |problem: String| Err(Error::request(SUBJECT, problem));
+        if window.is_multiple_of(2) {
+            return refuse(format!("the window is {window} samples; take an odd number, so that it has a centre"));
+        }
+        if order >= window {
+            return refuse(format!(
+                "order {order} does not fit a window of {window} samples; take an order below {window} or a longer \
+                 window"
+            ));
+        }
+        if order > MAX_ORDER {
+            return refuse(format!("order {order} is too high; take at most {MAX_ORDER}"));
+        }
+        if derivative > order {
+            return refuse(format!(
+                "derivative {derivative} of a polynomial of order {order} is zero everywhere; take an order of at \
+                 least {derivative}"
+            ));
+        }
+        // The order is at most 12, so the cast is exact.
+        let per_period = sample_period_s.powi(-(derivative as i32));
+        if !(sample_period_s.is_finite() && sample_period_s > 0.0 && per_period.is_normal()) {
+            return refuse(format!("the sample period is {sample_period_s} s; give the seconds between two samples"));
+        }
+        let half = window / 2;
+        let gram = Gram { half, order };
+        let row = |position: f64| gram.weights(position, derivative).into_iter().map(|w| w * per_period);
+        let mut weights: Vec<f64> = row(0.0).skip(half).collect();
+        if derivative % 2 == 1 {
+            weights[0] = 0.0;
+        }
+        let start_weights = match edge {
+            Edge::Polynomial => (0..half).flat_map(|i| row(i as f64 - half as f64)).collect(),
+            _ => Vec::new(),
+        };
+        Ok(Self { half, derivative, sample_period_s, edge, weights, start_weights })
+    }
+
+    /// Samples under the window.
+    pub fn window(&self) -> usize {
+        2 * self.half + 1
+    }
+
+    /// Which derivative the filter gives; 0 is the smoothed signal.
+    pub fn derivative(&self) -> usize {
+        self.derivative
+    }
+
+    /// What stands for the samples beyond both ends.
+    pub fn edge(&self) -> Edge {
+        self.edge
+    }
+
+    /// The weights of the window's samples, first to last: `output[t] = sum over i of weights[i] * input[t + i - half]`.
+    pub fn coefficients(&self) -> Vec<f64> {
+        let sign = self.sign();
+        self.weights.iter().skip(1).rev().map(|w| sign * w).chain(self.weights.iter().copied()).collect()
+    }
+
+    /// Filters `input` into `output`, both `[time]`.
+    ///
+    /// # Errors
+    /// When the lengths differ, the input is empty, or it is shorter than the window with [`Edge::Polynomial`].
+    pub fn apply(&self, input: &[f64], output: &mut [f64]) -> Result<()> {
+        check_same_length(SUBJECT, input, output)?;
+        if input.is_empty() {
+            return Err(Error::request(SUBJECT, "the signal is empty; give at least one sample"));
+        }
+        let (n, window) = (input.len(), self.window());
+        if self.edge == Edge::Polynomial && n < window {
+            return Err(Error::request(
+                SUBJECT,
+                format!(
+                    "the signal has {n} samples, fewer than the window of {window}; take a longer recording or a \
+                     shorter window"
+                ),
+            ));
+        }
+        if n >= window {
+            let inner = &mut output[self.half..n - self.half];
+            if self.is_odd() {
+                interior::<true>(&self.weights, input, inner);
+            } else {
+                interior::<false>(&self.weights, input, inner);
+            }
+        }
+        if self.edge == Edge::Polynomial {
+            self.apply_polynomial_edges(input, output);
+        } else {
+            let start = self.half.min(n);
+            let end = (n - start).max(start);
+            for t in (0..start).chain(end..n) {
+                output[t] = self.continued_at(input, t);
+            }
+        }
+        Ok(())
+    }
+
+    /// The response at `hz` as (real, imaginary): a sinusoid of that frequency comes out multiplied by it. Real for
+    /// even derivatives and imaginary for odd ones; compare with (j 2 pi hz)^derivative for the ideal.
+    pub fn frequency_response(&self, hz: f64) -> (f64, f64) {
+        let step = TAU * hz * self.sample_period_s;
+        let after_centre = self.weights.iter().enumerate().skip(1);
+        if self.is_odd() {
+            (0.0, 2.0 * after_centre.map(|(i, w)| w * (step * i as f64).sin()).sum::<f64>())
+        } else {
+            (self.weights[0] + 2.0 * after_centre.map(|(i, w)| w * (step * i as f64).cos()).sum::<f64>(), 0.0)
+        }
+    }
+
+    fn is_odd(&self) -> bool {
+        self.derivative % 2 == 1
+    }
+
+    /// Reversing time changes the sign of odd derivatives.
+    fn sign(&self) -> f64 {
+        if self.is_odd() { -1.0 } else { 1.0 }
+    }
+
+    fn apply_polynomial_edges(&self, input: &[f64], output: &mut [f64]) {
+        let (n, window, sign) = (input.len(), self.window(), self.sign());
+        for (t, row) in self.start_weights.chunks_exact(window).enumerate() {
+            output[t] = row.iter().zip(input).map(|(w, x)| w * x).sum();
+            output[n - 1 - t] = sign * row.iter().zip(input.iter().rev()).map(|(w, x)| w * x).sum::<f64>();
+        }
+    }
+
+    /// The output at `t` where the window reaches beyond the signal, summed in the interior's order.
+    fn continued_at(&self, input: &[f64], t: usize) -> f64 {
+        let (t, sign) = (t as isize, self.sign());
+        self.weights.iter().enumerate().skip(1).fold(self.weights[0] * continued(input, t, self.edge), |sum, (i, w)| {
+            let i = i as isize;
+            sum + w * (continued(input, t + i, self.edge) + sign * continued(input, t - i, self.edge))
+        })
+    }
+}
+
+/// The sample at `t` of the signal continued beyond its ends. `input` is not empty.
+fn continued(input: &[f64], t: isize, edge: Edge) -> f64 {
+    let last = input.len() as isize - 1;
+    let inside = t.clamp(0, last);
+    if inside == t {
+        return input[t as usize];
+    }
+    match edge {
+        Edge::Constant(value) => value,
+        Edge::Mirror if last > 0 => {
+            // A window longer than the signal is reflected to and fro: the period is 2 * last.
+            let phase = t.rem_euclid(2 * last);
+            input[phase.min(2 * last - phase) as usize]
+        }
+        Edge::Mirror | Edge::Nearest | Edge::Polynomial => input[inside as usize],
+    }
+}
+
+/// The outputs whose whole window lies in `input`, with the weights' symmetry halving the products.
+///
+/// The sums run in the same order for every output, so that the result does not depend on where a block begins.
+fn interior<const ODD: bool>(weights: &[f64], input: &[f64], output: &mut [f64]) {
+    let half = weights.len() - 1;
+    let mut blocks = output.chunks_exact_mut(BLOCK);
+    let mut start = 0;
+    for block in &mut blocks {
+        let block: &mut [f64; BLOCK] = block.try_into().expect("chunks_exact gives blocks of this length");
+        *block = sums::<ODD, BLOCK>(weights, &input[start..start + BLOCK + 2 * half]);
+        start += BLOCK;
+    }
+    for out in blocks.into_remainder() {
+        [*out] = sums::<ODD, 1>(weights, &input[start..start + 1 + 2 * half]);
+        start += 1;
+    }
+}
+
+/// `N` neighbouring outputs from the `N + 2 * half` samples under their windows.
+#[inline(always)]
+fn sums<const ODD: bool, const N: usize>(weights: &[f64], samples: &[f64]) -> [f64; N] {
+    let half = weights.len() - 1;
+    let at = |i: usize| -> &[f64; N] { samples[i..i + N].try_into().expect("the slice has this length") };
+    let mut sum = at(half).map(|x| weights[0] * x);
+    for (i, &w) in weights.iter().enumerate().skip(1) {
+        let (before, after) = (at(half - i), at(half + i));
+        for k in 0..N {
+            let pair = if ODD { after[k] - before[k] } else { after[k] + before[k] };
+            sum[k] += w * pair;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn filtered(filter: &SavitzkyGolay, input: &[f64]) -> Vec<f64> {
+        let mut output = vec![0.0; input.len()];
+        filter.apply(input, &mut output).unwrap();
+        output
+    }
+
+    fn assert_close(got: &[f64], want: &[f64], tolerance: f64) {
+        assert_eq!(got.len(), want.len());
+        for (i, (g, w)) in got.iter().zip(want).enumerate() {
+            assert!((g - w).abs() <= tolerance, "at {i}: {g} instead of {w}");
+        }
+    }
+
+    #[test]
+    fn five_point_quadratic_weights_are_those_of_the_1964_tables() {
+        let smooth = SavitzkyGolay::new(5, 2, 0, 1.0, Edge::Nearest).unwrap();
+        assert_close(&smooth.coefficients(), &[-3.0, 12.0, 17.0, 12.0, -3.0].map(|w| w / 35.0), 1e-15);
+        let slope = SavitzkyGolay::new(5, 2, 1, 0.5, Edge::Nearest).unwrap();
+        assert_close(&slope.coefficients(), &[-2.0, -1.0, 0.0, 1.0, 2.0].map(|w| w / 5.0), 1e-15);
+        let curvature = SavitzkyGolay::new(5, 2, 2, 0.5, Edge::Nearest).unwrap();
+        assert_close(&curvature.coefficients(), &[2.0, -1.0, -2.0, -1.0, 2.0].map(|w| w * 4.0 / 7.0), 1e-14);
+    }
+
+    #[test]
+    fn an_order_one_below_the_window_interpolates() {
+        let filter = SavitzkyGolay::new(9, 8, 0, 0.01, Edge::Polynomial).unwrap();
+        let input: Vec<f64> = (0..40).map(|t| ((t * 7) % 11) as f64).collect();
+        assert_close(&filtered(&filter, &input), &input, 1e-11);
+    }
+
+    #[test]
+    fn a_window_of_one_sample_changes_nothing() {
+        for edge in [Edge::Polynomial, Edge::Nearest, Edge::Mirror, Edge::Constant(7.0)] {
+            let filter = SavitzkyGolay::new(1, 0, 0, 0.01, edge).unwrap();
+            assert_eq!(filtered(&filter, &[3.0, 1.0, 4.0]), [3.0, 1.0, 4.0]);
+        }
+    }
+
+    #[test]
+    fn each_edge_continues_the_signal_as_named() {
+        // A moving mean of five samples over 1 2 4 8 16 32.
+        let input = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+        for (edge, first, last) in
+            [(Edge::Nearest, 9.0, 120.0), (Edge::Mirror, 13.0, 80.0), (Edge::Constant(10.0), 27.0, 76.0)]
+        {
+            let filter = SavitzkyGolay::new(5, 0, 0, 1.0, edge).unwrap();
+            let output = filtered(&filter, &input);
+            assert!((output[0] - first / 5.0).abs() < 1e-14, "{edge:?}: {output:?}");
+            assert!((output[5] - last / 5.0).abs() < 1e-14, "{edge:?}: {output:?}");
+            assert!((output[2] - 31.0 / 5.0).abs() < 1e-14, "{edge:?}: {output:?}");
+        }
+    }
+
+    #[test]
+    fn a_signal_shorter_than_the_window_is_reflected_to_and_fro() {
+        // Mirrored about its ends, 0 1 2 reads ... 2 1 0 1 2 1 0 1 2 ...
+        let filter = SavitzkyGolay::new(9, 0, 0, 1.0, Edge::Mirror).unwrap();
+        assert_close(&filtered(&filter, &[0.0, 1.0, 2.0]), &[8.0 / 9.0, 9.0 / 9.0, 10.0 / 9.0], 1e-15);
+        assert_close(&filtered(&filter, &[5.0]), &[5.0], 1e-14);
+    }
+
+    #[test]
+    fn the_response_is_what_a_sinusoid_takes_on() {
+        let (rate, hz) = (500.0, 17.0);
+        for derivative in 0..=3 {
+            let filter = SavitzkyGolay::new(21, 4, derivative, 1.0 / rate, Edge::Nearest).unwrap();
+            let (re, im) = filter.frequency_response(hz);
+            let omega = TAU * hz;
+            let input: Vec<f64> = (0..200).map(|t| (omega * t as f64 / rate).cos()).collect();
+            let output = filtered(&filter, &input);
+            for (t, y) in output.iter().enumerate().take(190).skip(10) {
+                let (sin, cos) = (omega * t as f64 / rate).sin_cos();
+                let want = re * cos - im * sin;
+                assert!((y - want).abs() < 1e-11 * omega.powi(derivative as i32), "derivative {derivative}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_response_begins_like_the_ideal_one() {
+        let (re, im) = SavitzkyGolay::new(31, 4, 0, 1e-3, Edge::Nearest).unwrap().frequency_response(0.0);
+        assert!((re - 1.0).abs() < 1e-14 && im == 0.0);
+        let (re, im) = SavitzkyGolay::new(31, 4, 1, 1e-3, Edge::Nearest).unwrap().frequency_response(2.0);
+        assert!(re == 0.0 && (im / (TAU * 2.0) - 1.0).abs() < 1e-4);
+        let (re, im) = SavitzkyGolay::new(31, 4, 2, 1e-3, Edge::Nearest).unwrap().frequency_response(2.0);
+        assert!(im == 0.0 && (re / -(TAU * 2.0).powi(2) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn wrong_arguments_are_refused() {
+        for (window, order, derivative, period, word) in [
+            (10, 2, 0, 1.0, "odd"),
+            (0, 0, 0, 1.0, "odd"),
+            (5, 5, 0, 1.0, "order 5"),
+            (31, 13, 0, 1.0, "order 13"),
+            (5, 2, 3, 1.0, "derivative 3"),
+            (5, 2, 1, 0.0, "sample period"),
+            (5, 2, 1, -0.1, "sample period"),
+            (5, 2, 0, f64::NAN, "sample period"),
+            (5, 2, 2, 1e-200, "sample period"),
+        ] {
+            let message = SavitzkyGolay::new(window, order, derivative, period, Edge::Mirror).unwrap_err().to_string();
+            assert!(message.contains(word), "{message}");
+        }
+    }
+
+    #[test]
+    fn wrong_signals_are_refused() {
+        let filter = SavitzkyGolay::new(7, 2, 0, 1.0, Edge::Polynomial).unwrap();
+        let message = filter.apply(&[0.0; 6], &mut [0.0; 6]).unwrap_err().to_string();
+        assert!(message.contains("6 samples") && message.contains("window of 7"), "{message}");
+        let message = filter.apply(&[0.0; 9], &mut [0.0; 8]).unwrap_err().to_string();
+        assert!(message.contains("output holds 8"), "{message}");
+        let filter = SavitzkyGolay::new(7, 2, 0, 1.0, Edge::Nearest).unwrap();
+        assert!(filter.apply(&[], &mut []).unwrap_err().to_string().contains("empty"));
+    }
+
+    proptest! {
+        /// With polynomial edges, every derivative of a polynomial up to the order comes out right, ends included.
+        #[test]
+        fn polynomials_up_to_the_order_are_exact(
+            half in 3_usize..40, derivative in 0_usize..=3, coefficients in prop::collection::vec(-1.0..1.0_f64, 4..=6),
+            extra in 0_usize..40,
+        ) {
+            let order = coefficients.len() - 1;
+            let n = 2 * half + 1 + extra;
+            // Time runs from -1 to 1, so that all powers are of like size.
+            let period = 2.0 / (n - 1) as f64;
+            let times: Vec<f64> = (0..n).map(|t| t as f64 * period - 1.0).collect();
+            let value = |c: &[f64], t: f64| c.iter().rev().fold(0.0, |sum, c| sum * t + c);
+            let mut wanted = coefficients.clone();
+            for _ in 0..derivative {
+                wanted = wanted.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c).collect();
+            }
+            let input: Vec<f64> = times.iter().map(|&t| value(&coefficients, t)).collect();
+            let filter = SavitzkyGolay::new(2 * half + 1, order, derivative, period, Edge::Polynomial).unwrap();
+            // Rounding of the input, amplified by differencing over the window.
+            let tolerance = 1e-11 * (half as f64 * period).powi(-(derivative as i32)).max(1.0);
+            let worst = filtered(&filter, &input)
+                .iter()
+                .zip(&times)
+                .map(|(y, &t)| (y - value(&wanted, t)).abs())
+                .fold(0.0, f64::max);
+            prop_assert!(worst < tolerance, "off by {worst}, allowed {tolerance}");
+        }
+
+        /// The vectorised interior equals the plain sum over the window.
+        #[test]
+        fn the_interior_is_the_plain_weighted_sum(
+            input in prop::collection::vec(-1.0..1.0_f64, 60..140), half in 1_usize..25, odd in any::<bool>(),
+        ) {
+            let filter = SavitzkyGolay::new(2 * half + 1, 2, odd as usize, 1.0, Edge::Mirror).unwrap();
+            let weights = filter.coefficients();
+            let output = filtered(&filter, &input);
+            for t in half..input.len() - half {
+                let plain: f64 = weights.iter().zip(&input[t - half..]).map(|(w, x)| w * x).sum();
+                prop_assert!((output[t] - plain).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The testbed: simulate a training and a held-out motion, measure them, identify, and score against the truth.
+
+use super::score::{parameter_distance, relative_errors, torque_std};
+use crate::error::Result;
+use crate::excitation::Reference;
+use crate::identification::least_squares::{Estimate, JointRegression, weighted_least_squares};
+use crate::identification::model::Model;
+use crate::identification::prepare::{self, Prepared, Smoothing};
+use crate::recording::Recording;
+use crate::scenario::Setup;
+use crate::simulation::{Truth, measure, simulate};
+use std::time::Instant;
+
+/// Which signals an identification sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Variant {
+    /// The exact signals: what perfect sensors would give.
+    Exact,
+    /// Measured signals as they are.
+    Raw,
+    /// Measured signals through Savitzky-Golay.
+    SavitzkyGolay,
+}
+
+impl Variant {
+    /// All variants, in the order of the reports.
+    pub const ALL: [Variant; 3] = [Variant::Exact, Variant::Raw, Variant::SavitzkyGolay];
+
+    /// Name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Variant::Exact => "exact",
+            Variant::Raw => "raw",
+            Variant::SavitzkyGolay => "savitzky_golay",
+        }
+    }
+}
+
+/// A motion as it was simulated and as it was measured.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What happened.
+    pub truth: Truth,
+    /// What the sensors say.
+    pub recording: Recording,
+}
+
+/// The two runs of a scenario.
+#[derive(Debug, Clone)]
+pub struct Runs {
+    /// The motion that is identified from.
+    pub training: Run,
+    /// The motion on which the result is judged.
+    pub held_out: Run,
+}
+
+/// An identification and how close it came.
+#[derive(Debug, Clone)]
+pub struct Scored {
+    /// Which signals it saw.
+    pub variant: Variant,
+    /// What it found.
+    pub estimate: Estimate,
+    /// Root mean square of the regression residual per joint, N m.
+    pub residual_rms: Vec<f64>,
+    /// Error of the base parameters.
+    pub score: Score,
+    /// Time for preparing and solving, s.
+    pub seconds: f64,
+}
+
+/// Distance from the truth.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Score {
+    /// (2 / p) sum |beta - est| / (|beta| + |est|) over the base parameters.
+    pub d_beta: f64,
+    /// Relative error of every base parameter.
+    pub relative_errors: Vec<f64>,
+    /// Standard deviation of predicted minus noise-free torque on the training motion, per joint, N m.
+    pub torque_std_training_nm: Vec<f64>,
+    /// The same on the held-out motion.
+    pub torque_std_held_out_nm: Vec<f64>,
+}
+
+/// Simulates and measures both motions of a scenario. `tick` is told the samples done of all samples of both motions.
+///
+/// # Errors
+/// Those of [`simulate`] and [`measure`].
+pub fn record(setup: &Setup, tick: &mut dyn FnMut(usize)) -> Result<Runs> {
+    let mut done = 0;
+    let mut one = |motion: &dyn Reference, run: u64| -> Result<Run> {
+        let mut last = 0;
+        let truth = simulate(setup, motion, &mut |samples| {
+            last = samples;
+            tick(done + samples);
+        })?;
+        done += last;
+        let recording = measure(setup, &truth, run)?;
+        Ok(Run { truth, recording })
+    };
+    Ok(Runs { training: one(&setup.motion, 0)?, held_out: one(&setup.held_out, 1)? })
+}
+
+/// Samples that both motions of a scenario have in the log.
+pub fn samples(setup: &Setup) -> usize {
+    [&setup.motion, &setup.held_out]
+        .map(|motion| (motion.duration_s() * setup.scenario.sensors.rate_hz + 1e-9).floor() as usize + 1)
+        .iter()
+        .sum()
+}
+
+/// The signals of a run as a variant sees them.
+pub fn prepared(setup: &Setup, run: &Run, variant: Variant) -> Result<Prepared> {
+    let spec = &setup.scenario.identification;
+    let band = spec.reversal_band_rad_s;
+    match variant {
+        Variant::Exact => Ok(prepare::exact(&run.truth.time, &run.truth.signals, band)),
+        Variant::Raw => prepare::measured(&run.recording, Smoothing::None, band),
+        Variant::SavitzkyGolay => {
+            let smoothing = Smoothing::SavitzkyGolay {
+                window: spec.smoothing_window,
+                order: spec.smoothing_order,
+                decimation: spec.decimation,
+            };
+            prepare::measured(&run.recording, smoothing, band)
+        }
+    }
+}
+
+/// Identifies from the training run as `variant` sees it, and scores the result on both runs.
+///
+/// # Errors
+/// Those of preparing and of the regression; named for the joint or parameters at fault.
+pub fn identify(setup: &Setup, model: &Model, runs: &Runs, variant: Variant) -> Result<Scored> {
+    let started = Instant::now();
+    let training = prepared(setup, &runs.training, variant)?;
+    let regression = training.regression(model)?;
+    let names: Vec<String> = model.base().groupings().iter().map(|g| g.name.clone()).collect();
+    let estimate = weighted_least_squares(&regression, &names)?;
+    let seconds = started.elapsed().as_secs_f64();
+
+    let truth = model.base().values(&Model::standard_values(&setup.plant));
+    let torque_error = |run: &Run, seen: &Prepared| {
+        torque_std(&seen.predict(model, &estimate.beta), &run.truth.signals.tau, |joint| seen.moving(joint))
+    };
+    let score = Score {
+        d_beta: parameter_distance(&truth, &estimate.beta),
+        relative_errors: relative_errors(&truth, &estimate.beta),
+        torque_std_training_nm: torque_error(&runs.training, &training),
+        torque_std_held_out_nm: torque_error(&runs.held_out, &prepared(setup, &runs.held_out, variant)?),
+    };
+    let residual_rms = regression.iter().map(|joint: &JointRegression| joint.residual_rms(&estimate.beta)).collect();
+    Ok(Scored { variant, residual_rms, score, seconds, estimate })
+}

@@ -34,6 +34,9 @@ pub fn random_point(encoding: &dyn Encoding, seed: u64, label: &str, index: u64)
 /// The share of a limit that decoded motions use at most: below 1 by more than rounding can take.
 pub(super) const FULL_USE: f64 = 1.0 - 1e-9;
 
+/// Limits above this (rad, rad/s, rad/s^2) are no arm's and stand for none at all.
+const LARGEST_LIMIT: f64 = 1e9;
+
 /// Checks what every encoding is made from.
 pub(super) fn require_usable(limits: &[JointLimits], duration_s: f64) -> Result<()> {
     timing::require_positive("duration_s", duration_s)?;
@@ -44,7 +47,12 @@ pub(super) fn require_usable(limits: &[JointLimits], duration_s: f64) -> Result<
         let name = format!("joint {}", j + 1);
         joint.validate(&name)?;
         let values = [joint.lower, joint.upper, joint.velocity, joint.acceleration];
-        timing::require_finite(&format!("{name}: limits (lower, upper, velocity, acceleration)"), &values)?;
+        if let Some(value) = values.iter().find(|value| value.abs() > LARGEST_LIMIT) {
+            return Err(Error::request(
+                name,
+                format!("a motion cannot be scaled to the limit {value}; give a finite one"),
+            ));
+        }
     }
     Ok(())
 }

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 
-/// How far the durations of a joint may sum up beside the duration of the motion, s.
-const SUM_TOLERANCE_S: f64 = 1e-9;
+/// How far the durations of a joint may sum up beside the duration of the motion, as a share of it.
+const SUM_TOLERANCE: f64 = 1e-9;
 
 /// Refuses a quantity that is not finite and above zero.
 pub fn require_positive(subject: &str, value: f64) -> Result<()> {
@@ -50,7 +50,7 @@ pub fn knots(joint: &str, durations_s: &[f64], duration_s: f64) -> Result<Vec<f6
         end += duration;
         knots.push(end);
     }
-    if (end - duration_s).abs() > SUM_TOLERANCE_S {
+    if (end - duration_s).abs() > SUM_TOLERANCE * duration_s {
         return Err(Error::request(
             subject,
             format!("the durations add up to {end} s, but the motion lasts {duration_s} s; let them agree"),

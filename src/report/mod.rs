@@ -1,0 +1,4 @@
+//! What a run tells: tables on the console and JSON files.
+
+pub mod console;
+pub mod results;

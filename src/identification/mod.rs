@@ -1,0 +1,3 @@
+//! From motion and torque to parameters.
+
+pub mod levenberg_marquardt;

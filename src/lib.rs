@@ -1,13 +1,16 @@
 //! tauscope: a physics-simulator-in-the-loop testbed for robot-arm identification.
 
 pub mod channels;
+pub mod cli;
 pub mod dynamics;
 pub mod effects;
 pub mod error;
 pub mod excitation;
 pub mod identification;
+pub mod output;
 pub mod random;
 pub mod recording;
+pub mod report;
 pub mod robot;
 pub mod scenario;
 pub mod signal;

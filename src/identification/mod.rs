@@ -1,6 +1,8 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
 pub mod least_squares;
+pub mod levenberg_marquardt;
 pub mod model;
 pub mod noise;
+pub mod paper78;
 pub mod prepare;

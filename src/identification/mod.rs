@@ -2,6 +2,7 @@
 
 pub mod least_squares;
 pub mod levenberg_marquardt;
+pub mod linear_problem;
 pub mod model;
 pub mod noise;
 pub mod paper78;

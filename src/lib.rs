@@ -5,5 +5,6 @@ pub mod dynamics;
 pub mod effects;
 pub mod error;
 pub mod random;
+pub mod recording;
 pub mod robot;
 pub mod simulation;

@@ -4,6 +4,7 @@ pub mod channels;
 pub mod dynamics;
 pub mod effects;
 pub mod error;
+pub mod output;
 pub mod random;
 pub mod recording;
 pub mod robot;

@@ -12,7 +12,8 @@ use tauscope::study::testbed::{self, Run, Runs, Variant, identify, prepared};
 
 /// The short scenario, simulated once for all tests.
 static CASE: LazyLock<(Setup, Model, Runs)> = LazyLock::new(|| {
-    let setup = Setup::load(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios/short.toml"), None).unwrap();
+    let setup =
+        Setup::load(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios/short.toml"), None).unwrap();
     let model = Model::new(&setup.plant);
     let runs = testbed::record(&setup, &mut |_| {}).unwrap();
     (setup, model, runs)

@@ -28,7 +28,7 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub struct JointRegression {
     /// Which parameters the columns belong to.
     pub parameters: Vec<usize>,
-    /// Columns, [active parameter][row].
+    /// Columns, `[active parameter][row]`.
     pub columns: Channels,
     /// Measured torque of each row.
     pub torque: Vec<f64>,
@@ -75,7 +75,7 @@ impl JointRegression {
         self.scatter_gram(weight, &self.columns.map(|_, column| self.masked(column)), sum);
     }
 
-    /// Adds `weight` times the Gram matrix of `table`, [active parameter][row], to `sum`.
+    /// Adds `weight` times the Gram matrix of `table`, `[active parameter][row]`, to `sum`.
     fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
         let matrix = DMatrix::from_row_slice(self.parameters.len(), table.samples(), table.as_slice());
         let gram = &matrix * matrix.transpose();
@@ -216,8 +216,11 @@ fn residual_noise(
         let mut corrected = observed.clone();
         for draw in 0..BIAS_DRAWS {
             let mut source = random::stream(0, "noise bias", round * BIAS_DRAWS + draw);
-            let drawn: Vec<Vec<f64>> =
-                joints.iter().zip(&noises).map(|(joint, noise)| noise.simulate(joint.torque.len(), &mut source)).collect();
+            let drawn: Vec<Vec<f64>> = joints
+                .iter()
+                .zip(&noises)
+                .map(|(joint, noise)| noise.simulate(joint.torque.len(), &mut source))
+                .collect();
             let swallowed = normal.solve(&problem.right(&drawn));
             let left: Vec<Vec<f64>> = joints
                 .iter()

@@ -70,7 +70,9 @@ impl AutoregressiveNoise {
 pub fn autocovariance(signal: &[f64], valid: &[bool], most: usize) -> Vec<f64> {
     let kept: Vec<f64> = signal.iter().zip(valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect();
     let count = valid.iter().filter(|&&ok| ok).count().max(1) as f64;
-    (0..=most).map(|lag| kept.iter().zip(&kept[lag.min(kept.len())..]).map(|(a, b)| a * b).sum::<f64>() / count).collect()
+    (0..=most)
+        .map(|lag| kept.iter().zip(&kept[lag.min(kept.len())..]).map(|(a, b)| a * b).sum::<f64>() / count)
+        .collect()
 }
 
 #[cfg(test)]

@@ -151,7 +151,7 @@ fn dry_friction_holds_without_creep_and_lets_go_beyond_its_level() {
     robot.gravity = nalgebra::Vector3::zeros();
     let coulomb = robot.joints[0].drive.coulomb;
     for (push, moves) in [(0.99 * coulomb, false), (1.05 * coulomb, true)] {
-        let mut plant = Plant::new(&robot, setup.laws.clone()).unwrap();
+        let mut plant = Plant::new(&robot, setup.effects.clone()).unwrap();
         let push = Push(push);
         let mut run = Run::new(&mut plant, &push, State { q: vec![0.0; 6], qd: vec![0.0; 6] });
         for k in 1..=1000 {

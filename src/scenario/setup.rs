@@ -2,12 +2,11 @@
 
 use super::locate::Located;
 use super::{MotionSpec, PerJoint, Scenario};
-use crate::effects::{CoulombFriction, ViscousFriction};
+use crate::effects::{CoulombFriction, Placed, ViscousFriction};
 use crate::error::{Error, Result};
 use crate::excitation::{self, JointLimits, Motion, MotionFile};
 use crate::random;
 use crate::robot::{self, InertiaCheck, Robot};
-use crate::simulation::plant::Law;
 use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
 use std::path::Path;
@@ -21,8 +20,8 @@ pub struct Setup {
     pub plant: Robot,
     /// What the controller believes the arm to be.
     pub nominal: Robot,
-    /// Friction laws on the plant's joints.
-    pub laws: Vec<Law>,
+    /// Friction and other effects at work in the plant.
+    pub effects: Vec<Placed>,
     /// Sensors of every joint.
     pub sensors: Vec<JointSensors>,
     /// Limits of the motions.
@@ -87,7 +86,7 @@ impl Setup {
         let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &plant, &limits)?;
         Ok(Setup {
             nominal: misjudged(&plant, scenario.controller.model_error, scenario.seed),
-            laws: laws(&plant),
+            effects: effects(&plant),
             sensors: sensors(&scenario, plant.dof()),
             scenario,
             plant,
@@ -170,19 +169,19 @@ fn motion(
     Ok(motion)
 }
 
-/// The friction of the plant's drives as laws.
-fn laws(plant: &Robot) -> Vec<Law> {
+/// The friction of the plant's drives as effects.
+fn effects(plant: &Robot) -> Vec<Placed> {
     plant
         .joints
         .iter()
         .enumerate()
         .flat_map(|(joint, spec)| {
             [
-                Law { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
-                Law { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
+                Placed { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
+                Placed { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
             ]
         })
-        .filter(|law| law.parameters[0] > 0.0)
+        .filter(|placed| placed.parameters[0] > 0.0)
         .collect()
 }
 

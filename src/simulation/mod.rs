@@ -44,7 +44,7 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
         scenario.controller.bandwidth_hz,
         scenario.controller.damping_ratio,
     );
-    let mut plant = Plant::new(&setup.plant, setup.laws.clone())?;
+    let mut plant = Plant::new(&setup.plant, setup.effects.clone())?;
     let start = start_state(reference);
     let mut run = Run::new(&mut plant, &controller, start);
     let zeros = || Channels::zeros(dof, samples);

@@ -1,20 +1,10 @@
 //! The simulated arm: rapier's forward dynamics with friction laws, sticking joints and motor torque.
 
 use super::rapier_arm::RapierArm;
-use crate::effects::{Effect, Instant};
+use crate::dynamics::Chain;
+use crate::effects::{Instant, Placed};
 use crate::error::Result;
 use crate::robot::Robot;
-
-/// A law at work on one joint of the plant.
-#[derive(Clone)]
-pub struct Law {
-    /// The law.
-    pub effect: &'static dyn Effect,
-    /// The joint it acts on.
-    pub joint: usize,
-    /// Its parameters.
-    pub parameters: Vec<f64>,
-}
 
 /// Whether a joint slides, and which way, or is held by its dry friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,21 +48,23 @@ pub trait Controller {
 /// The arm and everything that acts on it but the motors.
 pub struct Plant {
     pub(super) arm: RapierArm,
-    laws: Vec<Law>,
+    effects: Vec<Placed>,
     dry: Vec<bool>,
+    robot: Robot,
+    chain: Chain,
 }
 
 impl Plant {
-    /// Builds `robot` in rapier with `laws` on its joints.
+    /// Builds `robot` in rapier with `effects` on its joints.
     ///
     /// # Errors
     /// As [`RapierArm::new`].
-    pub fn new(robot: &Robot, laws: Vec<Law>) -> Result<Self> {
+    pub fn new(robot: &Robot, effects: Vec<Placed>) -> Result<Self> {
         let mut dry = vec![false; robot.dof()];
-        for law in laws.iter().filter(|law| law.effect.is_dry()) {
-            dry[law.joint] = true;
+        for placed in effects.iter().filter(|placed| placed.effect.about().dry) {
+            dry[placed.joint] = true;
         }
-        Ok(Plant { arm: RapierArm::new(robot)?, laws, dry })
+        Ok(Plant { arm: RapierArm::new(robot)?, effects, dry, chain: Chain::new(robot), robot: robot.clone() })
     }
 
     /// Number of joints.
@@ -96,9 +88,19 @@ impl Plant {
     /// Torque the laws take, with the direction of every joint given.
     fn law_torque(&self, t: f64, x: &State, direction: &[f64]) -> Vec<f64> {
         let mut torque = vec![0.0; self.dof()];
-        let instant = Instant { t, q: &x.q, qd: &x.qd, direction };
-        for law in &self.laws {
-            torque[law.joint] += law.effect.torque(&law.parameters, law.joint, &instant);
+        let zeros = vec![0.0; self.dof()];
+        let instant = Instant {
+            t,
+            q: &x.q,
+            qd: &x.qd,
+            qdd: &zeros,
+            direction,
+            load: &zeros,
+            robot: &self.robot,
+            chain: &self.chain,
+        };
+        for placed in &self.effects {
+            placed.effect.torque(&placed.parameters, placed.joint, &instant, &[], &mut torque);
         }
         torque
     }

@@ -87,7 +87,7 @@ fn start_state(reference: &dyn Reference) -> State {
     let zeros = || vec![0.0; reference.joints()];
     let (mut q, mut qd, mut qdd) = (zeros(), zeros(), zeros());
     reference.at(0.0, &mut q, &mut qd, &mut qdd);
-    State { q, qd }
+    State::new(q, qd)
 }
 
 /// What the sensors of `setup` make of a run; `run` numbers the noise, so that two motions never share it.

@@ -1,10 +1,29 @@
 //! The library: every effect there is.
 
-use super::{CoulombFriction, Effect, ViscousFriction};
+use super::{
+    CoulombFriction, Effect, FrictionAsymmetry, FrictionWarmUp, GravityBalancer, JointCoupling, JointSpring,
+    LoadDependentFriction, NonlinearViscousFriction, PositionDependentFriction, PreslidingHysteresis, RotorInertia,
+    StribeckFriction, TorqueRipple, ViscousFriction,
+};
 use crate::error::{Error, Result};
 
 /// All effects. Adding one takes its file, its line here and its scenario.
-pub static LIBRARY: &[&dyn Effect] = &[&CoulombFriction, &ViscousFriction];
+pub static LIBRARY: &[&dyn Effect] = &[
+    &CoulombFriction,
+    &ViscousFriction,
+    &FrictionAsymmetry,
+    &StribeckFriction,
+    &NonlinearViscousFriction,
+    &LoadDependentFriction,
+    &PositionDependentFriction,
+    &FrictionWarmUp,
+    &PreslidingHysteresis,
+    &JointCoupling,
+    &RotorInertia,
+    &TorqueRipple,
+    &JointSpring,
+    &GravityBalancer,
+];
 
 /// The effect called `name`.
 ///

@@ -11,15 +11,39 @@
 mod along;
 mod catalogue;
 mod coulomb_friction;
+mod friction_asymmetry;
+mod friction_warm_up;
 mod gear;
+mod gravity_balancer;
+mod joint_coupling;
+mod joint_spring;
+mod load_dependent_friction;
+mod nonlinear_viscous_friction;
+mod position_dependent_friction;
+mod presliding_hysteresis;
+mod rotor_inertia;
+mod stribeck_friction;
 #[cfg(test)]
 mod testing;
+mod torque_ripple;
 mod viscous_friction;
 
 pub use along::{Along, contribution, contributions, direction};
 pub use catalogue::{LIBRARY, find};
 pub use coulomb_friction::CoulombFriction;
+pub use friction_asymmetry::FrictionAsymmetry;
+pub use friction_warm_up::FrictionWarmUp;
 pub use gear::Gear;
+pub use gravity_balancer::GravityBalancer;
+pub use joint_coupling::JointCoupling;
+pub use joint_spring::JointSpring;
+pub use load_dependent_friction::LoadDependentFriction;
+pub use nonlinear_viscous_friction::NonlinearViscousFriction;
+pub use position_dependent_friction::PositionDependentFriction;
+pub use presliding_hysteresis::PreslidingHysteresis;
+pub use rotor_inertia::RotorInertia;
+pub use stribeck_friction::StribeckFriction;
+pub use torque_ripple::TorqueRipple;
 pub use viscous_friction::ViscousFriction;
 
 use crate::dynamics::Chain;

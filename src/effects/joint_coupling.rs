@@ -8,13 +8,13 @@
 
 use super::{About, Effect, Instant, Parameter, Rival, Role, Scope, Site, direction};
 
-/// Cross friction and inertia of a pair: Fvc v_other + Fcc sign(v_a + v_b) + Iac a_other.
+/// Fvc v_other + Fcc sign(v_a + v_b) + Iac a_other on both joints of the pair.
 #[derive(Debug, Clone, Copy)]
 pub struct JointCoupling;
 
 static ABOUT: About = About {
     name: "joint_coupling",
-    equation: "tau_a = Fvc v_b + Fcc sign(v_a + v_b) + Iac a_b, tau_b = Fvc v_a + Fcc sign(v_a + v_b) + Iac a_a",
+    equation: "tau of either = Fvc v_other + Fcc sign(v_a + v_b) + Iac a_other",
     explanation: "Two wrist axes share a gear train: moving one axis alone already takes torque on the other.",
     reference: "Janot, Vandanjon, Gautier (2014), A generic instrumental variable approach for industrial robot \
                 identification, IEEE Transactions on Control Systems Technology 22(1) (Staubli TX40, joints 5 and 6)",

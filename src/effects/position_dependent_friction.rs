@@ -11,7 +11,7 @@ pub struct PositionDependentFriction;
 
 static ABOUT: About = About {
     name: "position_dependent_friction",
-    equation: "tau = A cos(q - phi) sign(v) = (Ac cos q + As sin q) sign(v); passive with Fc >= A",
+    equation: "tau = A cos(q - phi) sign(v) = (Ac cos q + As sin q) sign(v), A <= Fc",
     explanation: "Friction differs over the range of the joint: a bearing or gear out of round or out of line, or worn where \
                   it works most.",
     reference: "Popovic, Goldenberg (1998), Modeling of friction using spectral analysis, IEEE Transactions on Robotics and \

@@ -44,7 +44,7 @@ static PARAMETERS: [Parameter; 2] = [
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
-        typical: 30.0,
+        typical: 40.0,
     },
     Parameter {
         name: "time_constant",

@@ -54,7 +54,7 @@ static PARAMETERS: [Parameter; 4] = [
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
-        typical: 800.0,
+        typical: 1000.0,
     },
     Parameter {
         name: "stiffness",
@@ -66,7 +66,7 @@ static PARAMETERS: [Parameter; 4] = [
         typical: 600.0,
     },
     // At 1 the strut would shrink to nothing.
-    Parameter { name: "geometry", symbol: "g", unit: "1", role: Role::Shape, lower: 0.05, upper: 0.99, typical: 0.6 },
+    Parameter { name: "geometry", symbol: "g", unit: "1", role: Role::Shape, lower: 0.05, upper: 0.99, typical: 0.7 },
     Parameter {
         name: "angle",
         symbol: "phi",

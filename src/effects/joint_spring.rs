@@ -44,7 +44,7 @@ static PARAMETERS: [Parameter; 2] = [
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
-        typical: 40.0,
+        typical: 60.0,
     },
     Parameter {
         name: "preload",
@@ -53,7 +53,7 @@ static PARAMETERS: [Parameter; 2] = [
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
-        typical: -10.0,
+        typical: -15.0,
     },
 ];
 

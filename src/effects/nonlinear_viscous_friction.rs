@@ -45,7 +45,7 @@ static PARAMETERS: [Parameter; 3] = [
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
-        typical: 40.0,
+        typical: 60.0,
     },
     Parameter { name: "exponent", symbol: "alpha", unit: "1", role: Role::Shape, lower: 0.1, upper: 3.0, typical: 0.5 },
     Parameter { name: "width", symbol: "w", unit: "rad/s", role: Role::Held, lower: 1e-4, upper: 0.1, typical: 0.01 },

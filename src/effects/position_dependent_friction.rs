@@ -43,7 +43,7 @@ static PARAMETERS: [Parameter; 2] = [
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
-        typical: 15.0,
+        typical: 20.0,
     },
     Parameter {
         name: "sine",

@@ -45,6 +45,9 @@ pub struct Arguments {
     /// Savitzky-Golay polynomial order.
     #[arg(long)]
     order: Option<usize>,
+    /// Zero-phase low-pass at this cut-off instead of Savitzky-Golay, Hz.
+    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order"])]
+    low_pass_hz: Option<f64>,
     /// Use every n-th sample after smoothing.
     #[arg(long)]
     decimation: Option<usize>,
@@ -152,5 +155,10 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
         return Err(Error::request("--decimation", "must be 1 or more"));
     }
     let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).unwrap_or(0.03);
-    Ok(Preparation { smoothing: Smoothing::SavitzkyGolay { window, order, decimation }, band })
+    let low_pass = arguments.low_pass_hz.or(spec.and_then(|s| s.low_pass_hz).filter(|_| arguments.window.is_none()));
+    let smoothing = match low_pass {
+        Some(cutoff_hz) => Smoothing::LowPass { cutoff_hz, decimation },
+        None => Smoothing::SavitzkyGolay { window, order, decimation },
+    };
+    Ok(Preparation { smoothing, band })
 }

@@ -7,10 +7,10 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Signals};
-use crate::signal::{Edge, Filter, SavitzkyGolay, downsample, first_derivative, second_derivative};
+use crate::signal::{Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative};
 
 /// How measured signals are smoothed before they enter the regression.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Smoothing {
     /// Not at all: measured positions, velocities and accelerations (or central differences) as they are.
     None,
@@ -24,7 +24,18 @@ pub enum Smoothing {
         /// Every n-th row is used.
         decimation: usize,
     },
+    /// Zero-phase Butterworth low-pass of fourth order: position, torque and columns alike, differences for velocity and
+    /// acceleration. The choice where a gear or a controller rings above the motion.
+    LowPass {
+        /// Cut-off frequency, Hz.
+        cutoff_hz: f64,
+        /// Every n-th row is used.
+        decimation: usize,
+    },
 }
+
+/// Order of the low-pass of [`Smoothing::LowPass`], in each direction.
+const LOW_PASS_ORDER: usize = 4;
 
 /// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count.
 #[derive(Debug, Clone)]
@@ -67,6 +78,18 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             let motion = Motion { q: derivative(0)?, qd: derivative(1)?, qdd: derivative(2)? };
             let filter = Filter::SavitzkyGolay(SavitzkyGolay::new(window, order, 0, period, Edge::Polynomial)?);
             (motion, filter, decimation, window / 2)
+        }
+        Smoothing::LowPass { cutoff_hz, decimation } => {
+            let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
+            let smooth = filtered(q, |x, out| low_pass.apply(x, out))?;
+            let motion = Motion {
+                qd: filtered(&smooth, |x, out| first_derivative(x, period, out))?,
+                qdd: filtered(&smooth, |x, out| second_derivative(x, period, out))?,
+                q: smooth,
+            };
+            // The response has died away after about one period of the cut-off.
+            let reach = (recording.rate_hz() / cutoff_hz).ceil() as usize;
+            (motion, Filter::LowPass(low_pass), decimation, reach)
         }
     };
     let (time, torque) = (recording.time.clone(), recording.tau.clone());

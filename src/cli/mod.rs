@@ -1,5 +1,6 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod effects;
 mod identify;
 mod progress;
 mod run;
@@ -66,6 +67,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
+    /// List the physical effects there are, or tell all about one.
+    Effects(effects::Arguments),
 }
 
 /// Parses the command line and does what it says.
@@ -76,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
         Command::Identify(arguments) => identify::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
+        Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {
         Ok(code) => ExitCode::from(code),

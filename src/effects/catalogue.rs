@@ -1,22 +1,36 @@
 //! The library: every effect there is.
 
 use super::{
-    Backlash, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, JointElasticity, TimeDelay, TorqueGain,
-    TorqueLag, TorqueOffset, TorqueSaturation, ViscousFriction,
+    Backlash, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, FrictionAsymmetry, FrictionWarmUp,
+    GravityBalancer, JointCoupling, JointElasticity, JointSpring, LoadDependentFriction, NonlinearViscousFriction,
+    PositionDependentFriction, PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag,
+    TorqueOffset, TorqueRipple, TorqueSaturation, ViscousFriction,
 };
 use crate::error::{Error, Result};
 
-/// All effects. Adding one takes its file, its line here and its scenario.
+/// All effects, by name. Adding one takes its file, its line here and its scenario.
 pub static LIBRARY: &[&dyn Effect] = &[
     &Backlash,
     &CoulombFriction,
     &EncoderEccentricity,
     &EncoderOffset,
+    &FrictionAsymmetry,
+    &FrictionWarmUp,
+    &GravityBalancer,
+    &JointCoupling,
     &JointElasticity,
+    &JointSpring,
+    &LoadDependentFriction,
+    &NonlinearViscousFriction,
+    &PositionDependentFriction,
+    &PreslidingHysteresis,
+    &RotorInertia,
+    &StribeckFriction,
     &TimeDelay,
     &TorqueGain,
     &TorqueLag,
     &TorqueOffset,
+    &TorqueRipple,
     &TorqueSaturation,
     &ViscousFriction,
 ];

@@ -24,8 +24,8 @@ pub enum Smoothing {
         /// Every n-th row is used.
         decimation: usize,
     },
-    /// Zero-phase Butterworth low-pass of fourth order: position, torque and columns alike, differences for velocity and
-    /// acceleration. The choice where a gear or a controller rings above the motion.
+    /// Zero-phase Butterworth low-pass of fourth order for torque and columns alike; positions through a wider one,
+    /// differences for velocity and acceleration. The choice where a gear or a controller rings above the motion.
     LowPass {
         /// Cut-off frequency, Hz.
         cutoff_hz: f64,
@@ -33,6 +33,10 @@ pub enum Smoothing {
         decimation: usize,
     },
 }
+
+/// Positions pass up to this multiple of the cut-off: what torque and columns go through must be the narrower filter,
+/// else accelerations would be filtered twice where the torque is filtered once.
+const POSITION_MARGIN: f64 = 4.0;
 
 /// Order of the low-pass of [`Smoothing::LowPass`], in each direction.
 const LOW_PASS_ORDER: usize = 4;
@@ -81,7 +85,9 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
         }
         Smoothing::LowPass { cutoff_hz, decimation } => {
             let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
-            let smooth = filtered(q, |x, out| low_pass.apply(x, out))?;
+            let wide = (POSITION_MARGIN * cutoff_hz).min(0.45 * recording.rate_hz());
+            let wide = ZeroPhaseLowPass::new(LOW_PASS_ORDER, wide, recording.rate_hz())?;
+            let smooth = filtered(q, |x, out| wide.apply(x, out))?;
             let motion = Motion {
                 qd: filtered(&smooth, |x, out| first_derivative(x, period, out))?,
                 qdd: filtered(&smooth, |x, out| second_derivative(x, period, out))?,

@@ -1,18 +1,22 @@
 //! The library: every effect there is.
 
 use super::{
-    Backlash, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, JointElasticity, TimeDelay, TorqueGain,
-    TorqueLag, TorqueOffset, TorqueSaturation, ViscousFriction,
+    Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact, JointElasticity,
+    LinkInertiaError, Payload, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueSaturation, ViscousFriction,
 };
 use crate::error::{Error, Result};
 
 /// All effects. Adding one takes its file, its line here and its scenario.
 pub static LIBRARY: &[&dyn Effect] = &[
     &Backlash,
+    &BaseTilt,
     &CoulombFriction,
     &EncoderEccentricity,
     &EncoderOffset,
+    &ExternalContact,
     &JointElasticity,
+    &LinkInertiaError,
+    &Payload,
     &TimeDelay,
     &TorqueGain,
     &TorqueLag,

@@ -10,12 +10,16 @@
 
 mod along;
 mod backlash;
+mod base_tilt;
 mod catalogue;
 mod coulomb_friction;
 mod encoder_eccentricity;
 mod encoder_offset;
+mod external_contact;
 mod gear;
 mod joint_elasticity;
+mod link_inertia_error;
+mod payload;
 #[cfg(test)]
 mod testing;
 mod time_delay;
@@ -27,12 +31,16 @@ mod viscous_friction;
 
 pub use along::{Along, contribution, contributions, direction};
 pub use backlash::Backlash;
+pub use base_tilt::BaseTilt;
 pub use catalogue::{LIBRARY, find};
 pub use coulomb_friction::CoulombFriction;
 pub use encoder_eccentricity::EncoderEccentricity;
 pub use encoder_offset::EncoderOffset;
+pub use external_contact::ExternalContact;
 pub use gear::Gear;
 pub use joint_elasticity::JointElasticity;
+pub use link_inertia_error::LinkInertiaError;
+pub use payload::Payload;
 pub use time_delay::TimeDelay;
 pub use torque_gain::TorqueGain;
 pub use torque_lag::TorqueLag;

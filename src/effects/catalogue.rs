@@ -1,27 +1,32 @@
 //! The library: every effect there is.
 
 use super::{
-    Backlash, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, FrictionAsymmetry, FrictionWarmUp,
-    GravityBalancer, JointCoupling, JointElasticity, JointSpring, LoadDependentFriction, NonlinearViscousFriction,
-    PositionDependentFriction, PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag,
-    TorqueOffset, TorqueRipple, TorqueSaturation, ViscousFriction,
+    Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact,
+    FrictionAsymmetry, FrictionWarmUp, GravityBalancer, JointCoupling, JointElasticity, JointSpring, LinkInertiaError,
+    LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction, PreslidingHysteresis,
+    RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple, TorqueSaturation,
+    ViscousFriction,
 };
 use crate::error::{Error, Result};
 
 /// All effects, by name. Adding one takes its file, its line here and its scenario.
 pub static LIBRARY: &[&dyn Effect] = &[
     &Backlash,
+    &BaseTilt,
     &CoulombFriction,
     &EncoderEccentricity,
     &EncoderOffset,
+    &ExternalContact,
     &FrictionAsymmetry,
     &FrictionWarmUp,
     &GravityBalancer,
     &JointCoupling,
     &JointElasticity,
     &JointSpring,
+    &LinkInertiaError,
     &LoadDependentFriction,
     &NonlinearViscousFriction,
+    &Payload,
     &PositionDependentFriction,
     &PreslidingHysteresis,
     &RotorInertia,

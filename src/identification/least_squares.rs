@@ -60,7 +60,7 @@ impl JointRegression {
     }
 
     /// X'X and X'y over the rows that count, on the joint's own parameters.
-    fn gram(&self) -> (DMatrix<f64>, DVector<f64>) {
+    pub(super) fn gram(&self) -> (DMatrix<f64>, DVector<f64>) {
         let masked = self.columns.map(|_, column| self.masked(column));
         let n = self.parameters.len();
         let matrix = DMatrix::from_row_slice(n, self.columns.samples(), masked.as_slice());
@@ -122,8 +122,7 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
     let mut sigma = vec![1.0; joints.len()];
     let mut beta = vec![0.0; names.len()];
     for _ in 0..=REWEIGHTINGS {
-        let (normal, right) = weighted_normal_equations(joints, &grams, &sigma, names.len());
-        beta = ScaledNormal::new(&normal, names)?.solve(&right).as_slice().to_vec();
+        beta = solution(joints, &grams, &sigma, names)?;
         sigma = residual_sigma(joints, &beta);
     }
     let (normal, _) = weighted_normal_equations(joints, &grams, &sigma, names.len());
@@ -135,6 +134,25 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
         beta,
         sigma,
     })
+}
+
+/// The parameters that fit best when the residuals of the joints have the standard deviations `sigma`.
+///
+/// # Errors
+/// Names the parameters the motion does not excite.
+pub fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
+    let grams: Vec<_> = joints.iter().map(JointRegression::gram).collect();
+    solution(joints, &grams, sigma, names)
+}
+
+fn solution(
+    joints: &[JointRegression],
+    grams: &[(DMatrix<f64>, DVector<f64>)],
+    sigma: &[f64],
+    names: &[String],
+) -> Result<Vec<f64>> {
+    let (normal, right) = weighted_normal_equations(joints, grams, sigma, names.len());
+    Ok(ScaledNormal::new(&normal, names)?.solve(&right).as_slice().to_vec())
 }
 
 /// J'WJ and J'Wy of the whole regression for given joint standard deviations.

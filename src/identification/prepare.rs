@@ -2,7 +2,7 @@
 //! to leave out.
 
 use super::least_squares::JointRegression;
-use super::model::Model;
+use super::linear_model::LinearModel;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -92,8 +92,8 @@ impl Prepared {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub fn regression(&self, model: &Model) -> Result<Vec<JointRegression>> {
-        let columns = model.columns(&self.motion, &self.time, 0.0);
+    pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
+        let columns = model.columns(&self.motion, &self.time);
         let thinned = |signal: &[f64]| -> Result<Vec<f64>> {
             let mut out = vec![0.0; signal.len()];
             self.filter.apply(signal, &mut out)?;
@@ -114,10 +114,10 @@ impl Prepared {
             .collect()
     }
 
-    /// Torque of every joint that base parameters `beta` predict along the motion, unfiltered, [joint][time].
-    pub fn predict(&self, model: &Model, beta: &[f64]) -> Channels {
+    /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, [joint][time].
+    pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
         let torque: Vec<Vec<f64>> = model
-            .columns(&self.motion, &self.time, 0.0)
+            .columns(&self.motion, &self.time)
             .iter()
             .enumerate()
             .map(|(joint, table)| {

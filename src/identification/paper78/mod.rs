@@ -45,6 +45,7 @@
 
 mod departures;
 mod equations;
+mod linear;
 pub mod structure;
 pub mod tables;
 

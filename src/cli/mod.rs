@@ -42,7 +42,7 @@ pub struct Global {
     /// Seed that replaces the scenario's; every random number comes from it.
     #[arg(long, global = true, value_name = "N")]
     pub seed: Option<u64>,
-    /// Folder for the results [default: results/<scenario name>].
+    /// Folder for the results, instead of `results/NAME` of the scenario.
     #[arg(long, global = true, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// No progress bar and no tables: errors only.

@@ -3,6 +3,7 @@
 use super::{DONE, Global, progress};
 use crate::error::Result;
 use crate::identification::model::Model;
+use crate::identification::paper78::tables::PRINTED_TABLE_3;
 use crate::output::ResultFolder;
 use crate::report::{console, results};
 use crate::scenario::Setup;
@@ -40,10 +41,15 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     bar.finish_and_clear();
 
-    let gain = results::smoothing_gain(&scored[1], &scored[2], &PAPER_TABLE_3_RATIOS);
+    let printed: Vec<f64> = PRINTED_TABLE_3.iter().map(|[alone, smoothed]| smoothed / alone).collect();
+    let gain = results::smoothing_gain(&scored[1], &scored[2], &printed);
     let scores = results::scores(&setup, &model, &scored, gain.clone());
     super::simulate::write_recordings(&folder, &setup, &runs)?;
-    folder.write_json("identification.json", results::IDENTIFICATION_SCHEMA, &results::identification(&setup, &model, &scored))?;
+    folder.write_json(
+        "identification.json",
+        results::IDENTIFICATION_SCHEMA,
+        &results::identification(&setup, &model, &scored),
+    )?;
     folder.write_json("score.json", results::SCORE_SCHEMA, &scores)?;
     let path = folder.finish()?;
     if global.json {

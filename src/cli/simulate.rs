@@ -1,7 +1,7 @@
 //! `tauscope simulate`: simulate and measure, without identifying.
 
 use super::{DONE, Global, progress};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::output::ResultFolder;
 use crate::recording;
 use crate::scenario::Setup;
@@ -34,9 +34,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 /// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario.
 pub(super) fn write_recordings(folder: &ResultFolder, setup: &Setup, runs: &Runs) -> Result<()> {
     for (name, run) in [("recording", &runs.training), ("held_out", &runs.held_out)] {
-        recording::csv::write(&run.recording, folder.file(&format!("{name}.csv")))?;
-        recording::parquet::write(&run.recording, folder.file(&format!("{name}.parquet")))?;
+        recording::csv::write(&folder.file(&format!("{name}.csv"))?, &run.recording)?;
+        recording::parquet::write(&folder.file(&format!("{name}.parquet"))?, &run.recording)?;
     }
-    let text = setup.merged().map_err(|problem| Error::request("scenario.toml", problem))?;
-    folder.write_text("scenario.toml", &text)
+    folder.write_text("scenario.toml", &setup.merged()?)
 }

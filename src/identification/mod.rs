@@ -3,8 +3,8 @@
 pub mod least_squares;
 pub mod levenberg_marquardt;
 pub mod linear_model;
+pub mod linear_problem;
 pub mod model;
 pub mod noise;
 pub mod paper78;
 pub mod prepare;
-pub mod regression_problem;

@@ -69,7 +69,7 @@ impl Model {
             .collect()
     }
 
-    /// The columns of all base parameters along a motion: for every joint a table [active base parameter][time] in the
+    /// The columns of all base parameters along a motion: for every joint a table `[active base parameter][time]` in the
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
     pub fn columns(&self, motion: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
         let source = Source { rows: regressor(&self.chain, motion), motion, time, width };
@@ -174,7 +174,8 @@ mod tests {
     #[test]
     fn the_irb_1600_has_52_base_parameters_of_78() {
         let robot =
-            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+                .unwrap();
         let model = Model::new(&robot);
         assert_eq!(model.names().len(), 78);
         assert_eq!(model.base().len(), 52);

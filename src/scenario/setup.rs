@@ -47,10 +47,34 @@ impl Setup {
         Self::new(scenario, &Located::new(path, &text))
     }
 
+    /// The scenario as it was run, with the versions that ran it, as TOML.
+    ///
+    /// # Errors
+    /// If a number has no TOML form.
+    pub fn merged(&self) -> Result<String> {
+        let scenario = toml::to_string_pretty(&self.scenario)
+            .map_err(|problem| Error::request("scenario", format!("cannot be written: {problem}")))?;
+        let versions = [
+            ("tauscope", env!("CARGO_PKG_VERSION")),
+            ("rapier3d", rapier3d::VERSION),
+            ("random_generator", random::GENERATOR),
+        ];
+        let mut text = String::from("# The scenario as it was run. Versions:\n");
+        for (name, version) in versions {
+            text += &format!("#   {name} {version}\n");
+        }
+        Ok(text + "\n" + &scenario)
+    }
+
     fn new(scenario: Scenario, at: &Located) -> Result<Self> {
         let mut plant = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
         if plant.name != scenario.robot.name {
-            let problem = format!("the scenario is for `{}`, but {} is `{}`", scenario.robot.name, plant.source.display(), plant.name);
+            let problem = format!(
+                "the scenario is for `{}`, but {} is `{}`",
+                scenario.robot.name,
+                plant.source.display(),
+                plant.name
+            );
             return Err(at.error("robot.name", problem));
         }
         if let Some(gravity) = scenario.robot.gravity_m_s2 {
@@ -122,7 +146,13 @@ fn limits(scenario: &Scenario, plant: &Robot) -> Vec<JointLimits> {
         .collect()
 }
 
-fn motion(scenario: &Scenario, spec: &MotionSpec, label: &str, plant: &Robot, limits: &[JointLimits]) -> Result<Motion> {
+fn motion(
+    scenario: &Scenario,
+    spec: &MotionSpec,
+    label: &str,
+    plant: &Robot,
+    limits: &[JointLimits],
+) -> Result<Motion> {
     let names = plant.joint_names();
     let motion = match (&spec.file, &spec.random) {
         (Some(file), _) => MotionFile::read(file)?.for_arm(&plant.name, &names)?,

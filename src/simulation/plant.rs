@@ -134,7 +134,8 @@ impl Plant {
         let columns: Vec<Vec<f64>> = stuck.iter().map(|&joint| self.arm.response(joint)).collect();
         let block = nalgebra::DMatrix::from_fn(stuck.len(), stuck.len(), |r, c| columns[c][stuck[r]]);
         let wanted = nalgebra::DVector::from_fn(stuck.len(), |r, _| qdd[stuck[r]]);
-        let holding = block.cholesky().expect("a principal block of an inverse mass matrix is positive definite").solve(&wanted);
+        let holding =
+            block.cholesky().expect("a principal block of an inverse mass matrix is positive definite").solve(&wanted);
         for (index, &joint) in stuck.iter().enumerate() {
             friction[joint] += holding[index];
             for (value, response) in qdd.iter_mut().zip(&columns[index]) {

@@ -1,5 +1,6 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod paper;
 mod progress;
 mod run;
 mod simulate;
@@ -61,6 +62,8 @@ impl Global {
 enum Command {
     /// Simulate, measure, identify and score a scenario: the main job.
     Run(run::Arguments),
+    /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
+    Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
 }
@@ -71,6 +74,7 @@ pub fn main() -> ExitCode {
     let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
+        Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
     };
     match result {

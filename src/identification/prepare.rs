@@ -133,6 +133,14 @@ impl Prepared {
         Channels::from_vectors(&torque)
     }
 
+    /// The torque through the filter that regression rows go through, at the rate of the log.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub fn filtered_torque(&self) -> Result<Channels> {
+        filtered(&self.torque, |signal, out| self.filter.apply(signal, out))
+    }
+
     /// Samples at which the direction of `joint` is certain.
     pub fn moving(&self, joint: usize) -> Vec<bool> {
         self.motion.qd.channel(joint).iter().map(|v| v.abs() > self.band).collect()

@@ -1,4 +1,7 @@
 //! What a run tells: tables on the console and JSON files.
 
 pub mod console;
+mod markdown;
+pub mod paper;
 pub mod results;
+pub mod svg;

@@ -56,7 +56,8 @@ mod tests {
                     let active = variant.active(joint);
                     assert_eq!(columns[joint].channels(), active.len());
                     for (k, &value) in row.iter().enumerate() {
-                        let found = active.iter().position(|&a| a == k).map_or(0.0, |c| columns[joint].channel(c)[sample]);
+                        let found =
+                            active.iter().position(|&a| a == k).map_or(0.0, |c| columns[joint].channel(c)[sample]);
                         assert_eq!(found, value, "{variant:?} joint {joint} X{}", k + 1);
                     }
                 }

@@ -54,7 +54,7 @@ pub fn figures(setup: &Setup, study: &PaperStudy) -> Vec<(&'static str, String)>
     .map(|(file, title, quantity, unit, lines, exact)| {
         let caption = if unit == "N m" { [torque, torques] } else { [followed, differences] };
         let figure = Figure {
-            title: format!("{title}, {}", setup.scenario.name),
+            title: title.to_owned(),
             caption: caption.map(str::to_owned).to_vec(),
             x_label: "time (s)".to_owned(),
             y_label: format!("{quantity} ({unit})"),

@@ -7,7 +7,7 @@ use crate::identification::paper78::tables::{
 };
 use crate::identification::paper78::{self, DEPARTURES, PARAMETER_COUNT};
 use crate::report::console::significant;
-use crate::report::markdown::table;
+use crate::report::markdown::{table, text_table};
 use crate::scenario::Setup;
 use crate::study::paper::PaperStudy;
 use crate::study::paper::procedure::Stage;
@@ -94,7 +94,7 @@ fn table_2(study: &PaperStudy) -> String {
                         format!("{} ({})", parameter.symbol, parameter.unit),
                         significant(printed[k]),
                         significant(mended[k]),
-                        PRINTED_TABLE_2[k].map_or("-".to_owned(), |value| value.to_string()),
+                        PRINTED_TABLE_2[k].map_or("-".to_owned(), printed_value),
                     ]
                 })
                 .collect()
@@ -116,6 +116,11 @@ fn table_2(study: &PaperStudy) -> String {
     )
 }
 
+/// A printed number, short.
+fn printed_value(value: f64) -> String {
+    if value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
+}
+
 fn table_3(setup: &Setup, study: &PaperStudy) -> String {
     let both = [Variant::Raw, Variant::SavitzkyGolay];
     let paper_model = both.map(|signals| &planar(study, paper78::Variant::Consistent, signals).quality);
@@ -129,7 +134,7 @@ fn table_3(setup: &Setup, study: &PaperStudy) -> String {
         .map(|(joint, (name, printed))| {
             let cells = |[raw, smoothed]: [&Quality; 2]| {
                 let [raw, smoothed] = [raw, smoothed].map(|quality| quality.training.torque_std_nm[joint]);
-                [significant(raw), significant(smoothed), format!("{:.2}", smoothed / raw)]
+                [significant(raw), significant(smoothed), format!("{:.3}", smoothed / raw)]
             };
             let printed = [printed[0].to_string(), printed[1].to_string(), format!("{:.2}", printed[1] / printed[0])];
             [name].into_iter().chain(cells(paper_model)).chain(cells(arm)).chain(printed).collect()
@@ -170,7 +175,10 @@ fn residuals(setup: &Setup, study: &PaperStudy) -> String {
             };
             (name, &planar(study, variant, Variant::SavitzkyGolay).quality)
         })
-        .chain([("spatial", &spatial(study, Variant::SavitzkyGolay).quality)])
+        .chain([
+            ("78 in absolute angles", &study.absolute_angles),
+            ("spatial", &spatial(study, Variant::SavitzkyGolay).quality),
+        ])
         .collect();
     let part = |motion: &dyn Fn(&Quality) -> &TorqueQuality| {
         let header: Vec<&str> = ["Joint", "torque rms"].into_iter().chain(fits.iter().map(|(name, _)| *name)).collect();
@@ -218,7 +226,7 @@ fn identifiability(study: &PaperStudy) -> String {
             ]
         })
         .collect();
-    let ranks = table(&["Variant", "rank, any motion", "rank, this motion", "only in sums"], &rows);
+    let ranks = text_table(&["Variant", "rank, any motion", "rank, this motion", "only in sums"], &rows);
     let rows: Vec<Vec<String>> = study
         .other_starts
         .iter()
@@ -278,7 +286,7 @@ fn departures() -> String {
                 .to_vec()
         })
         .collect();
-    format!("## Departures from print\n\n{}", table(&["Place", "printed", "used", "by", "why"], &rows))
+    format!("## Departures from print\n\n{}", text_table(&["Place", "printed", "used", "by", "why"], &rows))
 }
 
 fn procedure(study: &PaperStudy) -> String {
@@ -296,7 +304,7 @@ fn procedure(study: &PaperStudy) -> String {
     format!(
         "## Figure 3. The procedure of the parameter identification method\n\nThe stages that ran, in the order of the data \
          flow; a stage that runs several times is added up.\n\n{}",
-        table(&["Stage", "what is done", "time"], &rows)
+        text_table(&["Stage", "what is done", "time"], &rows)
     )
 }
 

@@ -94,7 +94,7 @@ fn smoothing(study: &PaperStudy) -> (bool, String) {
         .map(|joint| (joint + 1).to_string())
         .collect();
     let sizes = format!(
-        "to {} of what it is without for the 78 parameters and to {} for the spatial model (in print: {})",
+        "times {} for the 78 parameters, times {} for the spatial model (in print: times {})",
         range(&paper_model),
         range(&spatial_model),
         range(&printed)
@@ -171,9 +171,11 @@ fn planar_chain(study: &PaperStudy) -> String {
     let percent = |values: &[f64]| values[..3].iter().map(|value| significant(*value)).collect::<Vec<_>>().join(", ");
     format!(
         "The best fit of the 78 parameters leaves {} % of the torque of joints 1 to 3 unexplained ({} % on the held-out \
-         motion); the spatial model leaves {} % ({} %) on the same logs. {PLANAR_CHAIN}",
+         motion), {} % when joint 3 is read in absolute angles; the spatial model leaves {} % ({} %) on the same logs. \
+         {PLANAR_CHAIN}",
         percent(&mended.training.residual_percent),
         percent(&mended.held_out.residual_percent),
+        percent(&study.absolute_angles.training.residual_percent),
         percent(&arm.training.residual_percent),
         percent(&arm.held_out.residual_percent)
     )
@@ -221,7 +223,7 @@ pub(super) fn sums(groups: &[Vec<usize>]) -> String {
 
 fn range(values: &[f64]) -> String {
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
-    format!("{low:.2}..{high:.2}")
+    format!("{} to {}", significant(low), significant(high))
 }
 
 /// A list entry in lines of at most `width` characters.
@@ -254,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_have_two_digits() {
-        assert_eq!(range(&[0.923, 0.806]), "0.81..0.92");
+    fn ranges_have_three_digits() {
+        assert_eq!(range(&[0.923, 0.806]), "0.806 to 0.923");
     }
 }

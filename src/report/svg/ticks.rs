@@ -9,8 +9,15 @@ pub(super) fn ticks(low: f64, high: f64, target: usize) -> Vec<(f64, String)> {
     }
     let rough = span / target.max(1) as f64;
     let decade = 10f64.powf(rough.log10().floor());
-    let step = decade * [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * decade >= 0.999 * rough).unwrap_or(10.0);
-    let decimals = (-step.log10() + 1e-9).ceil().max(0.0) as usize;
+    // The nearest of the round steps, in ratio.
+    let step = decade
+        * match rough / decade {
+            ratio if ratio < 2f64.sqrt() => 1.0,
+            ratio if ratio < 10f64.sqrt() => 2.0,
+            ratio if ratio < 50f64.sqrt() => 5.0,
+            _ => 10.0,
+        };
+    let decimals = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
     let slack = 1e-9 * span;
     let first = ((low - slack) / step).ceil() as i64;
     let last = ((high + slack) / step).floor() as i64;
@@ -35,10 +42,11 @@ mod tests {
     #[test]
     fn round_steps_inside_the_axis() {
         assert_eq!(labels(0.0, 10.0, 5), ["0", "2", "4", "6", "8", "10"]);
-        assert_eq!(labels(-0.31, 0.28, 5), ["-0.2", "0.0", "0.2"]);
-        assert_eq!(labels(-1.3, 1.3, 5), ["-1", "0", "1"]);
-        assert_eq!(labels(0.0, 0.012, 4), ["0.000", "0.005", "0.010"]);
-        assert_eq!(labels(1180.0, 2210.0, 4), ["1500", "2000"]);
+        assert_eq!(labels(-0.31, 0.28, 5), ["-0.3", "-0.2", "-0.1", "0.0", "0.1", "0.2"]);
+        assert_eq!(labels(-54.0, 43.0, 4), ["-40", "-20", "0", "20", "40"]);
+        assert_eq!(labels(-62.0, 72.0, 4), ["-50", "0", "50"]);
+        assert_eq!(labels(0.0, 0.012, 4), ["0.000", "0.002", "0.004", "0.006", "0.008", "0.010", "0.012"]);
+        assert_eq!(labels(1180.0, 2210.0, 4), ["1200", "1400", "1600", "1800", "2000", "2200"]);
         assert_eq!(labels(0.0, 3e-6, 3), ["0.0e0", "1.0e-6", "2.0e-6", "3.0e-6"]);
     }
 

@@ -77,6 +77,8 @@ pub struct PaperStudy {
     pub signals: Signals,
     /// The 78-parameter model, one entry per variant.
     pub planar: Vec<PlanarModel>,
+    /// The 78 parameters in absolute angles, fitted to the smoothed log.
+    pub absolute_angles: Quality,
     /// The spatial model, raw and smoothed.
     pub spatial: Vec<SpatialFit>,
     /// The consistent variant, smoothed, fitted from elsewhere.
@@ -131,6 +133,7 @@ pub fn study(setup: &Setup, mut procedure: Procedure, progress: &mut dyn FnMut(S
         }
         None => Vec::new(),
     };
+    let absolute_angles = planar::in_absolute_angles(&smoothed, &mut procedure)?;
     progress(Stage::LeastSquares, 0);
     let spatial =
         [&raw, &smoothed].map(|seen| spatial_fit(&model, seen, &mut procedure)).into_iter().collect::<Result<_>>()?;
@@ -140,7 +143,18 @@ pub fn study(setup: &Setup, mut procedure: Procedure, progress: &mut dyn FnMut(S
         smoothed: smoothed.training.1.motion.clone(),
         smoothed_torque: smoothed.training.1.filtered_torque()?,
     };
-    Ok(PaperStudy { model, signals, planar, spatial, other_starts, single_move, sequence, procedure, runs })
+    Ok(PaperStudy {
+        model,
+        signals,
+        planar,
+        absolute_angles,
+        spatial,
+        other_starts,
+        single_move,
+        sequence,
+        procedure,
+        runs,
+    })
 }
 
 fn record(setup: &Setup, procedure: &mut Procedure, progress: &mut dyn FnMut(Stage, usize)) -> Result<Runs> {

@@ -6,9 +6,11 @@ use crate::channels::Channels;
 use crate::error::{Error, Result};
 use crate::identification::least_squares::{JointRegression, REWEIGHTINGS, residual_sigma};
 use crate::identification::levenberg_marquardt::{Fit, Options, Scaling, minimize};
+use crate::identification::linear_model::LinearModel;
 use crate::identification::linear_problem::LinearProblem;
 use crate::identification::paper78::structure::{State, rank_structure};
-use crate::identification::paper78::{JOINTS, PARAMETER_COUNT, Variant};
+use crate::identification::paper78::tables::joint_angles;
+use crate::identification::paper78::{AbsoluteAngles, JOINTS, PARAMETER_COUNT, Variant};
 use crate::random;
 use crate::study::testbed;
 use nalgebra::{DMatrix, DVector};
@@ -17,8 +19,8 @@ use rand::RngExt;
 /// Every n-th sample of a log decides on the rank: neighbours say nearly the same.
 const RANK_STRIDE: usize = 10;
 
-/// The three values of lambda at which the search is started, in units of the largest entry of diag(J'WJ).
-const START_LAMBDAS: [f64; 3] = [1e-6, 1e-2, 1e2];
+/// Values of lambda at which the search is started again, in units of the largest entry of diag(J'WJ).
+const START_LAMBDAS: [f64; 3] = [1e-6, 1.0, 1e2];
 
 /// The search as (12) has it: lambda times the identity, Gavin's damping update.
 pub fn options(initial_lambda: f64) -> Options {
@@ -47,7 +49,30 @@ pub struct PlanarFit {
 /// # Errors
 /// A joint with fewer usable samples than parameters; errors of the search.
 pub fn fit(variant: Variant, rank: usize, seen: &Seen, procedure: &mut Procedure) -> Result<PlanarFit> {
-    let regression = procedure.time(Stage::Regression, || seen.training.1.regression(&variant))?;
+    let (regression, sigma, fit) = solve(&variant, seen, procedure)?;
+    let quality = procedure.time(Stage::Validation, || Quality::new(&variant, &fit.parameters, seen, &regression))?;
+    let unseen_share = unseen_share(&regression, &sigma, rank, &fit.parameters);
+    Ok(PlanarFit { signals: seen.signals, sigma, fit, unseen_share, quality })
+}
+
+/// The other reading of the equations: [`Variant::EulerLagrange`], the one with the physics of a planar chain, in
+/// [`AbsoluteAngles`].
+///
+/// # Errors
+/// Those of [`fit`].
+pub fn in_absolute_angles(seen: &Seen, procedure: &mut Procedure) -> Result<Quality> {
+    let model = AbsoluteAngles(Variant::EulerLagrange);
+    let (regression, _, fit) = solve(&model, seen, procedure)?;
+    procedure.time(Stage::Validation, || Quality::new(&model, &fit.parameters, seen, &regression))
+}
+
+/// Rows of the training motion, final standard deviations of the joints, and the fit with them.
+fn solve(
+    model: &impl LinearModel,
+    seen: &Seen,
+    procedure: &mut Procedure,
+) -> Result<(Vec<JointRegression>, Vec<f64>, Fit)> {
+    let regression = procedure.time(Stage::Regression, || seen.training.1.regression(model))?;
     check_rows(&regression)?;
     let mut sigma = vec![1.0; JOINTS];
     let solve = |sigma: &[f64]| {
@@ -60,9 +85,7 @@ pub fn fit(variant: Variant, rank: usize, seen: &Seen, procedure: &mut Procedure
         }
         solve(&sigma)
     })?;
-    let quality = procedure.time(Stage::Validation, || Quality::new(&variant, &fit.parameters, seen, &regression))?;
-    let unseen_share = unseen_share(&regression, &sigma, rank, &fit.parameters);
-    Ok(PlanarFit { signals: seen.signals, sigma, fit, unseen_share, quality })
+    Ok((regression, sigma, fit))
 }
 
 fn check_rows(regression: &[JointRegression]) -> Result<()> {
@@ -88,7 +111,7 @@ pub fn rank_on_motion(variant: Variant, seen: &Seen) -> Result<usize> {
     let at = |signals: &Channels, sample: usize| std::array::from_fn(|joint| signals.channel(joint)[sample]);
     let states: Vec<State> = (0..motion.samples())
         .step_by(RANK_STRIDE)
-        .map(|sample| [at(&motion.q, sample), at(&motion.qd, sample), at(&motion.qdd, sample)])
+        .map(|sample| [joint_angles(at(&motion.q, sample)), at(&motion.qd, sample), at(&motion.qdd, sample)])
         .collect();
     Ok(rank_structure(variant, &states)?.rank)
 }

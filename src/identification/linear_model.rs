@@ -8,7 +8,7 @@ pub trait LinearModel {
     /// Parameters that can act on `joint`, ascending.
     fn active(&self, joint: usize) -> Vec<usize>;
 
-    /// The regressor along a motion at the times `time` (s): for every joint a table [active parameter][time] in the
+    /// The regressor along a motion at the times `time` (s): for every joint a table `[active parameter][time]` in the
     /// order of [`LinearModel::active`].
     fn columns(&self, motion: &Motion, time: &[f64]) -> Vec<Channels>;
 }

@@ -68,7 +68,7 @@ impl LinearModel for AbsoluteAngles {
 /// X59 and X60, Coulomb and viscous friction of joint 3, counted from 0.
 const FRICTION_3: [usize; 2] = [58, 59];
 
-/// Table [active parameter][time] of every joint from the rows at each instant's position, velocity and acceleration.
+/// Table `[active parameter][time]` of every joint from the rows at each instant's position, velocity and acceleration.
 fn columns(
     model: &impl LinearModel,
     motion: &Motion,

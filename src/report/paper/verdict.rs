@@ -190,19 +190,19 @@ fn printed_values(study: &PaperStudy) -> String {
         .map(|(parameter, _)| parameter.symbol)
         .collect();
     let gravity = PRINTED_TABLE_2[44].map_or(0.0, |value| GRAVITY * value.abs());
-    let torque = spatial(study, Variant::SavitzkyGolay).quality.training.torque_rms_nm[1];
+    let found = GRAVITY * planar(study, paper78::Variant::Consistent, Variant::SavitzkyGolay).fit.parameters[44].abs();
     format!(
         "Table 2 is not the physics of an arm: the friction coefficients {} are negative (friction that drives), and X45 \
-         makes gravity on joint 2 {} N m, where the arm here needs {} N m rms along its motion.",
+         puts at most {} N m of gravity on joint 2, where the same model finds {} N m here.",
         negative.join(", "),
         significant(gravity),
-        significant(torque)
+        significant(found)
     )
 }
 
 fn departures() -> String {
     format!(
-        "The print has {} places that had to be read otherwise or mended, from a lost plus sign in (13) to a row of Table 1 \
+        "There are {} places at which the code departs from the print, from a lost plus sign in (13) to a row of Table 1 \
          printed twice; tables.md lists each with the reason.",
         DEPARTURES.len()
     )

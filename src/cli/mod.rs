@@ -1,5 +1,6 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod identify;
 mod paper;
 mod progress;
 mod run;
@@ -62,6 +63,8 @@ impl Global {
 enum Command {
     /// Simulate, measure, identify and score a scenario: the main job.
     Run(run::Arguments),
+    /// Fit an arm's parameters, and named effects, to logs.
+    Identify(identify::Arguments),
     /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
@@ -74,6 +77,7 @@ pub fn main() -> ExitCode {
     let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
+        Command::Identify(arguments) => identify::run(&arguments, &cli.global),
         Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
     };

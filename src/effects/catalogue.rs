@@ -1,10 +1,25 @@
 //! The library: every effect there is.
 
-use super::{CoulombFriction, Effect, ViscousFriction};
+use super::{
+    Backlash, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, JointElasticity, TimeDelay, TorqueGain,
+    TorqueLag, TorqueOffset, TorqueSaturation, ViscousFriction,
+};
 use crate::error::{Error, Result};
 
 /// All effects. Adding one takes its file, its line here and its scenario.
-pub static LIBRARY: &[&dyn Effect] = &[&CoulombFriction, &ViscousFriction];
+pub static LIBRARY: &[&dyn Effect] = &[
+    &Backlash,
+    &CoulombFriction,
+    &EncoderEccentricity,
+    &EncoderOffset,
+    &JointElasticity,
+    &TimeDelay,
+    &TorqueGain,
+    &TorqueLag,
+    &TorqueOffset,
+    &TorqueSaturation,
+    &ViscousFriction,
+];
 
 /// The effect called `name`.
 ///

@@ -9,17 +9,35 @@
 //! are the motor's, seen at the joint side of the gear.
 
 mod along;
+mod backlash;
 mod catalogue;
 mod coulomb_friction;
+mod encoder_eccentricity;
+mod encoder_offset;
 mod gear;
+mod joint_elasticity;
 #[cfg(test)]
 mod testing;
+mod time_delay;
+mod torque_gain;
+mod torque_lag;
+mod torque_offset;
+mod torque_saturation;
 mod viscous_friction;
 
 pub use along::{Along, contribution, contributions, direction};
+pub use backlash::Backlash;
 pub use catalogue::{LIBRARY, find};
 pub use coulomb_friction::CoulombFriction;
+pub use encoder_eccentricity::EncoderEccentricity;
+pub use encoder_offset::EncoderOffset;
 pub use gear::Gear;
+pub use joint_elasticity::JointElasticity;
+pub use time_delay::TimeDelay;
+pub use torque_gain::TorqueGain;
+pub use torque_lag::TorqueLag;
+pub use torque_offset::TorqueOffset;
+pub use torque_saturation::TorqueSaturation;
 pub use viscous_friction::ViscousFriction;
 
 use crate::dynamics::Chain;

@@ -94,24 +94,29 @@ impl Prepared {
     /// If the log is too short for the filter.
     pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
         let columns = model.columns(&self.motion, &self.time);
-        let thinned = |signal: &[f64]| -> Result<Vec<f64>> {
-            let mut out = vec![0.0; signal.len()];
-            self.filter.apply(signal, &mut out)?;
-            downsample(&out, self.decimation)
-        };
         columns
             .iter()
             .enumerate()
             .map(|(joint, table)| {
-                let table: Vec<Vec<f64>> = table.iter().map(&thinned).collect::<Result<_>>()?;
+                let table: Vec<Vec<f64>> = table.iter().map(|column| self.thinned(column)).collect::<Result<_>>()?;
                 Ok(JointRegression {
                     parameters: model.active(joint),
                     columns: Channels::from_vectors(&table),
-                    torque: thinned(self.torque.channel(joint))?,
+                    torque: self.thinned(self.torque.channel(joint))?,
                     valid: self.rows_to_use(joint),
                 })
             })
             .collect()
+    }
+
+    /// A signal of the log as regression rows: filtered, every n-th sample.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub(super) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
+        let mut out = vec![0.0; signal.len()];
+        self.filter.apply(signal, &mut out)?;
+        downsample(&out, self.decimation)
     }
 
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
@@ -147,7 +152,7 @@ impl Prepared {
     }
 
     /// Rows after decimation all of whose inputs are inside the log and away from reversals.
-    fn rows_to_use(&self, joint: usize) -> Vec<bool> {
+    pub(super) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
         let moving = self.moving(joint);
         let mut uncertain_before = vec![0usize; moving.len() + 1];
         for (sample, &ok) in moving.iter().enumerate() {

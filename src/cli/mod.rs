@@ -2,6 +2,7 @@
 
 mod effects;
 mod identify;
+mod paper;
 mod progress;
 mod run;
 mod simulate;
@@ -65,6 +66,8 @@ enum Command {
     Run(run::Arguments),
     /// Fit an arm's parameters, and named effects, to logs.
     Identify(identify::Arguments),
+    /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
+    Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
     /// List the physical effects there are, or tell all about one.
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
         Command::Identify(arguments) => identify::run(&arguments, &cli.global),
+        Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };

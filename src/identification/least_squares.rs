@@ -15,7 +15,7 @@ const BIAS_ROUNDS: u64 = 2;
 const BIAS_DRAWS: u64 = 10;
 
 /// Times the weights are taken anew from the residual.
-const REWEIGHTINGS: usize = 3;
+pub const REWEIGHTINGS: usize = 3;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts as identifiable.
 const SINGULAR: f64 = 1e-13;
@@ -213,8 +213,8 @@ fn solve(
 }
 
 /// Standard deviation of each joint's residual. A residual without noise would give an infinite weight, so it is kept
-/// above rounding.
-fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
+/// above rounding. Every joint needs more rows that count than parameters.
+pub fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
     joints
         .iter()
         .map(|joint| {

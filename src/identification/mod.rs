@@ -4,6 +4,7 @@ pub mod effect_model;
 pub mod fit;
 pub mod least_squares;
 pub mod levenberg_marquardt;
+pub mod linear_model;
 pub mod linear_problem;
 pub mod model;
 pub mod noise;

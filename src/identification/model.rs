@@ -1,5 +1,6 @@
 //! The torque model that is identified: rigid bodies, rotor inertia, viscous and Coulomb friction of every joint.
 
+use super::linear_model::LinearModel;
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Motion, block_row, regressor};
 use crate::effects::{Along, CoulombFriction, Effect, Placed, ViscousFriction, contributions};
@@ -126,6 +127,17 @@ impl Model {
                 joint.inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
             })
             .collect()
+    }
+}
+
+/// Linear in the base parameters; friction changes sign without a width.
+impl LinearModel for Model {
+    fn active(&self, joint: usize) -> Vec<usize> {
+        Model::active(self, joint)
+    }
+
+    fn columns(&self, motion: &Motion, time: &[f64]) -> Vec<Channels> {
+        Model::columns(self, motion, time, 0.0)
     }
 }
 

@@ -2,7 +2,7 @@
 //! to leave out.
 
 use super::least_squares::JointRegression;
-use super::model::Model;
+use super::linear_model::LinearModel;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -121,8 +121,8 @@ impl Prepared {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub fn regression(&self, model: &Model) -> Result<Vec<JointRegression>> {
-        let columns = model.columns(&self.motion, &self.time, 0.0);
+    pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
+        let columns = model.columns(&self.motion, &self.time);
         columns
             .iter()
             .enumerate()
@@ -148,10 +148,10 @@ impl Prepared {
         downsample(&out, self.decimation)
     }
 
-    /// Torque of every joint that base parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
-    pub fn predict(&self, model: &Model, beta: &[f64]) -> Channels {
+    /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
+    pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
         let torque: Vec<Vec<f64>> = model
-            .columns(&self.motion, &self.time, 0.0)
+            .columns(&self.motion, &self.time)
             .iter()
             .enumerate()
             .map(|(joint, table)| {
@@ -165,6 +165,14 @@ impl Prepared {
             })
             .collect();
         Channels::from_vectors(&torque)
+    }
+
+    /// The torque through the filter that regression rows go through, at the rate of the log.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub fn filtered_torque(&self) -> Result<Channels> {
+        filtered(&self.torque, |signal, out| self.filter.apply(signal, out))
     }
 
     /// Samples at which the direction of `joint` is certain.

@@ -2,4 +2,7 @@
 
 pub mod console;
 pub mod fit;
+mod markdown;
+pub mod paper;
 pub mod results;
+pub mod svg;

@@ -1,28 +1,43 @@
 //! The library: every effect there is.
 
 use super::{
-    CoulombFriction, Effect, FrictionAsymmetry, FrictionWarmUp, GravityBalancer, JointCoupling, JointSpring,
-    LoadDependentFriction, NonlinearViscousFriction, PositionDependentFriction, PreslidingHysteresis, RotorInertia,
-    StribeckFriction, TorqueRipple, ViscousFriction,
+    Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact,
+    FrictionAsymmetry, FrictionWarmUp, GravityBalancer, JointCoupling, JointElasticity, JointSpring, LinkInertiaError,
+    LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction, PreslidingHysteresis,
+    RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple, TorqueSaturation,
+    ViscousFriction,
 };
 use crate::error::{Error, Result};
 
-/// All effects. Adding one takes its file, its line here and its scenario.
+/// All effects, by name. Adding one takes its file, its line here and its scenario.
 pub static LIBRARY: &[&dyn Effect] = &[
+    &Backlash,
+    &BaseTilt,
     &CoulombFriction,
-    &ViscousFriction,
+    &EncoderEccentricity,
+    &EncoderOffset,
+    &ExternalContact,
     &FrictionAsymmetry,
-    &StribeckFriction,
-    &NonlinearViscousFriction,
-    &LoadDependentFriction,
-    &PositionDependentFriction,
     &FrictionWarmUp,
-    &PreslidingHysteresis,
-    &JointCoupling,
-    &RotorInertia,
-    &TorqueRipple,
-    &JointSpring,
     &GravityBalancer,
+    &JointCoupling,
+    &JointElasticity,
+    &JointSpring,
+    &LinkInertiaError,
+    &LoadDependentFriction,
+    &NonlinearViscousFriction,
+    &Payload,
+    &PositionDependentFriction,
+    &PreslidingHysteresis,
+    &RotorInertia,
+    &StribeckFriction,
+    &TimeDelay,
+    &TorqueGain,
+    &TorqueLag,
+    &TorqueOffset,
+    &TorqueRipple,
+    &TorqueSaturation,
+    &ViscousFriction,
 ];
 
 /// The effect called `name`.

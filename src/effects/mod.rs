@@ -9,41 +9,67 @@
 //! are the motor's, seen at the joint side of the gear.
 
 mod along;
+mod backlash;
+mod base_tilt;
 mod catalogue;
 mod coulomb_friction;
+mod encoder_eccentricity;
+mod encoder_offset;
+mod external_contact;
 mod friction_asymmetry;
 mod friction_warm_up;
 mod gear;
 mod gravity_balancer;
 mod joint_coupling;
+mod joint_elasticity;
 mod joint_spring;
+mod link_inertia_error;
 mod load_dependent_friction;
 mod nonlinear_viscous_friction;
+mod payload;
 mod position_dependent_friction;
 mod presliding_hysteresis;
 mod rotor_inertia;
 mod stribeck_friction;
 #[cfg(test)]
 mod testing;
+mod time_delay;
+mod torque_gain;
+mod torque_lag;
+mod torque_offset;
 mod torque_ripple;
+mod torque_saturation;
 mod viscous_friction;
 
 pub use along::{Along, contribution, contributions, direction};
+pub use backlash::Backlash;
+pub use base_tilt::BaseTilt;
 pub use catalogue::{LIBRARY, find};
 pub use coulomb_friction::CoulombFriction;
+pub use encoder_eccentricity::EncoderEccentricity;
+pub use encoder_offset::EncoderOffset;
+pub use external_contact::ExternalContact;
 pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_warm_up::FrictionWarmUp;
 pub use gear::Gear;
 pub use gravity_balancer::GravityBalancer;
 pub use joint_coupling::JointCoupling;
+pub use joint_elasticity::JointElasticity;
 pub use joint_spring::JointSpring;
+pub use link_inertia_error::LinkInertiaError;
 pub use load_dependent_friction::LoadDependentFriction;
 pub use nonlinear_viscous_friction::NonlinearViscousFriction;
+pub use payload::Payload;
 pub use position_dependent_friction::PositionDependentFriction;
 pub use presliding_hysteresis::PreslidingHysteresis;
 pub use rotor_inertia::RotorInertia;
 pub use stribeck_friction::StribeckFriction;
+pub use time_delay::TimeDelay;
+pub use torque_gain::TorqueGain;
+pub use torque_lag::TorqueLag;
+pub use torque_offset::TorqueOffset;
 pub use torque_ripple::TorqueRipple;
+pub use torque_saturation::TorqueSaturation;
 pub use viscous_friction::ViscousFriction;
 
 use crate::dynamics::Chain;

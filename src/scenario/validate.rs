@@ -33,6 +33,12 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
     if !(band.is_finite() && band >= 0.0) {
         return Err(at.error("identification.reversal_band_rad_s", format!("{band} must be zero or more")));
     }
+    if let Some(cutoff) = scenario.identification.low_pass_hz
+        && !(cutoff > 0.0 && cutoff < 0.5 * sensors.rate_hz)
+    {
+        let problem = format!("{cutoff} must lie between zero and half the rate, {}", 0.5 * sensors.rate_hz);
+        return Err(at.error("identification.low_pass_hz", problem));
+    }
     if scenario.identification.decimation == 0 {
         return Err(at.error("identification.decimation", "must be 1 or more"));
     }

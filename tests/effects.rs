@@ -209,7 +209,7 @@ fn finite_at_the_bounds() {
     let arm = Arm::new(1);
     for &effect in LIBRARY {
         let parameters = effect.parameters();
-        for corner in 0..1usize << parameters.len().min(8) {
+        for corner in 0..1usize << parameters.len().min(10) {
             let at_corner = |(index, p): (usize, &tauscope::effects::Parameter)| {
                 finite(if corner >> index & 1 == 1 { p.upper } else { p.lower })
             };

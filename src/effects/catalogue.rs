@@ -1,8 +1,9 @@
 //! The library: every effect there is.
 
 use super::{
-    Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact, JointElasticity,
-    LinkInertiaError, Payload, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueSaturation, ViscousFriction,
+    Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact, IntegrationError,
+    JointElasticity, LinkInertiaError, Payload, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueSaturation,
+    ViscousFriction,
 };
 use crate::error::{Error, Result};
 
@@ -14,6 +15,7 @@ pub static LIBRARY: &[&dyn Effect] = &[
     &EncoderEccentricity,
     &EncoderOffset,
     &ExternalContact,
+    &IntegrationError,
     &JointElasticity,
     &LinkInertiaError,
     &Payload,

@@ -2,10 +2,10 @@
 
 use super::{
     Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact,
-    FrictionAsymmetry, FrictionWarmUp, GravityBalancer, JointCoupling, JointElasticity, JointSpring, LinkInertiaError,
-    LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction, PreslidingHysteresis,
-    RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple, TorqueSaturation,
-    ViscousFriction,
+    FrictionAsymmetry, FrictionWarmUp, GravityBalancer, IntegrationError, JointCoupling, JointElasticity, JointSpring,
+    LinkInertiaError, LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction,
+    PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple,
+    TorqueSaturation, ViscousFriction,
 };
 use crate::error::{Error, Result};
 
@@ -20,6 +20,7 @@ pub static LIBRARY: &[&dyn Effect] = &[
     &FrictionAsymmetry,
     &FrictionWarmUp,
     &GravityBalancer,
+    &IntegrationError,
     &JointCoupling,
     &JointElasticity,
     &JointSpring,

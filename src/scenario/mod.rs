@@ -59,7 +59,7 @@ pub struct RobotSpec {
 
 /// One value for all joints, or one per joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "give a number, or a list with one number per joint")]
 pub enum PerJoint {
     /// The same for every joint.
     All(f64),
@@ -180,7 +180,7 @@ impl Scenario {
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
-        let mut scenario: Scenario = toml::from_str(&text).map_err(|e| locate::parse_error(path, &text, &e))?;
+        let mut scenario: Scenario = toml::from_str(&text).map_err(|e| Error::toml(path, &text, &e))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let resolve = |file: &mut PathBuf| *file = folder.join(&*file);
         resolve(&mut scenario.robot.urdf);

@@ -99,7 +99,7 @@ fn energy(robot: &Robot, state: &State) -> f64 {
 /// State after `duration` of falling freely, and the energy that came or went.
 fn fall(robot: &Robot, integrator: Integrator, step: f64, duration: f64) -> (State, f64) {
     let mut plant = Plant::new(robot, Vec::new()).unwrap();
-    let start = State { q: vec![0.3, -0.4, 0.5, 0.2, -0.6, 0.1], qd: vec![0.5, -0.3, 0.4, 1.0, -0.5, 0.7] };
+    let start = State::new(vec![0.3, -0.4, 0.5, 0.2, -0.6, 0.1], vec![0.5, -0.3, 0.4, 1.0, -0.5, 0.7]);
     let before = energy(robot, &start);
     let mut run = Run::new(&mut plant, &Limp, start);
     let steps = (duration / step).round() as usize;
@@ -151,9 +151,9 @@ fn dry_friction_holds_without_creep_and_lets_go_beyond_its_level() {
     robot.gravity = nalgebra::Vector3::zeros();
     let coulomb = robot.joints[0].drive.coulomb;
     for (push, moves) in [(0.99 * coulomb, false), (1.05 * coulomb, true)] {
-        let mut plant = Plant::new(&robot, setup.laws.clone()).unwrap();
+        let mut plant = Plant::new(&robot, setup.effects.clone()).unwrap();
         let push = Push(push);
-        let mut run = Run::new(&mut plant, &push, State { q: vec![0.0; 6], qd: vec![0.0; 6] });
+        let mut run = Run::new(&mut plant, &push, State::new(vec![0.0; 6], vec![0.0; 6]));
         for k in 1..=1000 {
             let response = run.response();
             run.advance(Integrator::Rk4, &response, k as f64 * 1e-3);

@@ -33,7 +33,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     bar.finish_and_clear();
 
     let bar = progress::bar(global, "identifying", Variant::ALL.len());
-    let model = Model::new(&setup.plant);
+    let model = Model::new(&setup.known);
     let mut scored = Vec::new();
     for variant in Variant::ALL {
         scored.push(testbed::identify(&setup, &model, &runs, variant)?);

@@ -1,10 +1,12 @@
 //! Scenarios: one TOML file that says everything a run depends on. Unknown keys are refused, and everything is checked
 //! before anything runs. Units are in the key names; inside the program all is SI.
 
+mod effects;
 mod locate;
 mod setup;
 mod validate;
 
+pub use effects::{EffectSpec, joint as effect_joint};
 pub use setup::Setup;
 
 use crate::error::{Error, Result};
@@ -42,6 +44,9 @@ pub struct Scenario {
     pub sensors: SensorSpec,
     /// How the measurements are turned into parameters.
     pub identification: IdentificationSpec,
+    /// Effects at work in the plant and its sensors, beyond the friction and rotor inertia of its drives.
+    #[serde(default, rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSpec>,
 }
 
 /// The arm a scenario is for.

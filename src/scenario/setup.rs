@@ -2,12 +2,12 @@
 
 use super::locate::Located;
 use super::{MotionSpec, PerJoint, Scenario};
-use crate::effects::{CoulombFriction, ViscousFriction};
+use crate::effects::{CoulombFriction, Placed, ViscousFriction};
 use crate::error::{Error, Result};
 use crate::excitation::{self, JointLimits, Motion, MotionFile};
 use crate::random;
 use crate::robot::{self, InertiaCheck, Robot};
-use crate::simulation::plant::Law;
+use crate::simulation::integrator::Integrator;
 use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
 use std::path::Path;
@@ -17,12 +17,14 @@ use std::path::Path;
 pub struct Setup {
     /// The scenario, with paths resolved.
     pub scenario: Scenario,
-    /// The arm as simulated: the plant's truth.
+    /// The arm as it is known: the URDF with the scenario's friction, rotors and gravity.
+    pub known: Robot,
+    /// The arm as simulated, bodies altered by the effects: the plant's truth.
     pub plant: Robot,
     /// What the controller believes the arm to be.
     pub nominal: Robot,
-    /// Friction laws on the plant's joints.
-    pub laws: Vec<Law>,
+    /// Friction and other effects at work in the plant.
+    pub effects: Vec<Placed>,
     /// Sensors of every joint.
     pub sensors: Vec<JointSensors>,
     /// Limits of the motions.
@@ -67,30 +69,38 @@ impl Setup {
     }
 
     fn new(scenario: Scenario, at: &Located) -> Result<Self> {
-        let mut plant = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
-        if plant.name != scenario.robot.name {
-            let problem = format!(
-                "the scenario is for `{}`, but {} is `{}`",
-                scenario.robot.name,
-                plant.source.display(),
-                plant.name
-            );
-            return Err(at.error("robot.name", problem));
+        let mut known = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
+        if known.name != scenario.robot.name {
+            let (wanted, file, found) = (&scenario.robot.name, known.source.display(), &known.name);
+            return Err(at.error("robot.name", format!("the scenario is for `{wanted}`, but {file} is `{found}`")));
         }
         if let Some(gravity) = scenario.robot.gravity_m_s2 {
-            plant.gravity = gravity.into();
+            known.gravity = gravity.into();
         }
-        check_lengths(&scenario, plant.dof(), at)?;
-        override_drives(&scenario, &mut plant);
-        let limits = limits(&scenario, &plant);
-        let motion = self::motion(&scenario, &scenario.motion, "motion", &plant, &limits)?;
-        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &plant, &limits)?;
+        check_lengths(&scenario, known.dof(), at)?;
+        override_drives(&scenario, &mut known);
+        let limits = limits(&scenario, &known);
+        let motion = self::motion(&scenario, &scenario.motion, "motion", &known, &limits)?;
+        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &known, &limits)?;
+        let mut effects = drive_friction(&known);
+        let mut plant = known.clone();
+        for spec in &scenario.effects {
+            let placed = spec.place(&known).map_err(|problem| at.error("effect", problem))?;
+            placed.effect.alter(&placed.parameters, placed.joint, &mut plant);
+            effects.push(placed);
+        }
+        let geared = effects.iter().find(|placed| placed.effect.gear(&placed.parameters).is_some());
+        if let (Integrator::RapierNative, Some(placed)) = (scenario.plant.integrator, geared) {
+            let name = placed.effect.about().name;
+            return Err(at.error("plant.integrator", format!("rapier_native cannot carry `{name}`; use rk4")));
+        }
         Ok(Setup {
-            nominal: misjudged(&plant, scenario.controller.model_error, scenario.seed),
-            laws: laws(&plant),
-            sensors: sensors(&scenario, plant.dof()),
+            nominal: misjudged(&known, scenario.controller.model_error, scenario.seed),
+            sensors: sensors(&scenario, known.dof()),
             scenario,
+            known,
             plant,
+            effects,
             limits,
             motion,
             held_out,
@@ -170,19 +180,19 @@ fn motion(
     Ok(motion)
 }
 
-/// The friction of the plant's drives as laws.
-fn laws(plant: &Robot) -> Vec<Law> {
+/// The friction of the plant's drives as effects.
+fn drive_friction(plant: &Robot) -> Vec<Placed> {
     plant
         .joints
         .iter()
         .enumerate()
         .flat_map(|(joint, spec)| {
             [
-                Law { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
-                Law { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
+                Placed { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
+                Placed { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
             ]
         })
-        .filter(|law| law.parameters[0] > 0.0)
+        .filter(|placed| placed.parameters[0] > 0.0)
         .collect()
 }
 

@@ -60,7 +60,8 @@ impl Error {
     pub fn toml(path: impl AsRef<Path>, text: &str, error: &toml::de::Error) -> Self {
         let line = error.span().map(|span| line_at(text, span.start));
         let place = line.and_then(|line| text.lines().nth(line - 1)).map_or("", str::trim);
-        let table = place.strip_prefix('[').map(|header| header.split(']').next().unwrap_or("").trim_matches(['[', ' ']));
+        let table =
+            place.strip_prefix('[').map(|header| header.split(']').next().unwrap_or("").trim_matches(['[', ' ']));
         let missing = error.message().strip_prefix("missing field `").and_then(|rest| rest.split('`').next());
         let key = place.split_once('=').map(|(key, _)| key.trim()).filter(|key| !key.is_empty());
         let field = match (missing, table) {

@@ -1,6 +1,6 @@
 //! `tauscope run`: simulate, measure, identify, score.
 
-use super::{DONE, Global, progress};
+use super::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::identification::model::Model;
 use crate::identification::paper78::tables::PRINTED_TABLE_3;
@@ -52,10 +52,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     )?;
     folder.write_json("score.json", results::SCORE_SCHEMA, &scores)?;
     let path = folder.finish()?;
-    if global.json {
-        println!("{}", serde_json::to_string_pretty(&scores).expect("scores are plain numbers and text"));
-    } else if !global.quiet {
-        println!("{}\n\nResults in {}", console::scores(&setup, &scored, &gain, model.base().len()), path.display());
-    }
+    print::result(global, results::SCORE_SCHEMA, &scores, || {
+        format!("{}\n\nResults in {}", console::scores(&setup, &scored, &gain, model.base().len()), path.display())
+    })?;
     Ok(DONE)
 }

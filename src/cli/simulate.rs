@@ -1,12 +1,22 @@
 //! `tauscope simulate`: simulate and measure, without identifying.
 
-use super::{DONE, Global, progress};
+use super::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::output::ResultFolder;
 use crate::recording;
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Runs};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Schema of what `--json` prints.
+const SCHEMA: &str = "tauscope.simulated/1";
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Simulated<'a> {
+    scenario: &'a str,
+    folder: &'a Path,
+}
 
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
@@ -25,9 +35,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     bar.finish_and_clear();
     write_recordings(&folder, &setup, &runs)?;
     let path = folder.finish()?;
-    if !global.quiet {
-        println!("Recordings in {}", path.display());
-    }
+    let told = Simulated { scenario: &setup.scenario.name, folder: &path };
+    print::result(global, SCHEMA, &told, || format!("Recordings in {}", path.display()))?;
     Ok(DONE)
 }
 

@@ -20,6 +20,11 @@ impl<'a> Located<'a> {
         Error::input(self.path, self.line(key), key, problem)
     }
 
+    /// What went wrong inside, said of the dotted key `key`.
+    pub(super) fn wrap(&self, key: &str, problem: &Error) -> Error {
+        self.error(key, problem.to_string())
+    }
+
     fn line(&self, key: &str) -> Option<usize> {
         let document = DeTable::parse(self.text).ok()?;
         let mut table = document.get_ref();

@@ -1,10 +1,10 @@
 //! A scenario brought to life: the arm, the plant, the controller's belief, motions and sensors.
 
 use super::locate::Located;
-use super::{MotionSpec, PerJoint, Scenario};
+use super::{PerJoint, Scenario, motions};
 use crate::effects::{CoulombFriction, Placed, ViscousFriction};
 use crate::error::{Error, Result};
-use crate::excitation::{self, JointLimits, Motion, MotionFile};
+use crate::excitation::{JointLimits, Motion};
 use crate::random;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::simulation::integrator::Integrator;
@@ -43,9 +43,9 @@ impl Setup {
     /// and for motions outside the limits.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
         let path = path.as_ref();
-        let mut scenario = Scenario::load(path)?;
+        let text = super::read(path)?;
+        let mut scenario = Scenario::parse(path, &text)?;
         scenario.seed = seed.unwrap_or(scenario.seed);
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
         Self::new(scenario, &Located::new(path, &text))
     }
 
@@ -79,9 +79,9 @@ impl Setup {
         }
         check_lengths(&scenario, known.dof(), at)?;
         override_drives(&scenario, &mut known);
-        let limits = limits(&scenario, &known);
-        let motion = self::motion(&scenario, &scenario.motion, "motion", &known, &limits)?;
-        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &known, &limits)?;
+        let limits = motions::limits(&scenario, &known);
+        let motion = motions::motion(&scenario, "motion", &known, &limits, at)?;
+        let held_out = motions::motion(&scenario, "held_out", &known, &limits, at)?;
         let mut effects = drive_friction(&known);
         let mut plant = known.clone();
         for spec in &scenario.effects {
@@ -140,44 +140,6 @@ fn override_drives(scenario: &Scenario, plant: &mut Robot) {
             }
         }
     }
-}
-
-fn limits(scenario: &Scenario, plant: &Robot) -> Vec<JointLimits> {
-    plant
-        .joints
-        .iter()
-        .zip(scenario.limits.acceleration_rad_s2.values(plant.dof()))
-        .map(|(joint, acceleration)| JointLimits {
-            lower: joint.limits.lower,
-            upper: joint.limits.upper,
-            velocity: joint.limits.velocity,
-            acceleration,
-        })
-        .collect()
-}
-
-fn motion(
-    scenario: &Scenario,
-    spec: &MotionSpec,
-    label: &str,
-    plant: &Robot,
-    limits: &[JointLimits],
-) -> Result<Motion> {
-    let names = plant.joint_names();
-    let motion = match (&spec.file, &spec.random) {
-        (Some(file), _) => MotionFile::read(file)?.for_arm(&plant.name, &names)?,
-        (None, Some(random)) => Motion::Freudenstein(excitation::random_sequence::random_sequence(
-            scenario.seed,
-            label,
-            0,
-            random.moves,
-            random.duration_s,
-            limits,
-        )?),
-        (None, None) => return Err(Error::request(label, "give exactly one of `file` and `random`")),
-    };
-    excitation::limits::check(&motion, limits, 1.0 / scenario.plant.step_s, &names)?;
-    Ok(motion)
 }
 
 /// The friction of the plant's drives as effects.

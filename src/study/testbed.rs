@@ -104,10 +104,7 @@ pub fn record(setup: &Setup, tick: &mut dyn FnMut(usize)) -> Result<Runs> {
 
 /// Samples that both motions of a scenario have in the log.
 pub fn samples(setup: &Setup) -> usize {
-    [&setup.motion, &setup.held_out]
-        .map(|motion| (motion.duration_s() * setup.scenario.sensors.rate_hz + 1e-9).floor() as usize + 1)
-        .iter()
-        .sum()
+    [&setup.motion, &setup.held_out].map(|motion| setup.scenario.samples(motion.duration_s())).iter().sum()
 }
 
 /// The signals of a run as a variant sees them.

@@ -1,7 +1,7 @@
 //! `tauscope simulate`: simulate and measure, without identifying.
 
 use super::{DONE, Global, print, progress};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::output::ResultFolder;
 use crate::recording;
 use crate::scenario::Setup;
@@ -40,11 +40,16 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     Ok(DONE)
 }
 
-/// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario.
+/// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario with the files it refers to.
 pub(super) fn write_recordings(folder: &ResultFolder, setup: &Setup, runs: &Runs) -> Result<()> {
     for (name, run) in [("recording", &runs.training), ("held_out", &runs.held_out)] {
         recording::csv::write(&folder.file(&format!("{name}.csv"))?, &run.recording)?;
         recording::parquet::write(&folder.file(&format!("{name}.parquet"))?, &run.recording)?;
+    }
+    for (name, source) in setup.inputs() {
+        let text =
+            std::fs::read_to_string(source).map_err(|e| Error::io(source, "read what the scenario refers to", e))?;
+        folder.write_text(name, &text)?;
     }
     folder.write_text("scenario.toml", &setup.merged()?)
 }

@@ -12,6 +12,11 @@ use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
 use std::path::Path;
 
+/// Names of the copies of a scenario's inputs beside its results.
+const ROBOT_COPY: &str = "robot.urdf";
+const MOTION_COPY: &str = "motion.toml";
+const HELD_OUT_COPY: &str = "held_out.toml";
+
 /// Everything a run needs, checked against each other.
 #[derive(Clone)]
 pub struct Setup {
@@ -49,12 +54,26 @@ impl Setup {
         Self::new(scenario, &Located::new(path, &text))
     }
 
-    /// The scenario as it was run, with the versions that ran it, as TOML.
+    /// The files the scenario refers to, under the names by which [`Setup::merged`] calls them.
+    pub fn inputs(&self) -> Vec<(&'static str, &Path)> {
+        let Scenario { robot, motion, held_out, .. } = &self.scenario;
+        let motions = [(MOTION_COPY, &motion.file), (HELD_OUT_COPY, &held_out.file)];
+        let motions = motions.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?)));
+        std::iter::once((ROBOT_COPY, robot.urdf.as_path())).chain(motions).collect()
+    }
+
+    /// The scenario as it was run, with the versions that ran it, as TOML. It refers to copies of [`Setup::inputs`] in its
+    /// own folder, so that the run can be repeated from there.
     ///
     /// # Errors
     /// If a number has no TOML form.
     pub fn merged(&self) -> Result<String> {
-        let scenario = toml::to_string_pretty(&self.scenario)
+        let mut scenario = self.scenario.clone();
+        scenario.robot.urdf = ROBOT_COPY.into();
+        for (motion, name) in [(&mut scenario.motion, MOTION_COPY), (&mut scenario.held_out, HELD_OUT_COPY)] {
+            motion.file.iter_mut().for_each(|file| *file = name.into());
+        }
+        let scenario = toml::to_string_pretty(&scenario)
             .map_err(|problem| Error::request("scenario", format!("cannot be written: {problem}")))?;
         let versions = [
             ("tauscope", env!("CARGO_PKG_VERSION")),

@@ -43,8 +43,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 /// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario with the files it refers to.
 pub(super) fn write_recordings(folder: &ResultFolder, setup: &Setup, runs: &Runs) -> Result<()> {
     for (name, run) in [("recording", &runs.training), ("held_out", &runs.held_out)] {
-        recording::csv::write(&folder.file(&format!("{name}.csv"))?, &run.recording)?;
-        recording::parquet::write(&folder.file(&format!("{name}.parquet"))?, &run.recording)?;
+        folder.write_with(&format!("{name}.csv"), |path| recording::csv::write(path, &run.recording))?;
+        folder.write_with(&format!("{name}.parquet"), |path| recording::parquet::write(path, &run.recording))?;
     }
     for (name, source) in setup.inputs() {
         let text =

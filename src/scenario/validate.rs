@@ -42,7 +42,9 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
         ("controller.damping_ratio", controller.damping_ratio),
     ] {
         if !(SMALLEST..=LARGEST).contains(&value) {
-            return Err(at.error(key, format!("{value} must be a number above zero, from {SMALLEST:e} to {LARGEST:e}")));
+            return Err(
+                at.error(key, format!("{value:?} must be a number above zero, from {SMALLEST:e} to {LARGEST:e}"))
+            );
         }
     }
     if !(0.0..1.0).contains(&controller.model_error) {
@@ -50,7 +52,7 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
     }
     let band = scenario.identification.reversal_band_rad_s;
     if !(0.0..=LARGEST).contains(&band) {
-        let problem = format!("{band} must be a number from 0 to {LARGEST:e}");
+        let problem = format!("{band:?} must be a number from 0 to {LARGEST:e}");
         return Err(at.error("identification.reversal_band_rad_s", problem));
     }
     if scenario.identification.decimation == 0 {
@@ -67,7 +69,7 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
     }
     if let Some(bad) = scenario.robot.gravity_m_s2.iter().flatten().find(|g| !(-LARGEST..=LARGEST).contains(*g)) {
         return Err(
-            at.error("robot.gravity_m_s2", format!("{bad} must be a number between -{LARGEST:e} and {LARGEST:e}"))
+            at.error("robot.gravity_m_s2", format!("{bad:?} must be a number between -{LARGEST:e} and {LARGEST:e}"))
         );
     }
     for (key, value) in scenario.per_joint() {
@@ -83,7 +85,7 @@ fn per_joint(key: &str, value: &PerJoint, at: &Located) -> Result<()> {
         PerJoint::Each(values) => values,
     };
     match values.iter().find(|&&v| v != 0.0 && !(SMALLEST..=LARGEST).contains(&v)) {
-        Some(bad) => Err(at.error(key, format!("{bad} must be a number of zero or more, up to {LARGEST:e}"))),
+        Some(bad) => Err(at.error(key, format!("{bad:?} must be a number of zero or more, up to {LARGEST:e}"))),
         None => Ok(()),
     }
 }
@@ -109,7 +111,7 @@ pub(super) fn length(scenario: &Scenario, key: &str, duration_s: f64, at: &Locat
     let samples = scenario.samples(duration_s);
     if samples > MOST_SAMPLES {
         let problem = format!(
-            "{duration_s} s at {} Hz are {samples} samples, more than the {MOST_SAMPLES} that are kept in memory; take \
+            "{duration_s:?} s at {} Hz are {samples} samples, more than the {MOST_SAMPLES} that are kept in memory; take \
              a shorter motion or a lower sensors.rate_hz",
             scenario.sensors.rate_hz
         );
@@ -118,13 +120,13 @@ pub(super) fn length(scenario: &Scenario, key: &str, duration_s: f64, at: &Locat
     let steps = duration_s / scenario.plant.step_s;
     if steps > MOST_STEPS {
         let problem =
-            format!("{duration_s} s take {steps:.0} steps, more than {MOST_STEPS:e}; take a longer plant.step_s");
+            format!("{duration_s:?} s take {steps:.0} steps, more than {MOST_STEPS:e}; take a longer plant.step_s");
         return Err(at.error(key, problem));
     }
     let window = scenario.identification.smoothing_window;
     if samples < window {
         let problem = format!(
-            "{duration_s} s at {} Hz are {samples} samples, fewer than the {window} of identification.smoothing_window; \
+            "{duration_s:?} s at {} Hz are {samples} samples, fewer than the {window} of identification.smoothing_window; \
              take a longer motion, a higher sensors.rate_hz or a shorter window",
             scenario.sensors.rate_hz
         );

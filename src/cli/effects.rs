@@ -1,6 +1,6 @@
 //! `tauscope effects`: the catalogue of physical effects.
 
-use super::{DONE, Global};
+use super::{DONE, Global, print};
 use crate::effects::{self, About, Effect, LIBRARY, Parameter, Scope};
 use crate::error::Result;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -19,7 +19,6 @@ pub struct Arguments {
 /// The catalogue as JSON. Bounds that are infinite are null.
 #[derive(Serialize)]
 struct Catalogue {
-    schema: &'static str,
     effects: Vec<Entry>,
 }
 
@@ -34,14 +33,10 @@ struct Entry {
 /// Prints the catalogue, or one entry of it.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let chosen = arguments.name.as_deref().map(effects::find).transpose()?;
-    if global.json {
-        let shown = chosen.map_or(LIBRARY.to_vec(), |effect| vec![effect]);
-        let entry = |effect: &&'static dyn Effect| Entry { about: effect.about(), parameters: effect.parameters() };
-        let catalogue = Catalogue { schema: EFFECTS_SCHEMA, effects: shown.iter().map(entry).collect() };
-        println!("{}", serde_json::to_string_pretty(&catalogue).expect("a catalogue is plain numbers and text"));
-    } else if !global.quiet {
-        println!("{}", chosen.map_or_else(list, describe));
-    }
+    let shown = chosen.map_or(LIBRARY.to_vec(), |effect| vec![effect]);
+    let entry = |effect: &&'static dyn Effect| Entry { about: effect.about(), parameters: effect.parameters() };
+    let catalogue = Catalogue { effects: shown.iter().map(entry).collect() };
+    print::result(global, EFFECTS_SCHEMA, &catalogue, || chosen.map_or_else(list, describe))?;
     Ok(DONE)
 }
 

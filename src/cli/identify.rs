@@ -1,6 +1,6 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::{DONE, Global, progress};
+use super::{DONE, Global, print, progress};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::{Preparation, Trust};
@@ -83,11 +83,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let result = report::result(&robot, arguments.trust, &plain, extended.as_ref());
     folder.write_json("identification.json", SCHEMA, &result)?;
     let path = folder.finish()?;
-    if global.json {
-        println!("{}", serde_json::to_string_pretty(&result).expect("plain numbers and text"));
-    } else if !global.quiet {
-        println!("{}\n\nResults in {}", report::tables(&robot, &plain, extended.as_ref()), path.display());
-    }
+    print::result(global, SCHEMA, &result, || {
+        format!("{}\n\nResults in {}", report::tables(&robot, &plain, extended.as_ref()), path.display())
+    })?;
     Ok(DONE)
 }
 

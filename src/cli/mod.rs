@@ -3,11 +3,13 @@
 mod effects;
 mod identify;
 mod paper;
+mod print;
 mod progress;
 mod run;
 mod simulate;
 
 use clap::{Args, Parser, Subcommand};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -88,7 +90,8 @@ pub fn main() -> ExitCode {
     match result {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("tauscope: {error}");
+            // If nobody can be told, the exit code still says it.
+            let _ = writeln!(std::io::stderr(), "tauscope: {error}");
             ExitCode::from(BAD_INPUT)
         }
     }

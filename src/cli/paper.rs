@@ -1,6 +1,6 @@
 //! `tauscope paper`: the paper's study, reproduced and judged.
 
-use super::{DONE, Global, progress};
+use super::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::output::ResultFolder;
 use crate::report::paper::{SCHEMA, Verdict, figures, results, tables};
@@ -38,10 +38,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         folder.write_text(name, &svg)?;
     }
     let path = folder.finish()?;
-    if global.json {
-        println!("{}", serde_json::to_string_pretty(&found).expect("results are plain numbers and text"));
-    } else if !global.quiet {
-        println!("{}\nTables, figures and numbers in {}", verdict.console(&setup, &study), path.display());
-    }
+    print::result(global, SCHEMA, &found, || {
+        format!("{}\nTables, figures and numbers in {}", verdict.console(&setup, &study), path.display())
+    })?;
     Ok(DONE)
 }

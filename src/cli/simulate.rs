@@ -1,12 +1,22 @@
 //! `tauscope simulate`: simulate and measure, without identifying.
 
-use super::{DONE, Global, progress};
-use crate::error::Result;
+use super::{DONE, Global, print, progress};
+use crate::error::{Error, Result};
 use crate::output::ResultFolder;
 use crate::recording;
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Runs};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Schema of what `--json` prints.
+const SCHEMA: &str = "tauscope.simulated/1";
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Simulated<'a> {
+    scenario: &'a str,
+    folder: &'a Path,
+}
 
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
@@ -25,17 +35,21 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     bar.finish_and_clear();
     write_recordings(&folder, &setup, &runs)?;
     let path = folder.finish()?;
-    if !global.quiet {
-        println!("Recordings in {}", path.display());
-    }
+    let told = Simulated { scenario: &setup.scenario.name, folder: &path };
+    print::result(global, SCHEMA, &told, || format!("Recordings in {}", path.display()))?;
     Ok(DONE)
 }
 
-/// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario.
+/// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario with the files it refers to.
 pub(super) fn write_recordings(folder: &ResultFolder, setup: &Setup, runs: &Runs) -> Result<()> {
     for (name, run) in [("recording", &runs.training), ("held_out", &runs.held_out)] {
-        recording::csv::write(&folder.file(&format!("{name}.csv"))?, &run.recording)?;
-        recording::parquet::write(&folder.file(&format!("{name}.parquet"))?, &run.recording)?;
+        folder.write_with(&format!("{name}.csv"), |path| recording::csv::write(path, &run.recording))?;
+        folder.write_with(&format!("{name}.parquet"), |path| recording::parquet::write(path, &run.recording))?;
+    }
+    for (name, source) in setup.inputs() {
+        let text =
+            std::fs::read_to_string(source).map_err(|e| Error::io(source, "read what the scenario refers to", e))?;
+        folder.write_text(name, &text)?;
     }
     folder.write_text("scenario.toml", &setup.merged()?)
 }

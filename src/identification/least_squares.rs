@@ -288,6 +288,15 @@ fn residual_noise(
     noises
 }
 
+/// The first few of many names.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 4;
+    match names.len().checked_sub(MOST) {
+        None | Some(0) => names.join("; "),
+        Some(more) => format!("{}; and {more} more", names[..MOST].join("; ")),
+    }
+}
+
 /// Normal matrix with unit diagonal, factored; the square root of its condition number is the regressor's.
 pub(super) struct ScaledNormal {
     scale: DVector<f64>,
@@ -301,7 +310,7 @@ impl ScaledNormal {
         let still: Vec<&str> =
             scale.iter().zip(names).filter(|(s, _)| **s == 0.0).map(|(_, name)| name.as_str()).collect();
         if !still.is_empty() {
-            return Err(Error::request(still.join("; "), "the motion does not excite this at all; move that joint"));
+            return Err(Error::request(listed(&still), "the motion does not excite this at all; move that joint"));
         }
         let mut unit = DMatrix::from_fn(normal.nrows(), normal.ncols(), |r, c| normal[(r, c)] * scale[r] * scale[c]);
         unit.fill_upper_triangle_with_lower_triangle();
@@ -317,7 +326,7 @@ impl ScaledNormal {
                 .map(|&i| names[i].as_str())
                 .collect();
             return Err(Error::request(
-                tied.join("; "),
+                listed(&tied),
                 "the motion cannot tell these parameters apart; use a richer motion (each joint with durations of its own)",
             ));
         }

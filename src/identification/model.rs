@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Motion, block_row, regressor};
 use crate::effects::{Along, CoulombFriction, Effect, Placed, ViscousFriction, contributions};
 use crate::random;
-use crate::robot::{PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::robot::{JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
 use nalgebra::DMatrix;
 use rand::RngExt;
 
@@ -81,6 +81,16 @@ impl Model {
             PARAMETERS => "kg m2",
             11 => ViscousFriction.parameters()[0].unit,
             _ => CoulombFriction.parameters()[0].unit,
+        }
+    }
+
+    /// Unit of a standard parameter on the joint it belongs to.
+    pub fn unit_on_joint(&self, standard: usize) -> &'static str {
+        match (self.robot.joints[standard / STANDARD].kind, standard % STANDARD) {
+            (JointKind::Prismatic, PARAMETERS) => "kg",
+            (JointKind::Prismatic, 11) => "N s/m",
+            (JointKind::Prismatic, 12) => "N",
+            _ => Self::unit(standard),
         }
     }
 

@@ -1,16 +1,21 @@
 //! A scenario brought to life: the arm, the plant, the controller's belief, motions and sensors.
 
 use super::locate::Located;
-use super::{MotionSpec, PerJoint, Scenario};
+use super::{PerJoint, Scenario, motions};
 use crate::effects::{CoulombFriction, Placed, ViscousFriction};
 use crate::error::{Error, Result};
-use crate::excitation::{self, JointLimits, Motion, MotionFile};
+use crate::excitation::{JointLimits, Motion};
 use crate::random;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::simulation::integrator::Integrator;
 use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
 use std::path::Path;
+
+/// Names of the copies of a scenario's inputs beside its results.
+const ROBOT_COPY: &str = "robot.urdf";
+const MOTION_COPY: &str = "motion.toml";
+const HELD_OUT_COPY: &str = "held_out.toml";
 
 /// Everything a run needs, checked against each other.
 #[derive(Clone)]
@@ -43,18 +48,32 @@ impl Setup {
     /// and for motions outside the limits.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
         let path = path.as_ref();
-        let mut scenario = Scenario::load(path)?;
+        let text = super::read(path)?;
+        let mut scenario = Scenario::parse(path, &text)?;
         scenario.seed = seed.unwrap_or(scenario.seed);
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
         Self::new(scenario, &Located::new(path, &text))
     }
 
-    /// The scenario as it was run, with the versions that ran it, as TOML.
+    /// The files the scenario refers to, under the names by which [`Setup::merged`] calls them.
+    pub fn inputs(&self) -> Vec<(&'static str, &Path)> {
+        let Scenario { robot, motion, held_out, .. } = &self.scenario;
+        let motions = [(MOTION_COPY, &motion.file), (HELD_OUT_COPY, &held_out.file)];
+        let motions = motions.into_iter().filter_map(|(name, file)| Some((name, file.as_deref()?)));
+        std::iter::once((ROBOT_COPY, robot.urdf.as_path())).chain(motions).collect()
+    }
+
+    /// The scenario as it was run, with the versions that ran it, as TOML. It refers to copies of [`Setup::inputs`] in its
+    /// own folder, so that the run can be repeated from there.
     ///
     /// # Errors
     /// If a number has no TOML form.
     pub fn merged(&self) -> Result<String> {
-        let scenario = toml::to_string_pretty(&self.scenario)
+        let mut scenario = self.scenario.clone();
+        scenario.robot.urdf = ROBOT_COPY.into();
+        for (motion, name) in [(&mut scenario.motion, MOTION_COPY), (&mut scenario.held_out, HELD_OUT_COPY)] {
+            motion.file.iter_mut().for_each(|file| *file = name.into());
+        }
+        let scenario = toml::to_string_pretty(&scenario)
             .map_err(|problem| Error::request("scenario", format!("cannot be written: {problem}")))?;
         let versions = [
             ("tauscope", env!("CARGO_PKG_VERSION")),
@@ -79,9 +98,9 @@ impl Setup {
         }
         check_lengths(&scenario, known.dof(), at)?;
         override_drives(&scenario, &mut known);
-        let limits = limits(&scenario, &known);
-        let motion = self::motion(&scenario, &scenario.motion, "motion", &known, &limits)?;
-        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &known, &limits)?;
+        let limits = motions::limits(&scenario, &known);
+        let motion = motions::motion(&scenario, "motion", &known, &limits, at)?;
+        let held_out = motions::motion(&scenario, "held_out", &known, &limits, at)?;
         let mut effects = drive_friction(&known);
         let mut plant = known.clone();
         for spec in &scenario.effects {
@@ -140,44 +159,6 @@ fn override_drives(scenario: &Scenario, plant: &mut Robot) {
             }
         }
     }
-}
-
-fn limits(scenario: &Scenario, plant: &Robot) -> Vec<JointLimits> {
-    plant
-        .joints
-        .iter()
-        .zip(scenario.limits.acceleration_rad_s2.values(plant.dof()))
-        .map(|(joint, acceleration)| JointLimits {
-            lower: joint.limits.lower,
-            upper: joint.limits.upper,
-            velocity: joint.limits.velocity,
-            acceleration,
-        })
-        .collect()
-}
-
-fn motion(
-    scenario: &Scenario,
-    spec: &MotionSpec,
-    label: &str,
-    plant: &Robot,
-    limits: &[JointLimits],
-) -> Result<Motion> {
-    let names = plant.joint_names();
-    let motion = match (&spec.file, &spec.random) {
-        (Some(file), _) => MotionFile::read(file)?.for_arm(&plant.name, &names)?,
-        (None, Some(random)) => Motion::Freudenstein(excitation::random_sequence::random_sequence(
-            scenario.seed,
-            label,
-            0,
-            random.moves,
-            random.duration_s,
-            limits,
-        )?),
-        (None, None) => return Err(Error::request(label, "give exactly one of `file` and `random`")),
-    };
-    excitation::limits::check(&motion, limits, 1.0 / scenario.plant.step_s, &names)?;
-    Ok(motion)
 }
 
 /// The friction of the plant's drives as effects.

@@ -38,7 +38,7 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
     let scenario = &setup.scenario;
     let dof = setup.plant.dof();
     let per_sample = scenario.steps_per_sample();
-    let samples = (reference.duration_s() * scenario.sensors.rate_hz + 1e-9).floor() as usize + 1;
+    let samples = scenario.samples(reference.duration_s());
     let controller = ComputedTorque::new(
         &setup.nominal,
         reference,

@@ -67,7 +67,7 @@ enum Command {
     /// Simulate, measure, identify and score a scenario: the main job.
     Run(run::Arguments),
     /// Fit an arm's parameters, and named effects, to logs.
-    Identify(identify::Arguments),
+    Identify(Box<identify::Arguments>),
     /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.

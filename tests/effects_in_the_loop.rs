@@ -22,8 +22,7 @@ fn case(name: &str) -> Case {
     let runs = testbed::record(&setup, &mut |_| {}).unwrap();
     let placed = setup.effects.last().unwrap().clone();
     assert_eq!(placed.effect.about().name, name);
-    let trust =
-        if placed.effect.about().hidden_by_base_parameters { Trust::Nominal } else { Trust::Structure };
+    let trust = if placed.effect.about().hidden_by_base_parameters { Trust::Nominal } else { Trust::Structure };
     let spec = &setup.scenario.identification;
     let cutoff_hz = spec.low_pass_hz.unwrap();
     let smoothing = Smoothing::LowPass { cutoff_hz, decimation: spec.decimation };
@@ -43,10 +42,15 @@ fn case(name: &str) -> Case {
 fn what_is_simulated_is_found_again() {
     for effect in LIBRARY {
         let name = effect.about().name;
-        if std::env::var("ONLY").is_ok_and(|only| !only.split(',').any(|o| o == name)) { continue; }
+        if std::env::var("ONLY").is_ok_and(|only| !only.split(',').any(|o| o == name)) {
+            continue;
+        }
         let started = std::time::Instant::now();
         let result = std::panic::catch_unwind(|| case(name));
-        let Ok(case) = result else { println!("FAIL {name}: panicked"); continue };
+        let Ok(case) = result else {
+            println!("FAIL {name}: panicked");
+            continue;
+        };
         let std = case.with.fit.estimate.std();
         for (index, place) in case.with.fit.places.iter().enumerate() {
             let Some((_, k)) = *place else { continue };
@@ -55,9 +59,28 @@ fn what_is_simulated_is_found_again() {
             let parameter = &effect.parameters()[k];
             let sds = (value - truth) / std[index];
             let ok = sds.abs() < 3.0 && ((value - truth) / truth).abs() < 0.05;
-            println!("{} {name} {}: {value:.5} for {truth:.5} +- {:.2e} ({sds:.1} sd, {:.1} %) {:?}", if ok { "ok  " } else { "FAIL" }, parameter.name, std[index], 100.0 * (value / truth - 1.0), parameter.role == Role::Amplitude);
+            println!(
+                "{} {name} {}: {value:.5} for {truth:.5} +- {:.2e} ({sds:.1} sd, {:.1} %) {:?}",
+                if ok { "ok  " } else { "FAIL" },
+                parameter.name,
+                std[index],
+                100.0 * (value / truth - 1.0),
+                parameter.role == Role::Amplitude
+            );
         }
-        let worst = (0..6).max_by(|&a, &b| (case.without.test_rms[a] / case.with.test_rms[a]).total_cmp(&(case.without.test_rms[b] / case.with.test_rms[b]))).unwrap();
-        println!("     {name}: held-out joint {} {:.3} -> {:.3}; all {:.3?} in {:.1?}", worst + 1, case.without.test_rms[worst], case.with.test_rms[worst], case.with.test_rms, started.elapsed());
+        let worst = (0..6)
+            .max_by(|&a, &b| {
+                (case.without.test_rms[a] / case.with.test_rms[a])
+                    .total_cmp(&(case.without.test_rms[b] / case.with.test_rms[b]))
+            })
+            .unwrap();
+        println!(
+            "     {name}: held-out joint {} {:.3} -> {:.3}; all {:.3?} in {:.1?}",
+            worst + 1,
+            case.without.test_rms[worst],
+            case.with.test_rms[worst],
+            case.with.test_rms,
+            started.elapsed()
+        );
     }
 }

@@ -12,9 +12,9 @@ use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Gear, Placed, Role, Scope, contributions};
 use crate::error::Result;
 use crate::recording::Recording;
-use crate::signal::first_derivative;
+use crate::signal::{first_derivative, second_derivative};
 
-/// Rounds in which encoder errors are taken back out of the measured positions, and links put behind their gears.
+/// Rounds in which encoder errors are taken back out of the measured positions.
 const UNDO_ROUNDS: usize = 4;
 
 /// Rows without weight between two logs, so that the noise of one is not carried into the next.
@@ -49,8 +49,21 @@ pub struct EffectModel<'a> {
     logs: Vec<(&'a Recording, Prepared)>,
     preparation: Preparation,
     placed: Vec<Placed>,
-    /// Base parameters as last solved for: gears twist under the torque that they predict.
+    /// The arm's own parameters that are fitted.
+    arm: Vec<ArmParameter>,
+    /// Those that are believed because an effect stands for what differs from them, with their values.
+    believed: Vec<(ArmParameter, f64)>,
+    /// The arm's parameters as last solved for.
     baseline: Vec<f64>,
+}
+
+/// A linear parameter of the arm itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ArmParameter {
+    /// A base parameter, by its index.
+    Base(usize),
+    /// Rotor inertia (0), viscous (1) or Coulomb friction (2) of a joint whose link is believed.
+    Drive(usize, usize),
 }
 
 /// Where a parameter of an effect is: index of the effect, index of the parameter.
@@ -72,8 +85,15 @@ impl<'a> EffectModel<'a> {
             .iter()
             .map(|&log| Ok((log, prepare::measured(log, preparation.smoothing, preparation.band)?)))
             .collect::<Result<_>>()?;
-        let baseline = baseline_values(model, trust);
-        Ok(EffectModel { model, trust, logs, preparation, placed, baseline })
+        let stood_for = |parameter: ArmParameter| {
+            let Some((joint, which)) = drive_of(model, parameter) else { return false };
+            let law = DRIVE_EFFECTS[which];
+            placed.iter().any(|one| one.joint == joint && one.effect.about().name == law)
+        };
+        let (believed, arm): (Vec<_>, Vec<_>) =
+            arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
+        let (arm, baseline) = arm.into_iter().unzip();
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline })
     }
 
     /// The effects with their present parameters.
@@ -83,7 +103,7 @@ impl<'a> EffectModel<'a> {
 
     /// Names of the linear parameters: those of the arm, then the amplitudes.
     pub fn linear_names(&self) -> Vec<String> {
-        let mut names = baseline_names(self.model, self.trust);
+        let mut names: Vec<String> = self.arm.iter().map(|&parameter| arm_name(self.model, parameter)).collect();
         names.extend(self.amplitudes().into_iter().map(|place| self.parameter_name(place)));
         names
     }
@@ -303,6 +323,12 @@ impl<'a> EffectModel<'a> {
         (q != recording.q).then(|| Recording { q, ..recording.clone() })
     }
 
+    /// Rotor inertia of a joint that is fitted as part of its link's.
+    fn lumped_rotor(&self, joint: usize) -> f64 {
+        let lumped = self.trust == Trust::Structure && !self.model.rotor_stands_alone(joint);
+        if lumped { self.model.robot().joints[joint].drive.armature } else { 0.0 }
+    }
+
     /// The gear of a joint, if it is not rigid.
     fn gear(&self, joint: usize) -> Option<Gear> {
         let gears = self.placed.iter().filter(|placed| placed.joint == joint);
@@ -310,33 +336,31 @@ impl<'a> EffectModel<'a> {
         (!gear.is_rigid()).then_some(gear)
     }
 
-    /// Motion of the links: that of the motors less the twist of the gears under the torque they carry.
+    /// Motion of the links: that of the motors less the twist of the gears under the torque they carry. That torque is
+    /// taken from the measured one, less rotor and friction: to predict it from the links would amplify every error
+    /// above the frequency at which the link swings on its gear.
     fn link_motion(&self, prepared: &Prepared, period: f64) -> Result<Motion> {
         let mut link = prepared.motion.clone();
         if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
             return Ok(link);
         }
-        for _ in 0..UNDO_ROUNDS {
-            let parts = Parts::without_effects(self, prepared, &link);
-            let mut next = prepared.motion.clone();
-            for joint in 0..self.model.dof() {
-                let Some(gear) = self.gear(joint) else { continue };
-                let rotor = self.model.robot().joints[joint].drive.armature;
-                let gear = gear.completed(rotor);
-                let twist: Vec<f64> = parts.carried(joint).iter().map(|&torque| gear.twist(torque)).collect();
-                let mut rate = vec![0.0; twist.len()];
-                let mut second = rate.clone();
-                first_derivative(&twist, period, &mut rate)?;
-                first_derivative(&rate, period, &mut second)?;
-                for (channel, change) in [
-                    (next.q.channel_mut(joint), &twist),
-                    (next.qd.channel_mut(joint), &rate),
-                    (next.qdd.channel_mut(joint), &second),
-                ] {
-                    channel.iter_mut().zip(change).for_each(|(value, c)| *value -= c);
-                }
+        let parts = Parts::new(self, prepared, &prepared.motion);
+        for joint in 0..self.model.dof() {
+            let Some(gear) = self.gear(joint) else { continue };
+            let gear = gear.completed(self.model.robot().joints[joint].drive.armature);
+            let carried = parts.carried(joint, prepared.torque_like_positions(joint)?);
+            let twist: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
+            let mut rate = vec![0.0; twist.len()];
+            let mut second = rate.clone();
+            first_derivative(&twist, period, &mut rate)?;
+            second_derivative(&twist, period, &mut second)?;
+            for (channel, change) in [
+                (link.q.channel_mut(joint), &twist),
+                (link.qd.channel_mut(joint), &rate),
+                (link.qdd.channel_mut(joint), &second),
+            ] {
+                channel.iter_mut().zip(change).for_each(|(value, c)| *value -= c);
             }
-            link = next;
         }
         Ok(link)
     }
@@ -345,38 +369,18 @@ impl<'a> EffectModel<'a> {
 /// Torque of all parts along one motion, before sensors and filter.
 struct Parts<'a> {
     owner: &'a EffectModel<'a>,
-    arm: Vec<Channels>,
+    base: Vec<Channels>,
     /// Per amplitude: torque per unit.
     amplitudes: Vec<Channels>,
-    /// Torque without free parameter.
+    /// Torque without free parameter: of believed bodies and drives, and of effects through their departures.
     known: Vec<Vec<f64>>,
+    /// The share of bodies in that.
+    bodies: Vec<Vec<f64>>,
     motor: &'a Motion,
-    link: &'a Motion,
-    inertial: Channels,
 }
 
 impl<'a> Parts<'a> {
-    fn without_effects(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
-        let model = owner.model;
-        let arm = model.columns_behind_gears(&prepared.motion, link, &prepared.time, 0.0);
-        let inertial = inverse_dynamics(model.chain(), &model.robot().inertial_parameters(), link);
-        let known = (0..model.dof())
-            .map(|joint| match owner.trust {
-                Trust::Nominal => inertial.channel(joint).to_vec(),
-                // A rotor that is lumped with its link moves apart from it behind a gear.
-                Trust::Structure if !model.rotor_stands_alone(joint) => {
-                    let rotor = model.robot().joints[joint].drive.armature;
-                    let motor = prepared.motion.qdd.channel(joint);
-                    motor.iter().zip(link.qdd.channel(joint)).map(|(m, l)| rotor * (m - l)).collect()
-                }
-                Trust::Structure => vec![0.0; link.samples()],
-            })
-            .collect();
-        Parts { owner, arm, amplitudes: Vec::new(), known, motor: &prepared.motion, link, inertial }
-    }
-
     fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
-        let mut parts = Self::without_effects(owner, prepared, link);
         let model = owner.model;
         let along = Along::new(model.robot(), model.chain(), &prepared.time, &prepared.motion, 0.0);
         let silent: Vec<Placed> = owner
@@ -396,18 +400,71 @@ impl<'a> Parts<'a> {
             let base = torques[effect].as_slice();
             unit.as_mut_slice().iter_mut().zip(base).for_each(|(value, b)| *value -= b);
         }
-        for torque in &torques {
-            for (known, extra) in parts.known.iter_mut().zip(torque.iter()) {
-                known.iter_mut().zip(extra).for_each(|(value, e)| *value += e);
+        let bodies = Self::bodies(owner, prepared, link);
+        let mut parts = Parts {
+            owner,
+            base: model.columns_behind_gears(&prepared.motion, link, &prepared.time, 0.0),
+            amplitudes: units,
+            known: bodies.clone(),
+            bodies,
+            motor: &prepared.motion,
+        };
+        for joint in 0..model.dof() {
+            let departures = torques.iter().map(|torque| (1.0, torque.channel(joint).to_vec()));
+            let believed = owner.believed.iter();
+            let believed = believed.filter_map(|&(parameter, value)| Some((value, parts.column(parameter, joint)?)));
+            let sum: Vec<(f64, Vec<f64>)> = departures.chain(believed).collect();
+            for (scale, column) in sum {
+                parts.known[joint].iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
             }
         }
-        parts.amplitudes = units;
         parts
+    }
+
+    /// Torque of bodies that is not fitted.
+    fn bodies(owner: &EffectModel, prepared: &Prepared, link: &Motion) -> Vec<Vec<f64>> {
+        let model = owner.model;
+        let joints = 0..model.dof();
+        match owner.trust {
+            Trust::Nominal => {
+                let torque = inverse_dynamics(model.chain(), &model.robot().inertial_parameters(), link);
+                joints.map(|joint| torque.channel(joint).to_vec()).collect()
+            }
+            // A rotor that is lumped with its link moves apart from it behind a gear.
+            Trust::Structure => joints
+                .map(|joint| {
+                    let rotor = owner.lumped_rotor(joint);
+                    let motor = prepared.motion.qdd.channel(joint);
+                    motor.iter().zip(link.qdd.channel(joint)).map(|(m, l)| rotor * (m - l)).collect()
+                })
+                .collect(),
+        }
+    }
+
+    /// Torque on a joint per unit of a parameter of the arm; None where it cannot act.
+    fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Vec<f64>> {
+        let model = self.owner.model;
+        match parameter {
+            ArmParameter::Base(base) => {
+                let place = model.active(joint).iter().position(|&b| b == base)?;
+                Some(self.base[joint].channel(place).to_vec())
+            }
+            ArmParameter::Drive(own, _) if own != joint => None,
+            ArmParameter::Drive(_, 0) => Some(self.motor.qdd.channel(joint).to_vec()),
+            ArmParameter::Drive(_, which) => {
+                // Viscous and Coulomb friction are base parameters of their own on every arm, in this order.
+                let friction = model.active(joint).into_iter().enumerate().filter(|(_, b)| model.is_friction(*b));
+                let (place, _) = friction.into_iter().nth(which - 1)?;
+                Some(self.base[joint].channel(place).to_vec())
+            }
+        }
     }
 
     /// All columns that can act on a joint, with the index of their linear parameter.
     fn columns(&self, joint: usize) -> Vec<(usize, Vec<f64>)> {
-        let mut columns = self.arm_columns(joint);
+        let arm = self.owner.arm.iter().enumerate();
+        let mut columns: Vec<(usize, Vec<f64>)> =
+            arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?))).collect();
         let offset = self.owner.baseline.len();
         for (index, torque) in self.amplitudes.iter().enumerate() {
             let column = torque.channel(joint);
@@ -416,21 +473,6 @@ impl<'a> Parts<'a> {
             }
         }
         columns
-    }
-
-    fn arm_columns(&self, joint: usize) -> Vec<(usize, Vec<f64>)> {
-        let model = self.owner.model;
-        let active = model.active(joint);
-        match self.owner.trust {
-            Trust::Structure => active.into_iter().zip(self.arm[joint].iter().map(<[f64]>::to_vec)).collect(),
-            Trust::Nominal => {
-                let mut columns = vec![(3 * joint, self.motor.qdd.channel(joint).to_vec())];
-                // Viscous and Coulomb friction are base parameters of their own on every arm, in this order.
-                let friction = active.iter().zip(self.arm[joint].iter()).filter(|(b, _)| model.is_friction(**b));
-                columns.extend(friction.enumerate().map(|(k, (_, column))| (3 * joint + 1 + k, column.to_vec())));
-                columns
-            }
-        }
     }
 
     /// Torque on a joint that the present parameters predict, before sensors.
@@ -442,23 +484,27 @@ impl<'a> Parts<'a> {
         torque
     }
 
-    /// Torque that the gear of a joint carries: that of the rigid bodies, without rotor and friction.
-    fn carried(&self, joint: usize) -> Vec<f64> {
-        let model = self.owner.model;
-        match self.owner.trust {
-            Trust::Nominal => self.inertial.channel(joint).to_vec(),
-            Trust::Structure => {
-                let lumped = !model.rotor_stands_alone(joint);
-                let rotor = if lumped { model.robot().joints[joint].drive.armature } else { 0.0 };
-                let mut torque: Vec<f64> = self.link.qdd.channel(joint).iter().map(|a| -rotor * a).collect();
-                for (b, column) in model.active(joint).into_iter().zip(self.arm[joint].iter()) {
-                    if model.is_inertial(b) {
-                        torque.iter_mut().zip(column).for_each(|(value, x)| *value += self.owner.baseline[b] * x);
-                    }
-                }
-                torque
+    /// Torque that the gear of a joint carries: the motor's, less rotor, friction and effects at the joint.
+    fn carried(&self, joint: usize, motor_torque: Vec<f64>) -> Vec<f64> {
+        let owner = self.owner;
+        let mut torque = motor_torque;
+        let mut take = |scale: f64, column: &[f64]| {
+            torque.iter_mut().zip(column).for_each(|(value, x)| *value -= scale * x);
+        };
+        take(owner.lumped_rotor(joint), self.motor.qdd.channel(joint));
+        take(1.0, &self.known[joint]);
+        take(-1.0, &self.bodies[joint]);
+        for (&parameter, &value) in owner.arm.iter().zip(&owner.baseline) {
+            if drive_of(owner.model, parameter).is_some_and(|(own, _)| own == joint)
+                && let Some(column) = self.column(parameter, joint)
+            {
+                take(value, &column);
             }
         }
+        for (unit, value) in self.amplitudes.iter().zip(owner.get(&owner.amplitudes())) {
+            take(value, unit.channel(joint));
+        }
+        torque
     }
 }
 
@@ -468,23 +514,39 @@ fn without_amplitudes(placed: &Placed) -> Vec<f64> {
     parameters.map(|(p, &value)| if p.role == Role::Amplitude { 0.0 } else { value }).collect()
 }
 
-/// Names of the arm's linear parameters.
-fn baseline_names(model: &Model, trust: Trust) -> Vec<String> {
-    match trust {
-        Trust::Structure => model.base().groupings().iter().map(|g| g.name.clone()).collect(),
-        Trust::Nominal => (1..=model.dof()).flat_map(|j| ["Ia", "Fv", "Fc"].map(|s| format!("{s}{j}"))).collect(),
+/// The effects that stand for what differs from the arm's own rotor inertia, viscous and Coulomb friction.
+const DRIVE_EFFECTS: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
+
+/// Joint and kind (an index of [`DRIVE_EFFECTS`]) of a parameter that belongs to a drive alone.
+fn drive_of(model: &Model, parameter: ArmParameter) -> Option<(usize, usize)> {
+    match parameter {
+        ArmParameter::Drive(joint, which) => Some((joint, which)),
+        ArmParameter::Base(base) => model.drive_of(base),
     }
 }
 
-/// The arm's linear parameters according to its URDF: where fits start.
-fn baseline_values(model: &Model, trust: Trust) -> Vec<f64> {
+/// The arm's linear parameters with their values according to its URDF: where fits start.
+fn arm_parameters(model: &Model, trust: Trust) -> Vec<(ArmParameter, f64)> {
     match trust {
-        Trust::Structure => model.base().values(&Model::standard_values(model.robot())),
-        Trust::Nominal => model
-            .robot()
-            .joints
-            .iter()
-            .flat_map(|joint| [joint.drive.armature, joint.drive.viscous, joint.drive.coulomb])
-            .collect(),
+        Trust::Structure => {
+            let values = model.base().values(&Model::standard_values(model.robot()));
+            values.into_iter().enumerate().map(|(base, value)| (ArmParameter::Base(base), value)).collect()
+        }
+        Trust::Nominal => {
+            let joints = model.robot().joints.iter().enumerate();
+            joints
+                .flat_map(|(joint, spec)| {
+                    let drive = [spec.drive.armature, spec.drive.viscous, spec.drive.coulomb];
+                    drive.into_iter().enumerate().map(move |(k, value)| (ArmParameter::Drive(joint, k), value))
+                })
+                .collect()
+        }
+    }
+}
+
+fn arm_name(model: &Model, parameter: ArmParameter) -> String {
+    match parameter {
+        ArmParameter::Base(base) => model.base().groupings()[base].name.clone(),
+        ArmParameter::Drive(joint, which) => format!("{}{}", ["Ia", "Fv", "Fc"][which], joint + 1),
     }
 }

@@ -59,9 +59,10 @@ impl Model {
         &self.chain
     }
 
-    /// Whether a base parameter is led by an inertial parameter of a link.
-    pub fn is_inertial(&self, base: usize) -> bool {
-        self.base.kept()[base] % STANDARD < PARAMETERS
+    /// Joint and kind (rotor inertia 0, viscous 1, Coulomb friction 2) of a base parameter that belongs to a drive alone.
+    pub fn drive_of(&self, base: usize) -> Option<(usize, usize)> {
+        let standard = self.base.kept()[base];
+        (standard % STANDARD).checked_sub(PARAMETERS).map(|which| (standard / STANDARD, which))
     }
 
     /// Whether a base parameter is viscous or Coulomb friction.

@@ -15,6 +15,9 @@ const ROUNDS: usize = 3;
 /// Starting points tried for a shape, spread over its bounds.
 const SHAPE_STARTS: usize = 24;
 
+/// Starting points tried for a departure, as shares of its typical size.
+const DEPARTURE_STARTS: [f64; 7] = [0.0, 0.25, 1.0, 2.0, -0.25, -1.0, -2.0];
+
 /// Step of differences, as a share of a parameter's typical size.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -90,7 +93,8 @@ fn solve_linear(model: &mut EffectModel, sigma: &[f64]) -> Result<(Vec<JointRegr
     }
 }
 
-/// Tries shapes one after the other on a grid over their bounds and keeps the best of each; departures start at zero.
+/// Tries shapes and departures one after the other on a grid and keeps the best of each. Departures are absent until it
+/// is their turn.
 fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result<()> {
     for &place in nonlinear {
         let parameter = parameter(model, place);
@@ -100,9 +104,6 @@ fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) ->
     }
     for &place in nonlinear {
         let parameter = parameter(model, place);
-        if parameter.role != Role::Shape {
-            continue;
-        }
         let mut best = (f64::INFINITY, model.get(&[place])[0]);
         for candidate in grid(&parameter) {
             model.set(&[place], &[candidate]);
@@ -118,18 +119,21 @@ fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) ->
     Ok(())
 }
 
-/// Starting points of a shape: evenly spaced in its logarithm where it is positive and wide, else evenly.
+/// Starting points: absence and sizes around the typical one for a departure; for a shape its whole range, evenly in its
+/// logarithm where it is positive and wide.
 fn grid(parameter: &Parameter) -> Vec<f64> {
     let (low, high) = (parameter.lower, parameter.upper.min(1e3 * parameter.typical.abs()));
     let at = |k: usize| k as f64 / (SHAPE_STARTS - 1) as f64;
-    (0..SHAPE_STARTS)
-        .map(
-            |k| {
-                if low > 0.0 && high / low > 10.0 { low * (high / low).powf(at(k)) } else { low + (high - low) * at(k) }
-            },
-        )
-        .chain([parameter.typical])
-        .collect()
+    match parameter.role {
+        Role::Departure => DEPARTURE_STARTS.iter().map(|share| (share * parameter.typical).clamp(low, high)).collect(),
+        _ => (0..SHAPE_STARTS)
+            .map(|k| match low > 0.0 && high / low > 10.0 {
+                true => low * (high / low).powf(at(k)),
+                false => low + (high - low) * at(k),
+            })
+            .chain([parameter.typical])
+            .collect(),
+    }
 }
 
 fn parameter(model: &EffectModel, (effect, k): Place) -> Parameter {

@@ -2,7 +2,7 @@
 
 use super::locate::Located;
 use super::{PerJoint, Scenario, motions};
-use crate::effects::{CoulombFriction, Placed, ViscousFriction};
+use crate::effects::{CoulombFriction, Placed, Site, ViscousFriction};
 use crate::error::{Error, Result};
 use crate::excitation::{JointLimits, Motion};
 use crate::random;
@@ -87,7 +87,7 @@ impl Setup {
         Ok(text + "\n" + &scenario)
     }
 
-    fn new(scenario: Scenario, at: &Located) -> Result<Self> {
+    fn new(mut scenario: Scenario, at: &Located) -> Result<Self> {
         let mut known = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
         if known.name != scenario.robot.name {
             let (wanted, file, found) = (&scenario.robot.name, known.source.display(), &known.name);
@@ -102,11 +102,21 @@ impl Setup {
         let motion = motions::motion(&scenario, "motion", &known, &limits, at)?;
         let held_out = motions::motion(&scenario, "held_out", &known, &limits, at)?;
         let mut effects = drive_friction(&known);
+        let mut native_step = None;
         let mut plant = known.clone();
         for spec in &scenario.effects {
             let placed = spec.place(&known).map_err(|problem| at.error("effect", problem))?;
             placed.effect.alter(&placed.parameters, placed.joint, &mut plant);
+            if placed.effect.about().site == Site::Integrator && placed.parameters[0] > 0.0 {
+                // The law says what rapier's own step does, so the plant takes that step.
+                native_step = Some(placed.parameters[0]);
+            }
             effects.push(placed);
+        }
+        if let Some(step) = native_step {
+            scenario.plant.integrator = Integrator::RapierNative;
+            scenario.plant.step_s = step;
+            super::validate::check_step(&scenario, at)?;
         }
         let geared = effects.iter().find(|placed| placed.effect.gear(&placed.parameters).is_some());
         if let (Integrator::RapierNative, Some(placed)) = (scenario.plant.integrator, geared) {

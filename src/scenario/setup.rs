@@ -103,8 +103,8 @@ impl Setup {
         let held_out = motions::motion(&scenario, "held_out", &known, &limits, at)?;
         let mut effects = drive_friction(&known);
         let mut plant = known.clone();
-        for spec in &scenario.effects {
-            let placed = spec.place(&known).map_err(|problem| at.error("effect", problem))?;
+        for (index, spec) in scenario.effects.iter().enumerate() {
+            let placed = spec.place(&known).map_err(|problem| at.item_error("effect", index, problem))?;
             placed.effect.alter(&placed.parameters, placed.joint, &mut plant);
             effects.push(placed);
         }

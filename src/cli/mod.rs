@@ -1,5 +1,8 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod effects;
+mod identify;
+mod paper;
 mod print;
 mod progress;
 mod run;
@@ -63,8 +66,14 @@ impl Global {
 enum Command {
     /// Simulate, measure, identify and score a scenario: the main job.
     Run(run::Arguments),
+    /// Fit an arm's parameters, and named effects, to logs.
+    Identify(Box<identify::Arguments>),
+    /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
+    Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
+    /// List the physical effects there are, or tell all about one.
+    Effects(effects::Arguments),
 }
 
 /// Parses the command line and does what it says.
@@ -73,7 +82,10 @@ pub fn main() -> ExitCode {
     let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
+        Command::Identify(arguments) => identify::run(&arguments, &cli.global),
+        Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
+        Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {
         Ok(code) => ExitCode::from(code),

@@ -7,7 +7,7 @@ use crate::study::testbed::{Scored, Variant};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A plain aligned table: first column left, numbers right.
-fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
+pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled).set_header(header);
     table.add_rows(rows);
@@ -117,7 +117,7 @@ fn median_size(values: &[f64]) -> f64 {
 }
 
 /// Three significant digits.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

@@ -1,4 +1,8 @@
 //! What a run tells: tables on the console and JSON files.
 
 pub mod console;
+pub mod fit;
+mod markdown;
+pub mod paper;
 pub mod results;
+pub mod svg;

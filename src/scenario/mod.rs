@@ -174,6 +174,9 @@ pub struct IdentificationSpec {
     pub smoothing_order: usize,
     /// After smoothing, every n-th sample is used.
     pub decimation: usize,
+    /// Cut-off of the zero-phase low-pass that `tauscope identify` uses instead of Savitzky-Golay, Hz; where given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low_pass_hz: Option<f64>,
     /// Samples of a joint slower than this are left out: the sign of its velocity is not certain there, rad/s.
     pub reversal_band_rad_s: f64,
 }

@@ -55,6 +55,12 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
         let problem = format!("{band:?} must be a number from 0 to {LARGEST:e}");
         return Err(at.error("identification.reversal_band_rad_s", problem));
     }
+    if let Some(cutoff) = scenario.identification.low_pass_hz
+        && !(cutoff > 0.0 && cutoff < 0.5 * sensors.rate_hz)
+    {
+        let problem = format!("{cutoff} must lie between zero and half the rate, {}", 0.5 * sensors.rate_hz);
+        return Err(at.error("identification.low_pass_hz", problem));
+    }
     if scenario.identification.decimation == 0 {
         return Err(at.error("identification.decimation", "must be 1 or more"));
     }

@@ -1,11 +1,9 @@
 //! `tauscope run`: simulate, measure, identify, score.
 
-use super::{DONE, Global, print, progress};
+use super::{DONE, Global, print, progress, simulate};
 use crate::error::Result;
 use crate::identification::model::Model;
-use crate::output::ResultFolder;
 use crate::report::{console, results};
-use crate::scenario::Setup;
 use crate::study::testbed::{self, Variant};
 use std::path::PathBuf;
 
@@ -25,11 +23,7 @@ impl Default for Arguments {
 
 /// Runs the scenario and writes its results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
-    let setup = Setup::load(&arguments.scenario, global.seed)?;
-    let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;
-    let bar = progress::bar(global, "simulating", testbed::samples(&setup));
-    let runs = testbed::record(&setup, &mut |done| bar.set_position(done as u64))?;
-    bar.finish_and_clear();
+    let (setup, folder, runs) = simulate::simulated(&arguments.scenario, global)?;
 
     let bar = progress::bar(global, "identifying", Variant::ALL.len());
     let model = Model::new(&setup.known);
@@ -45,7 +39,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let gain = results::smoothing_gain(raw, smoothed);
     let limited = results::AtEffortLimit::new(&setup, &runs);
     let scores = results::scores(&setup, &model, &scored, gain.clone(), limited.clone());
-    super::simulate::write_recordings(&folder, &setup, &runs)?;
+    simulate::write_recordings(&folder, &setup, &runs)?;
     folder.write_json(
         "identification.json",
         results::IDENTIFICATION_SCHEMA,

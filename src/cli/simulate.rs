@@ -28,16 +28,22 @@ pub struct Arguments {
 
 /// Simulates both motions of the scenario and writes their recordings.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
-    let setup = Setup::load(&arguments.scenario, global.seed)?;
-    let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;
-    let bar = progress::bar(global, "simulating", testbed::samples(&setup));
-    let runs = testbed::record(&setup, &mut |done| bar.set_position(done as u64))?;
-    bar.finish_and_clear();
+    let (setup, folder, runs) = simulated(&arguments.scenario, global)?;
     write_recordings(&folder, &setup, &runs)?;
     let path = folder.finish()?;
     let told = Simulated { scenario: &setup.scenario.name, folder: &path };
     print::result(global, SCHEMA, &told, || format!("Recordings in {}", path.display()))?;
     Ok(DONE)
+}
+
+/// Loads a scenario, makes sure that its results can be written, and simulates and measures both motions.
+pub(super) fn simulated(scenario: &Path, global: &Global) -> Result<(Setup, ResultFolder, Runs)> {
+    let setup = Setup::load(scenario, global.seed)?;
+    let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;
+    let bar = progress::bar(global, "simulating", testbed::samples(&setup));
+    let runs = testbed::record(&setup, &mut |done| bar.set_position(done as u64))?;
+    bar.finish_and_clear();
+    Ok((setup, folder, runs))
 }
 
 /// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario with the files it refers to.

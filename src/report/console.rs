@@ -72,12 +72,14 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
         .collect();
     let per_variant = table(&header, rows);
     format!(
-        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{per_joint}\n\n{per_variant}",
+        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{}\n\n{}",
         setup.scenario.name,
         parameters,
         setup.plant.dof(),
         crate::excitation::Reference::duration_s(&setup.motion),
         crate::excitation::Reference::duration_s(&setup.held_out),
+        per_joint.trim_fmt(),
+        per_variant.trim_fmt(),
     )
 }
 

@@ -20,6 +20,17 @@ impl<'a> Located<'a> {
         Error::input(self.path, self.line(key), key, problem)
     }
 
+    /// An error about the table number `index` (from 0) of the list of tables `[[list]]`.
+    pub(super) fn item_error(&self, list: &str, index: usize, problem: impl Into<String>) -> Error {
+        let document = DeTable::parse(self.text).ok();
+        let item = document.as_ref().and_then(|document| match document.get_ref().get(list)?.get_ref() {
+            DeValue::Array(items) => items.get(index),
+            _ => None,
+        });
+        let line = item.map(|item| line_at(self.text, item.span().start));
+        Error::input(self.path, line, format!("{list} {}", index + 1), problem)
+    }
+
     /// What went wrong inside, said of the dotted key `key`.
     pub(super) fn wrap(&self, key: &str, problem: &Error) -> Error {
         self.error(key, problem.to_string())

@@ -104,8 +104,8 @@ impl Setup {
         let mut effects = drive_friction(&known);
         let mut native_step = None;
         let mut plant = known.clone();
-        for spec in &scenario.effects {
-            let placed = spec.place(&known).map_err(|problem| at.error("effect", problem))?;
+        for (index, spec) in scenario.effects.iter().enumerate() {
+            let placed = spec.place(&known).map_err(|problem| at.item_error("effect", index, problem))?;
             placed.effect.alter(&placed.parameters, placed.joint, &mut plant);
             if placed.effect.about().site == Site::Integrator && placed.parameters[0] > 0.0 {
                 // The law says what rapier's own step does, so the plant takes that step.

@@ -91,7 +91,7 @@ fn per_joint(key: &str, value: &PerJoint, at: &Located) -> Result<()> {
         PerJoint::Each(values) => values,
     };
     match values.iter().find(|&&v| v != 0.0 && !(SMALLEST..=LARGEST).contains(&v)) {
-        Some(bad) => Err(at.error(key, format!("{bad:?} must be a number of zero or more, up to {LARGEST:e}"))),
+        Some(bad) => Err(at.error(key, format!("{bad:?} must be zero or a number from {SMALLEST:e} to {LARGEST:e}"))),
         None => Ok(()),
     }
 }

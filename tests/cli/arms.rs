@@ -73,6 +73,15 @@ fn a_drive_at_its_limit_is_told() {
     assert!(share(1) > 0.1 && share(0) == 0.0, "{score}");
 }
 
+/// A loop too fast for the time step, with drives that nothing limits.
+#[test]
+fn a_simulation_that_runs_away() {
+    let case = Case::new(&[("bandwidth_hz = 5.0", "bandwidth_hz = 500.0")]);
+    let unlimited = ["1400", "1800", "900", "140", "120", "75"].map(|effort| format!("effort=\"{effort}\""));
+    let case = unlimited.iter().fold(case, |case, effort| case.with_urdf(effort, "effort=\"0\""));
+    case.assert_refused(&["joint_", "ran away at t = 0.0", "controller.bandwidth_hz"]);
+}
+
 #[test]
 fn rapiers_own_stepping_runs() {
     let case = Case::new(&[("\"rk4\"", "\"rapier_native\"")]);

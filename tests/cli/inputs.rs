@@ -35,7 +35,7 @@ fn scenario_numbers() {
         (torque, "torque_noise_nm = \"a\"", ["s.toml:34: torque_noise_nm", "one number per joint"]),
         (torque, "torque_noise_nm = nan", ["s.toml:34: sensors.torque_noise_nm", "NaN"]),
         (torque, "torque_noise_nm = 1e400", ["s.toml:34: torque_noise_nm", "overflow"]),
-        (torque, "torque_noise_nm = 1e300", ["s.toml:34: sensors.torque_noise_nm", "up to 1e9"]),
+        (torque, "torque_noise_nm = 1e300", ["s.toml:34: sensors.torque_noise_nm", "1e9"]),
         (torque, "torque_noise_nm = -0.1", ["s.toml:34: sensors.torque_noise_nm", "-0.1"]),
         ("resolution_rad = 1e-5", "resolution_rad = 1e-320", ["s.toml:32: sensors.encoder_resolution_rad", "zero"]),
         ("rate_hz = 500.0", "rate_hz = inf", ["s.toml:31: sensors.rate_hz", "inf"]),
@@ -62,6 +62,20 @@ fn scenario_numbers() {
     }
     let gravity = "[plant]";
     Case::new(&[(gravity, "gravity_m_s2 = [0, 0, 1e300]\n[plant]")]).assert_refused(&["s.toml:10: robot.gravity_m_s2"]);
+}
+
+#[test]
+fn the_effect_at_fault() {
+    let good = "[[effect]]\nname = \"coulomb_friction\"\njoint = \"joint_1\"\n";
+    let band = "band_rad_s = 0.03\n";
+    for (bad, words) in [
+        ("[[effect]]\nname = \"stribek\"\n", ["s.toml:45: effect 2", "stribek"]),
+        ("[[effect]]\nname = \"coulomb_friction\"\n", ["s.toml:45: effect 2", "name one of joint_1"]),
+        ("[[effect]]\nname = \"coulomb_friction\"\njoint = \"elbow\"\n", ["s.toml:45: effect 2", "joint `elbow`"]),
+        ("[[effect]]\njoint = \"joint_1\"\n", ["s.toml:45: effect.name", "missing field"]),
+    ] {
+        Case::new(&[(band, &format!("{band}{good}{bad}"))]).assert_refused(&words);
+    }
 }
 
 /// Demands that no machine can meet are refused before memory or hours are spent on them.

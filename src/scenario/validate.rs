@@ -65,14 +65,7 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
         return Err(at.error("identification.decimation", "must be 1 or more"));
     }
     smoothing(scenario, at)?;
-    let steps = 1.0 / (sensors.rate_hz * plant.step_s);
-    if steps < 0.999 || (steps - steps.round()).abs() > 1e-6 {
-        let problem = format!(
-            "one sample takes {steps:.4} plant steps of {} s; choose a rate whose period is a whole number of steps",
-            plant.step_s
-        );
-        return Err(at.error("sensors.rate_hz", problem));
-    }
+    check_step(scenario, at)?;
     if let Some(bad) = scenario.robot.gravity_m_s2.iter().flatten().find(|g| !(-LARGEST..=LARGEST).contains(*g)) {
         return Err(
             at.error("robot.gravity_m_s2", format!("{bad:?} must be a number between -{LARGEST:e} and {LARGEST:e}"))
@@ -83,6 +76,20 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
     }
     motion("motion", &scenario.motion, at)?;
     motion("held_out", &scenario.held_out, at)
+}
+
+/// Refuses a plant step that does not divide the time between samples.
+pub(super) fn check_step(scenario: &Scenario, at: &Located) -> Result<()> {
+    let (plant, sensors) = (&scenario.plant, &scenario.sensors);
+    let steps = 1.0 / (sensors.rate_hz * plant.step_s);
+    if steps < 0.999 || (steps - steps.round()).abs() > 1e-6 {
+        let problem = format!(
+            "one sample takes {steps:.4} plant steps of {} s; choose a rate whose period is a whole number of steps",
+            plant.step_s
+        );
+        return Err(at.error("sensors.rate_hz", problem));
+    }
+    Ok(())
 }
 
 fn per_joint(key: &str, value: &PerJoint, at: &Located) -> Result<()> {

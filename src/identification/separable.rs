@@ -19,7 +19,7 @@ const SHAPE_STARTS: usize = 24;
 const DEPARTURE_STARTS: [f64; 7] = [0.0, 0.25, 1.0, 2.0, -0.25, -1.0, -2.0];
 
 /// Step of differences, as a share of a parameter's typical size.
-const DIFFERENCE: f64 = 1e-4;
+const DIFFERENCE: f64 = 1e-3;
 
 /// Solutions of the linear problem in which gears and clipping sensors settle.
 const SETTLING: usize = 3;

@@ -15,7 +15,7 @@ use super::model::Model;
 use super::prepare::{self, Prepared, Smoothing};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
-use crate::effects::{Gear, Placed, Role, Scope};
+use crate::effects::{DAMPING_TIME_S, Gear, Placed, Role, Scope};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::signal::{first_derivative, second_derivative};
@@ -280,39 +280,50 @@ impl<'a> EffectModel<'a> {
         if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
             return Ok(link);
         }
-        // Which flank of the teeth touches is decided once: a flank that changes from round to round would never settle.
-        let mut flank: Option<Vec<Vec<f64>>> = None;
         for _ in 0..GEAR_ROUNDS {
             let parts = Parts::new(self, prepared, &link);
             let mut next = prepared.motion.clone();
-            let first = || (0..self.model.dof()).map(|joint| parts.carried(joint, link.qdd.channel(joint))).collect();
-            flank.get_or_insert_with(first);
             for joint in 0..self.model.dof() {
                 let Some(gear) = self.gear(joint) else { continue };
                 let gear = gear.completed(self.model.robot().joints[joint].drive.armature);
-                let spring = Gear { half_gap: 0.0, ..gear };
-                let play = Gear { compliance: 0.0, ..gear };
-                let carried = parts.carried(joint, link.qdd.channel(joint));
-                let flank = flank.as_ref().map_or(&carried, |flank| &flank[joint]);
-                let twist: Vec<f64> =
-                    carried.iter().zip(flank).map(|(&now, &side)| spring.twist(now) + play.twist(side)).collect();
-                let twist = prepared.filtered(&twist)?;
-                let mut rate = vec![0.0; twist.len()];
-                let mut second = rate.clone();
-                first_derivative(&twist, period, &mut rate)?;
-                second_derivative(&twist, period, &mut second)?;
-                for (channel, change) in [
-                    (next.q.channel_mut(joint), &twist),
-                    (next.qd.channel_mut(joint), &rate),
-                    (next.qdd.channel_mut(joint), &second),
-                ] {
-                    channel.iter_mut().zip(change).for_each(|(value, c)| *value -= c);
+                let path = match gear.half_gap > 0.0 {
+                    true => self.play(gear, joint, prepared, period),
+                    false => {
+                        let carried = parts.carried(joint, link.qdd.channel(joint));
+                        let steady: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
+                        let [steady, rate, _] = derivatives(prepared.filtered(&steady)?, period)?;
+                        let twist = steady.iter().zip(rate).map(|(twist, rate)| twist - DAMPING_TIME_S * rate);
+                        derivatives(twist.collect(), period)?
+                    }
+                };
+                let channels = [&mut next.q, &mut next.qd, &mut next.qdd];
+                for (channel, change) in channels.into_iter().zip(path) {
+                    channel.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
                 }
             }
             link = next;
         }
         Ok(link)
     }
+
+    /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is
+    /// followed in time. (Far above the motion band, where such a gear swings, nothing excites it in the model.)
+    fn play(&self, gear: Gear, joint: usize, prepared: &Prepared, period: f64) -> [Vec<f64>; 3] {
+        let carried = |motion: &Motion| Parts::new(self, prepared, motion).carried(joint, motion.qdd.channel(joint));
+        let load = carried(&prepared.motion);
+        let mut pushed = prepared.motion.clone();
+        pushed.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
+        let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
+        gear.follow(&load, &inertia, period)
+    }
+}
+
+/// A signal with its first and second derivative.
+fn derivatives(signal: Vec<f64>, period: f64) -> Result<[Vec<f64>; 3]> {
+    let (mut rate, mut second) = (vec![0.0; signal.len()], vec![0.0; signal.len()]);
+    first_derivative(&signal, period, &mut rate)?;
+    second_derivative(&signal, period, &mut second)?;
+    Ok([signal, rate, second])
 }
 
 /// Parameters of an effect with its amplitudes at zero.

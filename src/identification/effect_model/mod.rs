@@ -180,16 +180,17 @@ impl<'a> EffectModel<'a> {
 
     /// The regression rows of one log.
     fn rows(&self, recording: &Recording, prepared: &Prepared) -> Result<Vec<JointRegression>> {
+        let undone = self.without_encoder_errors(recording);
         let corrected;
-        let prepared = match self.without_encoder_errors(recording) {
+        let (recording, prepared) = match &undone {
             Some(log) => {
-                corrected = prepare::measured(&log, self.preparation.smoothing, self.preparation.band)?;
-                &corrected
+                corrected = prepare::measured(log, self.preparation.smoothing, self.preparation.band)?;
+                (log, &corrected)
             }
-            None => prepared,
+            None => (recording, prepared),
         };
         let period = 1.0 / recording.rate_hz();
-        let link = self.link_motion(prepared, period)?;
+        let link = self.link_motion(recording, prepared)?;
         let parts = Parts::new(self, prepared, &link);
         (0..self.model.dof())
             .map(|joint| {
@@ -275,7 +276,8 @@ impl<'a> EffectModel<'a> {
     /// carry. (The measured torque would bring its noise into the columns, and with it a bias larger than what most gears
     /// yield.) Twists pass the filter of torque and columns: above the frequency at which the link swings on its gear the
     /// rounds would amplify every error.
-    fn link_motion(&self, prepared: &Prepared, period: f64) -> Result<Motion> {
+    fn link_motion(&self, log: &Recording, prepared: &Prepared) -> Result<Motion> {
+        let period = 1.0 / log.rate_hz();
         let mut link = prepared.motion.clone();
         if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
             return Ok(link);
@@ -287,7 +289,7 @@ impl<'a> EffectModel<'a> {
                 let Some(gear) = self.gear(joint) else { continue };
                 let gear = gear.completed(self.model.robot().joints[joint].drive.armature);
                 let path = match gear.half_gap > 0.0 {
-                    true => self.play(gear, joint, prepared, period),
+                    true => self.play(gear, joint, log, prepared)?,
                     false => {
                         let carried = parts.carried(joint, link.qdd.channel(joint));
                         let steady: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
@@ -307,14 +309,18 @@ impl<'a> EffectModel<'a> {
     }
 
     /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is
-    /// followed in time. (Far above the motion band, where such a gear swings, nothing excites it in the model.)
-    fn play(&self, gear: Gear, joint: usize, prepared: &Prepared, period: f64) -> [Vec<f64>; 3] {
-        let carried = |motion: &Motion| Parts::new(self, prepared, motion).carried(joint, motion.qdd.channel(joint));
-        let load = carried(&prepared.motion);
-        let mut pushed = prepared.motion.clone();
+    /// followed in time. It is followed on the unsmoothed motion, since smoothing would make impacts come too early;
+    /// following integrates twice, which takes care of the noise. Then the twist is smoothed like the positions.
+    fn play(&self, gear: Gear, joint: usize, log: &Recording, prepared: &Prepared) -> Result<[Vec<f64>; 3]> {
+        let period = 1.0 / log.rate_hz();
+        let sharp = prepare::measured(log, Smoothing::None, self.preparation.band)?;
+        let carried = |motion: &Motion| Parts::new(self, &sharp, motion).carried(joint, motion.qdd.channel(joint));
+        let load = carried(&sharp.motion);
+        let mut pushed = sharp.motion.clone();
         pushed.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
         let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
-        gear.follow(&load, &inertia, period)
+        let [twist, ..] = gear.follow(&load, &inertia, period);
+        derivatives(prepared.filtered_like_positions(&twist)?, period)
     }
 }
 

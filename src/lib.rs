@@ -1,6 +1,7 @@
 //! tauscope: a physics-simulator-in-the-loop testbed for robot-arm identification.
 
 pub mod channels;
+pub mod design;
 pub mod dynamics;
 pub mod effects;
 pub mod error;

@@ -10,9 +10,9 @@ fn main() {
     let experiment = Experiment::new(&setup.plant, &noise, 500.0).unwrap();
     let ws = Workspace { floor_m: 0.0, column_radius_m: 0.35, column_top_m: 0.7 };
     let envelope = Envelope::new(&setup.plant, &setup.limits, Some(ws)).unwrap();
-    let mut crit = Criterion::Compromise;
-    for (n, c) in Criterion::NAMED { if a.get(4).is_some_and(|x| x == n) { crit = c; } }
-    let grid = 100.0;
+    let w = std::env::var("W").map_or(0.15, |x| x.parse().unwrap());
+    let crit = Criterion::named(a.get(4).map_or("compromise", |x| x), w).unwrap();
+    let grid = std::env::var("GRID").map_or(50.0, |x| x.parse().unwrap());
     let p = Problem::new(experiment, envelope, crit, grid, 0.03).unwrap();
     for (g, b) in p.experiment.model().base().groupings().iter().zip(p.experiment.beta()) { if a.len() == 1 { println!("{b:10.4} {}", g.name); } }
     let size: usize = a.get(2).map_or(6, |x| x.parse().unwrap());
@@ -28,7 +28,7 @@ fn main() {
         if infos.len() < 40 { infos.push(i); }
     }
     println!("{tried} random in {:.3} ms each, {ok} feasible", t.elapsed().as_secs_f64() * 1e3 / 400.0);
-    let t = Instant::now(); for i in &infos { std::hint::black_box(Criterion::Compromise.value(i, p.sizes())); } println!("compromise {:.3} ms", t.elapsed().as_secs_f64() * 1e3 / 40.0);
+    let t = Instant::now(); for i in &infos { std::hint::black_box(Criterion::default().value(i, p.sizes())); } println!("compromise {:.3} ms", t.elapsed().as_secs_f64() * 1e3 / 40.0);
     let t = Instant::now(); for i in &infos { std::hint::black_box(criterion::log_determinant(i)); } println!("D {:.3} ms", t.elapsed().as_secs_f64() * 1e3 / 40.0);
     let med = |v: &mut Vec<f64>| { v.sort_by(f64::total_cmp); v[v.len()/2] };
     println!("random median kappa {:.2} D {:.3}", med(&mut ks), med(&mut ds));
@@ -41,5 +41,5 @@ fn main() {
     let found = search::minimise(&*enc, &|m: &Motion| { let (i, v) = p.observe(m); p.worth(&i, v) }, &plan, &mut |pr, _| { if pr.evaluations / 2000 > last { last = pr.evaluations/2000; println!("  {} {:?} {:.1}s", pr.evaluations, pr.best, t.elapsed().as_secs_f64()); } true });
     let best = match found.best { Some(b) => b, None => { println!("none {:?}", found.least_violation); return; } };
     let i = p.experiment.information(&best.motion, 500.0);
-    println!("{} {size} {:?}: value {:.4} kappa {:.3} D {:.3} had {:.3} worst {:.3}% HO {:.4} check {:?} in {:.1} s", fam.name(), crit.name(), best.worth.value, criterion::condition_number(&i), criterion::log_determinant(&i), criterion::hadamard(&i), 100.0*Criterion::WorstDeviation.value(&i, p.sizes()), ho(&i), p.envelope.check(&best.motion), t.elapsed().as_secs_f64());
+    println!("{} {size} {:?}: value {:.4} kappa {:.3} D {:.3} had {:.3} worst {:.3}% median {:.4}% HO {:.4} check {:?} in {:.1} s", fam.name(), crit.name(), best.worth.value, criterion::condition_number(&i), criterion::log_determinant(&i), criterion::hadamard(&i), 100.0*Criterion::WorstDeviation.value(&i, p.sizes()), 100.0*med(&mut criterion::relative_deviations(&i, p.sizes())), ho(&i), p.envelope.check(&best.motion), t.elapsed().as_secs_f64());
 }

@@ -6,7 +6,7 @@
 //! | D | -ln det G / (2 p): mean of the logarithm of the half axes of the confidence ellipsoid, nats a parameter |
 //! | Hadamard | -ln(det G / prod G_ii) / (2 p), from Hadamard's inequality det G <= prod G_ii; zero for orthogonal columns |
 //! | worst deviation | largest standard deviation of a parameter over its size |
-//! | compromise | D + 0.15 ln kappa |
+//! | compromise | D + w ln kappa, w = 0.15 unless another weight is asked for |
 //!
 //! kappa and Hadamard's ratio do not see how large the torques are, only how alike the columns are: a small slow motion
 //! can score well. D sees both, and orders motions much as the torque error on other motions does; the compromise keeps
@@ -18,20 +18,23 @@
 //! robust trajectory design approach, Robotics and Computer-Integrated Manufacturing 31, 2015 (Hadamard's inequality).
 
 use super::information::Information;
+use crate::error::{Error, Result};
 
-/// Weight of ln kappa beside D in the compromise.
-const KAPPA_WEIGHT: f64 = 0.15;
+/// Weight of ln kappa beside D in the compromise, unless another is asked for.
+pub const KAPPA_WEIGHT: f64 = 0.15;
 
-/// Base parameters smaller than this share of the median size of their kind count as this large in relative deviations.
+/// Base parameters smaller than this share of the largest in the same unit count as this large in relative deviations.
 const SMALL: f64 = 1e-2;
 
 /// What a motion is judged by; see the module for the definitions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Criterion {
-    /// D + 0.15 ln kappa.
-    #[default]
-    Compromise,
+    /// D + w ln kappa.
+    Compromise {
+        /// The weight w.
+        kappa_weight: f64,
+    },
     /// Condition number of the weighted regressor with columns of unit length.
     ConditionNumber,
     /// D, from the determinant of the information matrix.
@@ -42,27 +45,53 @@ pub enum Criterion {
     WorstDeviation,
 }
 
-impl Criterion {
-    /// All criteria with their names on the command line.
-    pub const NAMED: [(&'static str, Criterion); 5] = [
-        ("compromise", Criterion::Compromise),
-        ("condition-number", Criterion::ConditionNumber),
-        ("log-determinant", Criterion::LogDeterminant),
-        ("hadamard", Criterion::Hadamard),
-        ("worst-deviation", Criterion::WorstDeviation),
-    ];
+impl Default for Criterion {
+    fn default() -> Self {
+        Criterion::Compromise { kappa_weight: KAPPA_WEIGHT }
+    }
+}
 
-    /// Its name on the command line.
+impl Criterion {
+    /// Names of all criteria, as the command line and results spell them.
+    pub const NAMES: [&'static str; 5] =
+        ["compromise", "condition-number", "log-determinant", "hadamard", "worst-deviation"];
+
+    /// Its name.
     pub fn name(self) -> &'static str {
-        Self::NAMED.iter().find(|(_, criterion)| *criterion == self).map_or("", |(name, _)| name)
+        match self {
+            Criterion::Compromise { .. } => Self::NAMES[0],
+            Criterion::ConditionNumber => Self::NAMES[1],
+            Criterion::LogDeterminant => Self::NAMES[2],
+            Criterion::Hadamard => Self::NAMES[3],
+            Criterion::WorstDeviation => Self::NAMES[4],
+        }
+    }
+
+    /// The criterion called `name`; the compromise gets the weight given.
+    ///
+    /// # Errors
+    /// Lists the names there are.
+    pub fn named(name: &str, kappa_weight: f64) -> Result<Self> {
+        [
+            Criterion::Compromise { kappa_weight },
+            Criterion::ConditionNumber,
+            Criterion::LogDeterminant,
+            Criterion::Hadamard,
+            Criterion::WorstDeviation,
+        ]
+        .into_iter()
+        .find(|criterion| criterion.name() == name)
+        .ok_or_else(|| {
+            Error::request("criterion", format!("there is no criterion `{name}`; choose from {}", Self::NAMES.join(", ")))
+        })
     }
 
     /// The value for `information` on parameters of the given sizes; infinite when a parameter is not excited.
     pub fn value(self, information: &Information, sizes: &[f64]) -> f64 {
         match self {
-            Criterion::Compromise => {
+            Criterion::Compromise { kappa_weight } => {
                 let (d, kappa) = both(information);
-                d + KAPPA_WEIGHT * kappa.ln()
+                d + kappa_weight * kappa.ln()
             }
             Criterion::ConditionNumber => condition_number(information),
             Criterion::LogDeterminant => log_determinant(information),
@@ -95,16 +124,12 @@ pub fn relative_deviations(information: &Information, sizes: &[f64]) -> Vec<f64>
 }
 
 /// What base parameters of the values `beta` are held against in relative deviations: their magnitude, but at least a
-/// hundredth of the median of all those in the same unit, as a parameter may happen to be zero.
+/// hundredth of the largest in the same unit, as a parameter may happen to be zero.
 pub fn sizes(beta: &[f64], units: &[&str]) -> Vec<f64> {
-    beta.iter()
-        .zip(units)
-        .map(|(value, unit)| {
-            let mut kind: Vec<f64> = beta.iter().zip(units).filter(|(_, u)| *u == unit).map(|(b, _)| b.abs()).collect();
-            kind.sort_by(f64::total_cmp);
-            value.abs().max(SMALL * kind[kind.len() / 2])
-        })
-        .collect()
+    let largest = |unit: &str| {
+        beta.iter().zip(units).filter(|(_, u)| **u == unit).fold(0.0f64, |most, (value, _)| most.max(value.abs()))
+    };
+    beta.iter().zip(units).map(|(value, unit)| value.abs().max(SMALL * largest(unit))).collect()
 }
 
 /// D and kappa from one set of eigenvalues.

@@ -8,15 +8,17 @@
 //! | [`envelope`] | limits beyond the joints' own: torque, floor, the column around the base |
 //! | [`problem`] | criterion and limits together, as a function of a motion |
 //! | [`search`] | CMA-ES with several starts, stoppable at any time |
-//! | [`blocks`] | long motions put together from blocks that complement each other |
 //! | [`families`] | the parametrisations at a given length, as encodings to search in |
+//! | [`excite`] | the whole job: checks, search, long motions put together from blocks |
 //! | [`comparison`] | all of them side by side, with random motions and a single move |
 //!
 //! Position, velocity and acceleration limits are kept by construction, through [`crate::excitation::encoding`]. The
 //! others enter the search as penalties on a coarse grid with a margin; what is returned was checked at 10 kHz.
 
+pub mod comparison;
 pub mod criterion;
 pub mod envelope;
+pub mod excite;
 pub mod families;
 pub mod information;
 pub mod problem;

@@ -22,7 +22,11 @@ const FIRST_STEP: f64 = 0.3;
 const REFINING_STEP: f64 = 0.05;
 
 /// Candidates of a generation.
-const POPULATION: usize = 32;
+const POPULATION: usize = 24;
+
+/// Penalty per square of the distance outside the box. An encoding reads such points as the nearest in the box; were they
+/// clipped before CMA-ES sees them, its step size would grow without end as soon as many unknowns lie on the border.
+const BOX_PENALTY: f64 = 0.01;
 
 /// How long and from where to search.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,8 +129,8 @@ impl Search<'_, '_> {
             seed: random::stream(plan.seed, &format!("{} generations", plan.label), start).next_u64(),
             ..Default::default()
         };
-        let bounds = Fitness::bounded(dimension, 1, &vec![-1.0; dimension], &vec![1.0; dimension]);
-        let mut cmaes = Cmaes::new(bounds, &guess, &[step], &parameters);
+        let unbounded = Fitness::new(dimension, 1, vec![], vec![]);
+        let mut cmaes = Cmaes::new(unbounded, &guess, &[step], &parameters);
         while self.found.evaluations < until && !self.found.stopped {
             let points = cmaes.ask();
             let values = self.evaluate(&points);
@@ -147,7 +151,7 @@ impl Search<'_, '_> {
                 (motion, worth)
             })
             .collect();
-        let values = assessed.iter().map(|(_, worth)| worth.value).collect();
+        let values = points.iter().zip(&assessed).map(|(x, (_, worth))| worth.value + outside_box(x)).collect();
         let mut improved = false;
         for (x, (motion, worth)) in points.iter().zip(assessed) {
             self.note_violation(worth.violation);
@@ -170,4 +174,8 @@ impl Search<'_, '_> {
             self.found.least_violation = Some(violation);
         }
     }
+}
+
+fn outside_box(x: &[f64]) -> f64 {
+    BOX_PENALTY * x.iter().map(|value| (value.abs() - 1.0).max(0.0).powi(2)).sum::<f64>()
 }

@@ -1,4 +1,4 @@
-//! Several signals over the same samples, laid out [channel][time].
+//! Several signals over the same samples, laid out `[channel][time]`.
 
 /// A table of `channels` signals of `samples` values each; every signal is one contiguous run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -49,7 +49,7 @@ impl Channels {
         (0..self.channels).map(|index| self.channel(index))
     }
 
-    /// The whole table, [channel][time].
+    /// The whole table, `[channel][time]`.
     pub fn as_slice(&self) -> &[f64] {
         &self.data
     }

@@ -1,2 +1,7 @@
-//! x
-fn main() {}
+//! The `tauscope` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    tauscope::cli::main()
+}

@@ -35,14 +35,14 @@ fn references() -> Vec<(Reference, Robot)> {
         ("skew7", "tests/reference/skew7.urdf"),
         ("fixed_links", "tests/reference/fixed_links.urdf"),
     ]
-        .map(|(name, urdf)| {
-            let path = format!("{}/tests/reference/{name}_dynamics.json", env!("CARGO_MANIFEST_DIR"));
-            let reference: Reference = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-            let urdf = format!("{}/{urdf}", env!("CARGO_MANIFEST_DIR"));
-            let robot = robot::load(urdf, InertiaCheck::Required).unwrap();
-            (reference, robot)
-        })
-        .into()
+    .map(|(name, urdf)| {
+        let path = format!("{}/tests/reference/{name}_dynamics.json", env!("CARGO_MANIFEST_DIR"));
+        let reference: Reference = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let urdf = format!("{}/{urdf}", env!("CARGO_MANIFEST_DIR"));
+        let robot = robot::load(urdf, InertiaCheck::Required).unwrap();
+        (reference, robot)
+    })
+    .into()
 }
 
 /// Largest difference over the largest size, at least 1.

@@ -42,10 +42,10 @@ pub struct Row {
     pub median_deviation: f64,
     /// Largest relative standard deviation of the parameters.
     pub worst_deviation: f64,
-    /// Torque error on held-out motions, in sigma.
-    pub held_out: f64,
+    /// Torque error on held-out motions, in sigma; none where no random motion keeps the limits.
+    pub held_out: Option<f64>,
     /// The same over that of the median random motion, minus one.
-    pub held_out_gain: f64,
+    pub held_out_change: Option<f64>,
 }
 
 /// The table.
@@ -75,59 +75,38 @@ pub fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -> Resul
             break;
         }
     }
-    rows.push(judge.random_median.clone());
+    rows.extend(judge.random_median.clone());
     rows.push(judge.row("single move", &SingleMove::of(problem.envelope.joints(), request.duration_s)));
-    for row in &mut rows {
-        row.held_out_gain = row.held_out / judge.random_median.held_out - 1.0;
-    }
     Ok(Comparison { parameters: problem.experiment.beta().len(), duration_s: request.duration_s, rows })
 }
 
 /// What motions are judged on.
 pub struct Judge<'a> {
     problem: &'a Problem,
-    held_out: Information,
-    random_median: Row,
+    held_out: Option<Information>,
+    random_median: Option<Row>,
 }
 
 impl<'a> Judge<'a> {
-    /// Draws the held-out motions and those the median random motion is taken of.
+    /// Draws the held-out motions and those the median random motion is taken of, all as long as `request` says.
     ///
     /// # Errors
-    /// When no random motion can be made in these limits.
+    /// Names the limits that no motion can keep.
     pub fn new(problem: &'a Problem, request: &Request) -> Result<Self> {
-        let held_out = random_motions(problem, request, "held-out excitation")?;
-        let none = Information::none(problem.experiment.beta().len());
-        let held_out = held_out.iter().fold(none, |sum, motion| sum.joined(&problem.observe(motion).0));
-        let empty = Row {
-            name: String::new(),
-            rank: 0,
-            condition_number: f64::NAN,
-            d: f64::NAN,
-            peak_acceleration: f64::NAN,
-            acceleration_used: f64::NAN,
-            median_deviation: f64::NAN,
-            worst_deviation: f64::NAN,
-            held_out: f64::NAN,
-            held_out_gain: 0.0,
-        };
-        let mut judge = Judge { problem, held_out, random_median: empty };
+        let held_out = random_motions(problem, request, "held-out excitation")?
+            .iter()
+            .map(|motion| problem.observe(motion).0)
+            .reduce(|sum, information| sum.joined(&information));
+        let mut judge = Judge { problem, held_out, random_median: None };
         let rows: Vec<Row> =
             random_motions(problem, request, "random excitation")?.iter().map(|m| judge.row("random", m)).collect();
-        let middle = |value: &dyn Fn(&Row) -> f64| median(rows.iter().map(value).collect());
-        judge.random_median = Row {
-            name: "random, median".to_owned(),
-            rank: middle(&|row| row.rank as f64) as usize,
-            condition_number: middle(&|row| row.condition_number),
-            d: middle(&|row| row.d),
-            peak_acceleration: middle(&|row| row.peak_acceleration),
-            acceleration_used: middle(&|row| row.acceleration_used),
-            median_deviation: middle(&|row| row.median_deviation),
-            worst_deviation: middle(&|row| row.worst_deviation),
-            held_out: middle(&|row| row.held_out),
-            held_out_gain: 0.0,
-        };
+        judge.random_median = median_row(&rows);
         Ok(judge)
+    }
+
+    /// The median of random sequences; none where no random sequence keeps the limits.
+    pub fn random_median(&self) -> Option<&Row> {
+        self.random_median.as_ref()
     }
 
     /// Judges one motion on the rate of the log.
@@ -141,7 +120,8 @@ impl<'a> Judge<'a> {
             }
         });
         let deviations = relative_deviations(&information, self.problem.sizes());
-        let held_out = information.prediction_error(&self.held_out);
+        let held_out = self.held_out.as_ref().map(|other| information.prediction_error(other));
+        let median_held_out = self.random_median.as_ref().and_then(|row| row.held_out);
         Row {
             name: name.to_owned(),
             rank: information.rank(),
@@ -152,35 +132,37 @@ impl<'a> Judge<'a> {
             worst_deviation: deviations.iter().copied().fold(0.0, f64::max),
             median_deviation: median(deviations),
             held_out,
-            held_out_gain: held_out / self.random_median.held_out - 1.0,
+            held_out_change: held_out.zip(median_held_out).map(|(own, median)| own / median - 1.0),
         }
     }
+}
 
-    /// The median of random sequences.
-    pub fn random_median(&self) -> &Row {
-        &self.random_median
-    }
+/// The medians of every column; none of no rows.
+fn median_row(rows: &[Row]) -> Option<Row> {
+    let middle = |value: &dyn Fn(&Row) -> f64| median(rows.iter().map(value).collect());
+    Some(Row {
+        name: "random, median".to_owned(),
+        rank: rows.iter().map(|row| row.rank).min()?,
+        condition_number: middle(&|row| row.condition_number),
+        d: middle(&|row| row.d),
+        peak_acceleration: middle(&|row| row.peak_acceleration),
+        acceleration_used: middle(&|row| row.acceleration_used),
+        median_deviation: middle(&|row| row.median_deviation),
+        worst_deviation: middle(&|row| row.worst_deviation),
+        held_out: Some(middle(&|row| row.held_out.unwrap_or(f64::NAN))),
+        held_out_change: Some(0.0),
+    })
 }
 
 /// Random 1-3-5 sequences inside all limits.
 fn random_motions(problem: &Problem, request: &Request, label: &str) -> Result<Vec<Motion>> {
     let size = ((RANDOM_MOVES_PER_SECOND * request.duration_s).round() as usize).max(2);
     let encoding = Family::Freudenstein.encoding(problem.envelope.joints(), request.duration_s, size)?;
-    let motions: Vec<Motion> = (0..DRAWS)
+    Ok((0..DRAWS)
         .map(|index| encoding.decode(&random_point(&*encoding, request.seed, label, index)))
         .filter(|motion| problem.observe(motion).1.is_none())
         .take(RANDOM_MOTIONS)
-        .collect();
-    if motions.len() < RANDOM_MOTIONS / 4 {
-        return Err(crate::error::Error::request(
-            "comparison",
-            format!(
-                "only {} of {DRAWS} random motions keep clear of floor, column and torque limits; relax the limits",
-                motions.len()
-            ),
-        ));
-    }
-    Ok(motions)
+        .collect())
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

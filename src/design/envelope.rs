@@ -7,7 +7,7 @@
 use super::information::Samples;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, inverse_dynamics_at};
-use crate::effects::{CoulombFriction, Effect, Instant, ViscousFriction};
+use crate::effects::direction;
 use crate::error::{Error, Result};
 use crate::excitation::{JointLimits, Reference, limits};
 use crate::robot::Robot;
@@ -37,6 +37,17 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    fn validate(&self) -> Result<()> {
+        for (name, value) in
+            [("floor_m", self.floor_m), ("column_radius_m", self.column_radius_m), ("column_top_m", self.column_top_m)]
+        {
+            if !value.is_finite() {
+                return Err(Error::request(format!("workspace.{name}"), format!("must be a number, found {value}")));
+            }
+        }
+        Ok(())
+    }
+
     /// Height of a point over the floor, m.
     fn above_floor(&self, point: &Vector3<f64>) -> f64 {
         point.z - self.floor_m
@@ -108,6 +119,7 @@ impl Envelope {
         for (limits, joint) in joints.iter().zip(&robot.joints) {
             limits.validate(&joint.name)?;
         }
+        workspace.map_or(Ok(()), |workspace| workspace.validate())?;
         let zero = vec![0.0; robot.dof()];
         envelope.keeps([&zero, &zero, &zero], &mut Margins::default()).map_err(|passed| {
             Error::request(
@@ -243,15 +255,11 @@ impl Envelope {
     /// Torque of the motors: rigid bodies, rotors, friction. At standstill dry friction counts against whatever else acts.
     fn torque(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         let mut tau = inverse_dynamics_at(&self.chain, &self.inertial, q, qd, qdd);
-        let heading: Vec<f64> = qd.iter().map(|v| if *v == 0.0 { 0.0 } else { v.signum() }).collect();
-        let state = Instant { t: 0.0, q, qd, direction: &heading };
         for (index, (tau, joint)) in tau.iter_mut().zip(&self.robot.joints).enumerate() {
             let drive = joint.drive;
-            *tau += drive.armature * qdd[index] + ViscousFriction.torque(&[drive.viscous], index, &state);
-            *tau += match heading[index] {
-                0.0 => drive.coulomb * tau.signum(),
-                _ => CoulombFriction.torque(&[drive.coulomb], index, &state),
-            };
+            *tau += drive.armature * qdd[index] + drive.viscous * qd[index];
+            let heading = if qd[index] == 0.0 { tau.signum() } else { direction(qd[index], 0.0) };
+            *tau += drive.coulomb * heading;
         }
         tau
     }

@@ -11,7 +11,7 @@
 
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, block_row, regressor};
-use crate::effects::{CoulombFriction, Effect, Instant, ViscousFriction, direction};
+use crate::effects::direction;
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::identification::model::{Model, STANDARD};
@@ -120,18 +120,20 @@ pub struct Samples {
 }
 
 /// Which column of the regressor a base parameter scales on a joint.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 enum Column {
     /// Channel of the rigid-body regressor.
     Rigid(usize),
     /// The joint's own acceleration.
     Rotor,
-    /// Torque of a friction law with a coefficient of one.
-    Friction(&'static dyn Effect),
+    /// The joint's own velocity, for viscous friction.
+    Viscous,
+    /// The direction of the joint's motion, for Coulomb friction.
+    Coulomb,
 }
 
 /// One joint's share of the regressor.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 struct JointColumns {
     /// Base parameters that can act on the joint.
     parameters: Vec<usize>,
@@ -142,7 +144,7 @@ struct JointColumns {
 }
 
 /// An arm with its torque sensors: what turns a motion into information.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Experiment {
     chain: Chain,
     model: Model,
@@ -263,8 +265,8 @@ fn joint_columns(model: &Model, joint: usize, sigma: f64) -> JointColumns {
                     Column::Rigid(block_row(model.dof(), standard / STANDARD, inertial, joint))
                 }
                 PARAMETERS => Column::Rotor,
-                11 => Column::Friction(&ViscousFriction),
-                _ => Column::Friction(&CoulombFriction),
+                11 => Column::Viscous,
+                _ => Column::Coulomb,
             }
         })
         .collect();
@@ -279,12 +281,10 @@ impl JointColumns {
             match column {
                 Column::Rigid(channel) => table.extend_from_slice(rigid.channel(*channel)),
                 Column::Rotor => table.extend_from_slice(samples.motion.qdd.channel(joint)),
-                Column::Friction(law) => table.extend((0..samples.time.len()).map(|k| {
-                    // The laws of this model look at their own joint only, so the others need not be shown to them.
-                    let (q, qd) = (samples.motion.q.channel(joint)[k], samples.motion.qd.channel(joint)[k]);
-                    let heading = direction(qd, 0.0);
-                    law.torque(&[1.0], 0, &Instant { t: samples.time[k], q: &[q], qd: &[qd], direction: &[heading] })
-                })),
+                Column::Viscous => table.extend_from_slice(samples.motion.qd.channel(joint)),
+                Column::Coulomb => {
+                    table.extend(samples.motion.qd.channel(joint).iter().map(|&velocity| direction(velocity, 0.0)));
+                }
             }
         }
     }

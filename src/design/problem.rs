@@ -22,7 +22,7 @@ pub struct Worth {
 }
 
 /// A criterion on an arm with its sensors and limits.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Problem {
     /// The arm with its torque sensors.
     pub experiment: Experiment,

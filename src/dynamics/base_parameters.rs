@@ -115,7 +115,8 @@ fn regrouping_matrix(triangle: &DMatrix<f64>, kept: &[usize], norms: &[f64]) -> 
         for row in (0..rank).rev() {
             let mut value: f64 = part[(row, 0)];
             for later in row + 1..rank {
-                value -= triangle[(row, kept[later])] * k[(later, column)] * norms[kept[later]] / norms[column].max(f64::MIN_POSITIVE);
+                value -= triangle[(row, kept[later])] * k[(later, column)] * norms[kept[later]]
+                    / norms[column].max(f64::MIN_POSITIVE);
             }
             value /= triangle[(row, kept[row])];
             part[(row, 0)] = value;
@@ -132,7 +133,9 @@ fn groupings(regrouping: &DMatrix<f64>, kept: &[usize], names: &[String]) -> Vec
         .map(|(row, &leader)| {
             let mut terms = vec![(leader, 1.0)];
             terms.extend(
-                (0..names.len()).filter(|&c| c != leader && regrouping[(row, c)] != 0.0).map(|c| (c, regrouping[(row, c)])),
+                (0..names.len())
+                    .filter(|&c| c != leader && regrouping[(row, c)] != 0.0)
+                    .map(|c| (c, regrouping[(row, c)])),
             );
             let mut name = names[leader].clone();
             for &(index, coefficient) in &terms[1..] {

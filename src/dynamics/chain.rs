@@ -111,7 +111,8 @@ impl Chain {
         let geometry = &self.joints[joint];
         let axis: Vec3<L> = splat3(&geometry.axis);
         let mut translation: Vec3<L> = splat3(&geometry.translation);
-        let mut rotation: Mat3<L> = [splat3(&geometry.constant[0]), splat3(&geometry.constant[1]), splat3(&geometry.constant[2])];
+        let mut rotation: Mat3<L> =
+            [splat3(&geometry.constant[0]), splat3(&geometry.constant[1]), splat3(&geometry.constant[2])];
         let revolute = geometry.kind == JointKind::Revolute;
         if revolute {
             let (sine, cosine) = q.sin_cos();

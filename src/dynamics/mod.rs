@@ -1,6 +1,6 @@
 //! Rigid-body dynamics of any serial chain: inverse dynamics, torque regressor, base parameters.
 //!
-//! All functions are batched over samples laid out [channel][time], and walk the chain in link frames, carrying the
+//! All functions are batched over samples laid out `[channel][time]`, and walk the chain in link frames, carrying the
 //! joints' screws forward (Featherstone 2008 for the recursions, Atkeson, An and Hollerbach 1986 for the linearity in
 //! the inertial parameters).
 
@@ -18,7 +18,7 @@ pub use rnea::{inverse_dynamics, inverse_dynamics_at, mass_matrix};
 
 use crate::channels::Channels;
 
-/// Positions, velocities and accelerations of all joints over time; each is [joint][time].
+/// Positions, velocities and accelerations of all joints over time; each is `[joint][time]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
     /// Positions, rad or m.

@@ -14,7 +14,7 @@ pub fn block_row(dof: usize, link: usize, parameter: usize, joint: usize) -> usi
     (link * PARAMETERS + parameter) * dof + joint
 }
 
-/// Regressor of a motion as channels [link][parameter][joint], each over time; see [`block_row`].
+/// Regressor of a motion as channels `[link][parameter][joint]`, each over time; see [`block_row`].
 ///
 /// # Panics
 /// If the motion does not fit the chain.
@@ -88,16 +88,5 @@ fn contract<L: Lane>(link: &LinkState<L>, gradient: &[Vec3<L>; 3], (u, w): &Scre
     let z = cross(*u, omega);
     let moment = |i: usize| u[i] * alpha[i] + z[i] * omega[i];
     let product = |i: usize, j: usize| u[i] * alpha[j] + u[j] * alpha[i] + z[i] * omega[j] + z[j] * omega[i];
-    [
-        mass,
-        first[0],
-        first[1],
-        first[2],
-        moment(0),
-        product(0, 1),
-        moment(1),
-        product(0, 2),
-        product(1, 2),
-        moment(2),
-    ]
+    [mass, first[0], first[1], first[2], moment(0), product(0, 1), moment(1), product(0, 2), product(1, 2), moment(2)]
 }

@@ -1,12 +1,12 @@
 //! Inverse dynamics by the recursive Newton-Euler algorithm (Luh, Walker and Paul 1980), batched over samples.
 
+use super::Motion;
 use super::chain::{Chain, LinkState};
 use super::lane::{Lane, Vec3, add, cross, dot, scale, times};
-use super::Motion;
 use crate::channels::Channels;
 use crate::robot::PARAMETERS;
 
-/// Rigid-body joint torques, [joint][time], of a motion. `inertial` holds ten parameters per link, base to flange.
+/// Rigid-body joint torques, `[joint][time]`, of a motion. `inertial` holds ten parameters per link, base to flange.
 /// Friction and rotor inertia are not included.
 ///
 /// # Panics
@@ -36,9 +36,15 @@ pub fn inverse_dynamics(chain: &Chain, inertial: &[f64], motion: &Motion) -> Cha
 pub fn inverse_dynamics_at(chain: &Chain, inertial: &[f64], q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
     let mut tau = vec![0.0; chain.dof()];
     let mut scratch = Vec::with_capacity(chain.dof());
-    recursion::<f64>(chain, inertial, |joint| (q[joint], qd[joint], qdd[joint]), &mut scratch, |joint, effort| {
-        tau[joint] = effort;
-    });
+    recursion::<f64>(
+        chain,
+        inertial,
+        |joint| (q[joint], qd[joint], qdd[joint]),
+        &mut scratch,
+        |joint, effort| {
+            tau[joint] = effort;
+        },
+    );
     tau
 }
 

@@ -1,6 +1,6 @@
 //! Coulomb friction: torque of one size against the direction of motion; at standstill anything up to that size.
 
-use super::{About, Effect, Instant, Parameter};
+use super::{About, Effect, Instant, Parameter, Rival, Role, Scope, Site};
 
 /// Fc sign(v).
 #[derive(Debug, Clone, Copy)]
@@ -10,10 +10,28 @@ static ABOUT: About = About {
     name: "coulomb_friction",
     equation: "tau = Fc sign(v); |tau| <= Fc at standstill",
     explanation: "Dry friction of gears, seals and bearings: the same size at every speed, it flips with the direction.",
-    reference: "Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Automatica 30(7)",
+    reference: "Armstrong-Helouvry, Dupont, Canudas de Wit (1994), A survey of models, analysis tools and compensation \
+                methods for the control of machines with friction, Automatica 30(7)",
+    rivals: &[Rival {
+        name: "friction_asymmetry",
+        how_to_tell: "asymmetry differs in size between the two directions",
+    }],
+    site: Site::Joint,
+    scope: Scope::Joint,
+    dry: true,
+    uses_acceleration: false,
+    hidden_by_base_parameters: false,
 };
 
-static PARAMETERS: [Parameter; 1] = [Parameter { symbol: "Fc", unit: "N m" }];
+static PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "level",
+    symbol: "Fc",
+    unit: "N m",
+    role: Role::Amplitude,
+    lower: 0.0,
+    upper: f64::INFINITY,
+    typical: 20.0,
+}];
 
 impl Effect for CoulombFriction {
     fn about(&self) -> &'static About {
@@ -24,23 +42,19 @@ impl Effect for CoulombFriction {
         &PARAMETERS
     }
 
-    fn is_dry(&self) -> bool {
-        true
-    }
-
-    fn torque(&self, p: &[f64], joint: usize, x: &Instant) -> f64 {
-        p[0] * x.direction[joint]
+    fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
+        out[joint] += p[0] * x.direction[joint];
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::torque_at;
     use super::*;
 
     #[test]
     fn by_hand() {
-        let x = Instant { t: 0.0, q: &[0.0], qd: &[-0.5], direction: &[-1.0] };
-        assert_eq!(CoulombFriction.torque(&[30.0], 0, &x), -30.0);
-        assert_eq!(CoulombFriction.torque(&[30.0], 0, &Instant { direction: &[0.0], ..x }), 0.0);
+        // At -0.5 rad/s.
+        assert_eq!(torque_at(&CoulombFriction, &[30.0], 0.2, -0.5), -30.0);
     }
 }

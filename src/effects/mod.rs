@@ -1,32 +1,95 @@
-//! Physical effects: each law is written once and serves the plant, the identification model and the catalogue.
+//! Physical effects: each law is written once, in one file, and serves the plant, the identification model, the diagnosis,
+//! the report and the catalogue.
 //!
-//! Sign convention: an effect's torque is what the motor must add because of it.
+//! An effect acts at one or more places: on the robot's bodies ([`Effect::alter`]), as a torque at the joints
+//! ([`Effect::torque`]), inside the gear ([`Effect::gear`]), or in the sensors ([`Effect::distort_torque`],
+//! [`Effect::distort_position`]). Its parameters play one of four roles ([`Role`]).
+//!
+//! Sign convention: an effect's torque is what the motor must add because of it. Positions, velocities and accelerations
+//! are the motor's, seen at the joint side of the gear.
 
+mod along;
+mod catalogue;
 mod coulomb_friction;
+mod gear;
+#[cfg(test)]
+mod testing;
 mod viscous_friction;
 
+pub use along::{Along, contribution, contributions, direction};
+pub use catalogue::{LIBRARY, find};
 pub use coulomb_friction::CoulombFriction;
+pub use gear::Gear;
 pub use viscous_friction::ViscousFriction;
 
-use crate::dynamics::Motion;
+use crate::dynamics::Chain;
+use crate::robot::Robot;
 
-/// The state of the arm at one instant, as a law sees it. All slices have one entry per joint.
-#[derive(Debug, Clone, Copy)]
-pub struct Instant<'a> {
-    /// Time in s.
-    pub t: f64,
-    /// Positions.
-    pub q: &'a [f64],
-    /// Velocities.
-    pub qd: &'a [f64],
-    /// Direction of motion in [-1, 1]: the sign of the velocity, or of the imminent motion at standstill.
-    pub direction: &'a [f64],
+/// Where an effect can be placed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scope {
+    /// On one joint (or the link it carries).
+    Joint,
+    /// On a joint and the one after it.
+    Pair,
+    /// On the arm as a whole.
+    Arm,
+}
+
+/// Where an effect acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Site {
+    /// On masses, inertias or gravity.
+    Body,
+    /// As torque at the joints.
+    Joint,
+    /// Between motor and link.
+    Gear,
+    /// In what is logged.
+    Sensor,
+    /// In the simulation itself.
+    Integrator,
+}
+
+/// How a parameter enters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Torque is linear in it; zero means absent.
+    Amplitude,
+    /// Not linear; zero means absent (a delay, a compliance, an offset of an encoder).
+    Departure,
+    /// Not linear, and without meaning while all amplitudes are zero (a Stribeck velocity, a time constant).
+    Shape,
+    /// A constant of the law that fits leave at its default.
+    Held,
+}
+
+/// One parameter of an effect.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Parameter {
+    /// Name in scenarios and results: "rise".
+    pub name: &'static str,
+    /// Symbol in equations: "Fs - Fc".
+    pub symbol: &'static str,
+    /// Unit on a revolute joint.
+    pub unit: &'static str,
+    /// How it enters.
+    pub role: Role,
+    /// Smallest value that makes sense.
+    pub lower: f64,
+    /// Largest value that makes sense.
+    pub upper: f64,
+    /// A typical size on an industrial arm: start of fits, and default where the scenario gives none.
+    pub typical: f64,
 }
 
 /// What the catalogue says of an effect.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct About {
-    /// Its name in scenarios, results and tests.
+    /// Its name in scenarios, results and tests; also its file's.
     pub name: &'static str,
     /// Its law as a formula.
     pub equation: &'static str,
@@ -34,61 +97,140 @@ pub struct About {
     pub explanation: &'static str,
     /// The paper or book the law comes from.
     pub reference: &'static str,
+    /// Effects it is easily taken for, each with how to tell them apart.
+    pub rivals: &'static [Rival],
+    /// Where it acts.
+    pub site: Site,
+    /// Where it can be placed.
+    pub scope: Scope,
+    /// Whether its torque jumps with the direction of motion at its joint, so that the joint can stick.
+    pub dry: bool,
+    /// Whether its torque depends on [`Instant::qdd`] or [`Instant::load`].
+    pub uses_acceleration: bool,
+    /// Whether the re-identified inertial parameters hide it, so that it shows only against trusted inertias or a
+    /// reference log.
+    pub hidden_by_base_parameters: bool,
 }
 
-/// One parameter of an effect.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Parameter {
-    /// Symbol used in parameter names: "Fv".
-    pub symbol: &'static str,
-    /// Unit on a revolute joint.
-    pub unit: &'static str,
+/// An effect easily taken for another.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Rival {
+    /// The other effect.
+    pub name: &'static str,
+    /// What tells them apart.
+    pub how_to_tell: &'static str,
 }
 
-/// A physical law that adds torque to a joint, linear in its parameters.
+/// The state of the arm at one instant, as a law sees it. All slices have one entry per joint.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant<'a> {
+    /// Time, s.
+    pub t: f64,
+    /// Positions.
+    pub q: &'a [f64],
+    /// Velocities.
+    pub qd: &'a [f64],
+    /// Accelerations.
+    pub qdd: &'a [f64],
+    /// Direction of motion in -1 ..= 1: the sign of the velocity, or of the imminent motion at standstill.
+    pub direction: &'a [f64],
+    /// Torque that the gear passes on to the rigid bodies: inverse dynamics without rotor and friction.
+    pub load: &'a [f64],
+    /// The arm as it is known.
+    pub robot: &'a Robot,
+    /// Its geometry, for laws that need kinematics or inverse dynamics.
+    pub chain: &'a Chain,
+}
+
+/// A physical law.
+///
+/// `p` holds its parameters in the order of [`Effect::parameters`]; `joint` is where it is placed (the first of a pair;
+/// zero for the whole arm).
 pub trait Effect: Sync {
     /// What the catalogue says of it.
     fn about(&self) -> &'static About;
 
-    /// Its parameters; zero means absent.
+    /// Its parameters.
     fn parameters(&self) -> &'static [Parameter];
 
-    /// Whether the law jumps with the direction of motion, so that the joint can stick.
-    fn is_dry(&self) -> bool {
-        false
+    /// Changes masses, inertias, rotor or gravity.
+    fn alter(&self, p: &[f64], joint: usize, robot: &mut Robot) {
+        let _ = (p, joint, robot);
     }
 
-    /// Torque the motor of `joint` must add, for parameters `p`.
-    fn torque(&self, p: &[f64], joint: usize, x: &Instant) -> f64;
-}
+    /// Adds the torque that the motors must deliver because of it to `out`, one entry per joint. `memory` is the law's own state.
+    fn torque(&self, p: &[f64], joint: usize, x: &Instant, memory: &[f64], out: &mut [f64]) {
+        let _ = (p, joint, x, memory, out);
+    }
 
-/// Direction of motion along a measured velocity: tanh(v / width), the sign smoothed over the width in which noise
-/// makes it unreliable; a width of zero gives the plain sign.
-pub fn direction(velocity: f64, width: f64) -> f64 {
-    if width > 0.0 {
-        (velocity / width).tanh()
-    } else if velocity == 0.0 {
-        0.0
-    } else {
-        velocity.signum()
+    /// Number of values the law remembers from one instant to the next; zero at the start.
+    fn memory(&self) -> usize {
+        0
+    }
+
+    /// Carries the memory over `dt` seconds during which the arm is as `x` says on average.
+    fn advance(&self, p: &[f64], joint: usize, x: &Instant, dt: f64, memory: &mut [f64]) {
+        let _ = (p, joint, x, dt, memory);
+    }
+
+    /// The gear between motor and link, where the effect is in the gear.
+    fn gear(&self, p: &[f64]) -> Option<Gear> {
+        let _ = p;
+        None
+    }
+
+    /// Changes the logged torque of its joint; `period` is the time between samples, s.
+    fn distort_torque(&self, p: &[f64], signal: &mut [f64], period: f64) {
+        let _ = (p, signal, period);
+    }
+
+    /// Changes the logged position of its joint.
+    fn distort_position(&self, p: &[f64], signal: &mut [f64]) {
+        let _ = (p, signal);
     }
 }
 
-/// An effect's torque along a motion on its own joint, for parameters `p`.
-pub fn along(effect: &dyn Effect, p: &[f64], joint: usize, motion: &Motion, time: &[f64], width: f64) -> Vec<f64> {
-    let dof = motion.joints();
-    let mut q = vec![0.0; dof];
-    let mut qd = vec![0.0; dof];
-    let mut heading = vec![0.0; dof];
-    (0..motion.samples())
-        .map(|sample| {
-            for other in 0..dof {
-                q[other] = motion.q.channel(other)[sample];
-                qd[other] = motion.qd.channel(other)[sample];
-                heading[other] = direction(qd[other], width);
-            }
-            let t = time[sample];
-            effect.torque(p, joint, &Instant { t, q: &q, qd: &qd, direction: &heading })
-        })
-        .collect()
+/// An effect at work on a joint, with its parameters.
+#[derive(Clone)]
+pub struct Placed {
+    /// The law.
+    pub effect: &'static dyn Effect,
+    /// The joint (the first of a pair; zero for the whole arm).
+    pub joint: usize,
+    /// Its parameters, in the order of [`Effect::parameters`].
+    pub parameters: Vec<f64>,
+}
+
+impl Placed {
+    /// `effect` on `joint` with its typical parameters.
+    pub fn typical(effect: &'static dyn Effect, joint: usize) -> Self {
+        Placed { effect, joint, parameters: effect.parameters().iter().map(|p| p.typical).collect() }
+    }
+
+    /// The same effect with every amplitude and departure at zero: absent.
+    pub fn absent(&self) -> Self {
+        let parameters = self.effect.parameters().iter().zip(&self.parameters);
+        let parameters = parameters
+            .map(|(parameter, &value)| match parameter.role {
+                Role::Amplitude | Role::Departure => 0.0,
+                Role::Shape | Role::Held => value,
+            })
+            .collect();
+        Placed { parameters, ..self.clone() }
+    }
+
+    /// The joints it is placed on; none for the whole arm.
+    pub fn joints(&self) -> Vec<usize> {
+        match self.effect.about().scope {
+            Scope::Joint => vec![self.joint],
+            Scope::Pair => vec![self.joint, self.joint + 1],
+            Scope::Arm => Vec::new(),
+        }
+    }
+}
+
+impl std::fmt::Debug for Placed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} on {}: {:?}", self.effect.about().name, self.joint, self.parameters)
+    }
 }

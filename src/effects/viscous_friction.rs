@@ -1,6 +1,6 @@
 //! Viscous friction: torque proportional to speed.
 
-use super::{About, Effect, Instant, Parameter};
+use super::{About, Effect, Instant, Parameter, Rival, Role, Scope, Site};
 
 /// Fv v.
 #[derive(Debug, Clone, Copy)]
@@ -10,10 +10,28 @@ static ABOUT: About = About {
     name: "viscous_friction",
     equation: "tau = Fv v",
     explanation: "Lubricant and drive losses that grow in proportion to speed.",
-    reference: "Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Automatica 30(7)",
+    reference: "Armstrong-Helouvry, Dupont, Canudas de Wit (1994), A survey of models, analysis tools and compensation \
+                methods for the control of machines with friction, Automatica 30(7)",
+    rivals: &[Rival {
+        name: "nonlinear_viscous_friction",
+        how_to_tell: "only a law that is not straight leaves a residual that bends with speed",
+    }],
+    site: Site::Joint,
+    scope: Scope::Joint,
+    dry: false,
+    uses_acceleration: false,
+    hidden_by_base_parameters: false,
 };
 
-static PARAMETERS: [Parameter; 1] = [Parameter { symbol: "Fv", unit: "N m s/rad" }];
+static PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "coefficient",
+    symbol: "Fv",
+    unit: "N m s/rad",
+    role: Role::Amplitude,
+    lower: 0.0,
+    upper: f64::INFINITY,
+    typical: 20.0,
+}];
 
 impl Effect for ViscousFriction {
     fn about(&self) -> &'static About {
@@ -24,18 +42,19 @@ impl Effect for ViscousFriction {
         &PARAMETERS
     }
 
-    fn torque(&self, p: &[f64], joint: usize, x: &Instant) -> f64 {
-        p[0] * x.qd[joint]
+    fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
+        out[joint] += p[0] * x.qd[joint];
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::torque_at;
     use super::*;
 
     #[test]
     fn by_hand() {
-        let x = Instant { t: 0.0, q: &[0.0], qd: &[-0.5], direction: &[-1.0] };
-        assert_eq!(ViscousFriction.torque(&[40.0], 0, &x), -20.0);
+        // At -0.5 rad/s.
+        assert_eq!(torque_at(&ViscousFriction, &[40.0], 0.2, -0.5), -20.0);
     }
 }

@@ -1,12 +1,18 @@
 //! Weighted least squares on base parameters, with weights per joint and standard deviations that allow for coloured noise.
 
-use super::noise::AutoregressiveNoise;
+use super::linear_problem::LinearProblem;
+use super::noise::{AutoregressiveNoise, autocovariance};
 use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::random;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
 /// Order of the noise model behind the standard deviations.
 const NOISE_ORDER: usize = 12;
+
+/// Rounds of, and draws in each round of, correcting the noise model for what the fit swallows.
+const BIAS_ROUNDS: u64 = 2;
+const BIAS_DRAWS: u64 = 10;
 
 /// Times the weights are taken anew from the residual.
 const REWEIGHTINGS: usize = 3;
@@ -22,7 +28,7 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub struct JointRegression {
     /// Which parameters the columns belong to.
     pub parameters: Vec<usize>,
-    /// Columns, [active parameter][row].
+    /// Columns, `[active parameter][row]`.
     pub columns: Channels,
     /// Measured torque of each row.
     pub torque: Vec<f64>,
@@ -59,13 +65,25 @@ impl JointRegression {
         (sum / self.rows().max(1) as f64).sqrt()
     }
 
-    /// X'X and X'y over the rows that count, on the joint's own parameters.
-    fn gram(&self) -> (DMatrix<f64>, DVector<f64>) {
-        let masked = self.columns.map(|_, column| self.masked(column));
-        let n = self.parameters.len();
-        let matrix = DMatrix::from_row_slice(n, self.columns.samples(), masked.as_slice());
-        let torque = DVector::from_vec(self.masked(&self.torque));
-        (&matrix * matrix.transpose(), &matrix * torque)
+    /// Inner product of two signals over the rows that count.
+    pub(super) fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).zip(&self.valid).map(|((x, y), &ok)| if ok { x * y } else { 0.0 }).sum()
+    }
+
+    /// Adds `weight` times X'X over the rows that count to `sum`, at the places of this joint's parameters.
+    pub(super) fn add_gram(&self, weight: f64, sum: &mut DMatrix<f64>) {
+        self.scatter_gram(weight, &self.columns.map(|_, column| self.masked(column)), sum);
+    }
+
+    /// Adds `weight` times the Gram matrix of `table`, `[active parameter][row]`, to `sum`.
+    fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
+        let matrix = DMatrix::from_row_slice(self.parameters.len(), table.samples(), table.as_slice());
+        let gram = &matrix * matrix.transpose();
+        for (r, &row) in self.parameters.iter().enumerate() {
+            for (c, &column) in self.parameters.iter().enumerate() {
+                sum[(row, column)] += weight * gram[(r, c)];
+            }
+        }
     }
 
     fn masked(&self, signal: &[f64]) -> Vec<f64> {
@@ -118,16 +136,13 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
             return Err(Error::request(format!("joint {}", index + 1), problem));
         }
     }
-    let grams: Vec<_> = joints.iter().map(JointRegression::gram).collect();
+    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
     let mut sigma = vec![1.0; joints.len()];
-    let mut beta = vec![0.0; names.len()];
-    for _ in 0..=REWEIGHTINGS {
-        let (normal, right) = weighted_normal_equations(joints, &grams, &sigma, names.len());
-        beta = ScaledNormal::new(&normal, names)?.solve(&right).as_slice().to_vec();
-        sigma = residual_sigma(joints, &beta);
+    for _ in 0..REWEIGHTINGS {
+        sigma = residual_sigma(joints, solve(joints, &sigma, &torques, names)?.0.as_slice());
     }
-    let (normal, _) = weighted_normal_equations(joints, &grams, &sigma, names.len());
-    let scaled = ScaledNormal::new(&normal, names)?;
+    let (beta, scaled) = solve(joints, &sigma, &torques, names)?;
+    let beta = beta.as_slice().to_vec();
     Ok(Estimate {
         covariance: sandwich(joints, &beta, &sigma, &scaled),
         condition_number: scaled.condition_number,
@@ -137,25 +152,16 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
     })
 }
 
-/// J'WJ and J'Wy of the whole regression for given joint standard deviations.
-pub fn weighted_normal_equations(
+/// The weighted solution and the factored normal matrix for given joint standard deviations.
+fn solve(
     joints: &[JointRegression],
-    grams: &[(DMatrix<f64>, DVector<f64>)],
     sigma: &[f64],
-    parameters: usize,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let mut normal = DMatrix::zeros(parameters, parameters);
-    let mut right = DVector::zeros(parameters);
-    for ((joint, (gram, moment)), s) in joints.iter().zip(grams).zip(sigma) {
-        let weight = 1.0 / (s * s);
-        for (r, &row) in joint.parameters.iter().enumerate() {
-            right[row] += weight * moment[r];
-            for (c, &column) in joint.parameters.iter().enumerate() {
-                normal[(row, column)] += weight * gram[(r, c)];
-            }
-        }
-    }
-    (normal, right)
+    torques: &[Vec<f64>],
+    names: &[String],
+) -> Result<(DVector<f64>, ScaledNormal)> {
+    let problem = LinearProblem::new(joints, sigma, names.len());
+    let scaled = ScaledNormal::new(problem.normal(), names)?;
+    Ok((scaled.solve(&problem.right(torques)), scaled))
 }
 
 /// Standard deviation of each joint's residual. A residual without noise would give an infinite weight, so it is kept
@@ -176,24 +182,62 @@ fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
 fn sandwich(joints: &[JointRegression], beta: &[f64], sigma: &[f64], normal: &ScaledNormal) -> DMatrix<f64> {
     let parameters = beta.len();
     let mut meat = DMatrix::zeros(parameters, parameters);
-    for (joint, s) in joints.iter().zip(sigma) {
-        let residual = joint.residual(beta);
-        let noise = AutoregressiveNoise::fit(&residual, &joint.valid, NOISE_ORDER, joint.parameters.len() as f64);
+    let noises = residual_noise(joints, beta, sigma, normal);
+    for ((joint, s), noise) in joints.iter().zip(sigma).zip(noises) {
         let colored = joint.columns.map(|_, column| {
             let mut signal = joint.masked(column);
             noise.color_backward(&mut signal);
             signal
         });
-        let matrix = DMatrix::from_row_slice(joint.parameters.len(), joint.columns.samples(), colored.as_slice());
-        let gram = &matrix * matrix.transpose() / s.powi(4);
-        for (r, &row) in joint.parameters.iter().enumerate() {
-            for (c, &column) in joint.parameters.iter().enumerate() {
-                meat[(row, column)] += gram[(r, c)];
-            }
-        }
+        joint.scatter_gram(s.powi(-4), &colored, &mut meat);
     }
     let bread = normal.inverse();
     &bread * meat * &bread
+}
+
+/// The noise behind the residual of each joint. The fit swallows part of the noise, slow noise most of all, so the
+/// residual's autocovariances are too small; noise of the model found so far is sent through the same fit, and what it
+/// loses there is added back.
+fn residual_noise(
+    joints: &[JointRegression],
+    beta: &[f64],
+    sigma: &[f64],
+    normal: &ScaledNormal,
+) -> Vec<AutoregressiveNoise> {
+    let problem = LinearProblem::new(joints, sigma, beta.len());
+    let lags = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        joints.iter().zip(signals).map(|(joint, signal)| autocovariance(signal, &joint.valid, NOISE_ORDER)).collect()
+    };
+    let residuals: Vec<Vec<f64>> = joints.iter().map(|joint| joint.residual(beta)).collect();
+    let observed = lags(&residuals);
+    let mut noises: Vec<AutoregressiveNoise> =
+        observed.iter().map(|covariance| AutoregressiveNoise::from_autocovariance(covariance)).collect();
+    for round in 0..BIAS_ROUNDS {
+        let mut corrected = observed.clone();
+        for draw in 0..BIAS_DRAWS {
+            let mut source = random::stream(0, "noise bias", round * BIAS_DRAWS + draw);
+            let drawn: Vec<Vec<f64>> = joints
+                .iter()
+                .zip(&noises)
+                .map(|(joint, noise)| noise.simulate(joint.torque.len(), &mut source))
+                .collect();
+            let swallowed = normal.solve(&problem.right(&drawn));
+            let left: Vec<Vec<f64>> = joints
+                .iter()
+                .zip(&drawn)
+                .map(|(joint, noise)| {
+                    noise.iter().zip(joint.predict(swallowed.as_slice())).map(|(e, fitted)| e - fitted).collect()
+                })
+                .collect();
+            for ((target, before), after) in corrected.iter_mut().zip(lags(&drawn)).zip(lags(&left)) {
+                for (lag, value) in target.iter_mut().enumerate() {
+                    *value += (before[lag] - after[lag]) / BIAS_DRAWS as f64;
+                }
+            }
+        }
+        noises = corrected.iter().map(|covariance| AutoregressiveNoise::from_autocovariance(covariance)).collect();
+    }
+    noises
 }
 
 /// Normal matrix with unit diagonal, factored; the square root of its condition number is the regressor's.

@@ -1,6 +1,9 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
 pub mod least_squares;
+pub mod levenberg_marquardt;
+pub mod linear_problem;
 pub mod model;
 pub mod noise;
+pub mod paper78;
 pub mod prepare;

@@ -2,7 +2,7 @@
 
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Motion, block_row, regressor};
-use crate::effects::{self, CoulombFriction, Effect, ViscousFriction};
+use crate::effects::{Along, CoulombFriction, Effect, Placed, ViscousFriction, contributions};
 use crate::random;
 use crate::robot::{PARAMETERS, Robot, SYMBOLS, UNITS};
 use nalgebra::DMatrix;
@@ -18,6 +18,7 @@ const PROBES_PER_JOINT: usize = 40;
 /// can tell apart.
 #[derive(Debug, Clone)]
 pub struct Model {
+    robot: Robot,
     chain: Chain,
     names: Vec<String>,
     base: BaseParameters,
@@ -28,8 +29,8 @@ impl Model {
     pub fn new(robot: &Robot) -> Self {
         let chain = Chain::new(robot);
         let names = standard_names(robot.dof());
-        let base = BaseParameters::new(&probe(&chain), &names);
-        Model { chain, names, base }
+        let base = BaseParameters::new(&probe(robot, &chain), &names);
+        Model { robot: robot.clone(), chain, names, base }
     }
 
     /// Number of joints.
@@ -68,10 +69,10 @@ impl Model {
             .collect()
     }
 
-    /// The columns of all base parameters along a motion: for every joint a table [active base parameter][time] in the
+    /// The columns of all base parameters along a motion: for every joint a table `[active base parameter][time]` in the
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
     pub fn columns(&self, motion: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
-        let source = Source { rows: regressor(&self.chain, motion), motion, time, width };
+        let source = Source::new(&self.robot, &self.chain, motion, time, width);
         (0..self.dof())
             .map(|joint| {
                 let columns: Vec<Vec<f64>> = self
@@ -112,28 +113,36 @@ fn standard_names(dof: usize) -> Vec<String> {
 struct Source<'a> {
     rows: Channels,
     motion: &'a Motion,
-    time: &'a [f64],
-    width: f64,
+    /// Torque per unit viscous and per unit Coulomb friction, on each joint.
+    friction: Vec<[Channels; 2]>,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    fn new(robot: &Robot, chain: &Chain, motion: &'a Motion, time: &[f64], width: f64) -> Self {
+        let along = Along::new(robot, chain, time, motion, width);
+        let unit = |effect: &'static dyn Effect, joint| Placed { effect, joint, parameters: vec![1.0] };
+        let placed: Vec<Placed> =
+            (0..chain.dof()).flat_map(|joint| [unit(&ViscousFriction, joint), unit(&CoulombFriction, joint)]).collect();
+        let mut torques = contributions(&placed, &along).into_iter();
+        let friction = std::iter::from_fn(|| Some([torques.next()?, torques.next()?])).collect();
+        Source { rows: regressor(chain, motion), motion, friction }
+    }
+
     /// Torque on `joint` per unit of a standard parameter; None where it cannot act.
     fn column(&self, standard: usize, joint: usize) -> Option<Vec<f64>> {
         let (link, which) = (standard / STANDARD, standard % STANDARD);
-        let friction = |law: &dyn Effect| effects::along(law, &[1.0], joint, self.motion, self.time, self.width);
         match which {
             inertial if inertial < PARAMETERS => (link >= joint)
                 .then(|| self.rows.channel(block_row(self.motion.joints(), link, inertial, joint)).to_vec()),
             _ if link != joint => None,
             PARAMETERS => Some(self.motion.qdd.channel(joint).to_vec()),
-            11 => Some(friction(&ViscousFriction)),
-            _ => Some(friction(&CoulombFriction)),
+            friction => Some(self.friction[joint][friction - PARAMETERS - 1].channel(joint).to_vec()),
         }
     }
 }
 
 /// Regressor rows of all standard parameters at random noise-free states: what can be told apart by any motion.
-fn probe(chain: &Chain) -> DMatrix<f64> {
+fn probe(robot: &Robot, chain: &Chain) -> DMatrix<f64> {
     let dof = chain.dof();
     let samples = PROBES_PER_JOINT * dof;
     let mut random = random::stream(0, "base parameter probe", 0);
@@ -142,7 +151,7 @@ fn probe(chain: &Chain) -> DMatrix<f64> {
         signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
     }
     let time = vec![0.0; samples];
-    let source = Source { rows: regressor(chain, &motion), motion: &motion, time: &time, width: 0.0 };
+    let source = Source::new(robot, chain, &motion, &time, 0.0);
     let mut observation = DMatrix::zeros(samples * dof, dof * STANDARD);
     for standard in 0..dof * STANDARD {
         for joint in 0..dof {
@@ -162,11 +171,12 @@ mod tests {
     #[test]
     fn the_irb_1600_has_52_base_parameters_of_78() {
         let robot =
-            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+                .unwrap();
         let model = Model::new(&robot);
         assert_eq!(model.names().len(), 78);
         assert_eq!(model.base().len(), 52);
-        let singular = probe(&Chain::new(&robot)).svd(false, false).singular_values;
+        let singular = probe(&robot, &Chain::new(&robot)).svd(false, false).singular_values;
         let rank = singular.iter().filter(|&&s| s > 1e-10 * singular[0]).count();
         assert_eq!(rank, 52, "the singular values must agree with the QR");
         let first = &model.base().groupings()[0];

@@ -1,5 +1,11 @@
 //! Autoregressive model of residual noise: what makes standard deviations right when noise has a colour.
 
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Samples after which simulated noise has forgotten that it started from rest.
+const RUN_IN: usize = 300;
+
 /// Noise e(t) = sum_k a_k e(t - k) + w(t), with w white of a given standard deviation.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct AutoregressiveNoise {
@@ -10,19 +16,19 @@ pub struct AutoregressiveNoise {
 }
 
 impl AutoregressiveNoise {
-    /// Fits a model of the given order to a residual by the Yule-Walker equations (Levinson-Durbin recursion), which
-    /// always give a stable model. Samples where `valid` is false are left out; the autocovariance is taken over the
-    /// pairs that remain. `lost` is the number of parameters that were fitted to make the residual.
-    pub fn fit(residual: &[f64], valid: &[bool], order: usize, lost: f64) -> Self {
-        let covariance = autocovariance(residual, valid, order, lost);
+    /// The model whose autocovariances at lags 0..=order are given, by the Yule-Walker equations (Levinson-Durbin
+    /// recursion). Positive definite autocovariances, such as [`autocovariance`] gives, make a stable model.
+    pub fn from_autocovariance(covariance: &[f64]) -> Self {
+        let order = covariance.len() - 1;
         let mut coefficients: Vec<f64> = Vec::with_capacity(order);
         let mut variance = covariance[0];
         for lag in 1..=order {
-            if variance <= 0.0 {
-                break;
-            }
             let carried: f64 = coefficients.iter().enumerate().map(|(k, a)| a * covariance[lag - 1 - k]).sum();
             let reflection = (covariance[lag] - carried) / variance;
+            // Rounding or a bias correction can leave the last lags outside what any noise has: stop before them.
+            if !(variance > 0.0 && reflection.abs() < 1.0) {
+                break;
+            }
             let mirrored: Vec<f64> = coefficients.iter().rev().copied().collect();
             for (a, m) in coefficients.iter_mut().zip(mirrored) {
                 *a -= reflection * m;
@@ -31,6 +37,17 @@ impl AutoregressiveNoise {
             variance *= 1.0 - reflection * reflection;
         }
         AutoregressiveNoise { coefficients, innovation_std: variance.max(0.0).sqrt() }
+    }
+
+    /// A stretch of this noise.
+    pub fn simulate(&self, samples: usize, source: &mut impl Rng) -> Vec<f64> {
+        let mut noise = Vec::with_capacity(RUN_IN + samples);
+        for _ in 0..RUN_IN + samples {
+            let white: f64 = StandardNormal.sample(source);
+            let past: f64 = self.coefficients.iter().zip(noise.iter().rev()).map(|(a, e)| a * e).sum();
+            noise.push(past + self.innovation_std * white);
+        }
+        noise.split_off(RUN_IN)
     }
 
     /// Turns `signal` into L' signal, where L is the filter that makes this noise from unit white noise: the sum of
@@ -48,38 +65,41 @@ impl AutoregressiveNoise {
     }
 }
 
-/// Autocovariance at lags 0..=`most`, tapered as 1/N (biased), which keeps it positive definite, and scaled for the
-/// `lost` degrees of freedom.
-fn autocovariance(residual: &[f64], valid: &[bool], most: usize, lost: f64) -> Vec<f64> {
-    let kept: Vec<f64> = residual.iter().zip(valid).map(|(&r, &ok)| if ok { r } else { 0.0 }).collect();
-    let count = valid.iter().filter(|&&ok| ok).count() as f64;
-    let scale = 1.0 / (count - lost).max(1.0);
-    (0..=most).map(|lag| scale * kept.iter().zip(&kept[lag.min(kept.len())..]).map(|(a, b)| a * b).sum::<f64>()).collect()
+/// Autocovariance at lags 0..=`most` of the samples where `valid`, divided by their number at every lag, which keeps it
+/// positive definite.
+pub fn autocovariance(signal: &[f64], valid: &[bool], most: usize) -> Vec<f64> {
+    let kept: Vec<f64> = signal.iter().zip(valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect();
+    let count = valid.iter().filter(|&&ok| ok).count().max(1) as f64;
+    (0..=most)
+        .map(|lag| kept.iter().zip(&kept[lag.min(kept.len())..]).map(|(a, b)| a * b).sum::<f64>() / count)
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random;
-    use rand_distr::{Distribution, StandardNormal};
 
     fn second_order(samples: usize) -> Vec<f64> {
-        let mut source = random::stream(3, "test", 0);
-        let mut e = vec![0.0; samples];
-        for t in 0..samples {
-            let white: f64 = StandardNormal.sample(&mut source);
-            let one = if t > 0 { e[t - 1] } else { 0.0 };
-            let two = if t > 1 { e[t - 2] } else { 0.0 };
-            e[t] = 1.2 * one - 0.5 * two + 2.0 * white;
-        }
-        e
+        let noise = AutoregressiveNoise { coefficients: vec![1.2, -0.5], innovation_std: 2.0 };
+        noise.simulate(samples, &mut random::stream(3, "test", 0))
+    }
+
+    #[test]
+    fn simulated_noise_has_the_variance_of_its_law() {
+        // Second order by hand: r0 = s^2 (1 - a2) / ((1 + a2) ((1 - a2)^2 - a1^2)).
+        let (a1, a2, s): (f64, f64, f64) = (1.2, -0.5, 2.0);
+        let expected = s * s * (1.0 - a2) / ((1.0 + a2) * ((1.0 - a2).powi(2) - a1 * a1));
+        let e = second_order(400_000);
+        let variance = autocovariance(&e, &vec![true; e.len()], 0)[0];
+        assert!((variance / expected - 1.0).abs() < 0.02, "{variance} {expected}");
     }
 
     #[test]
     fn finds_the_coefficients_of_a_second_order_noise_despite_gaps() {
         let e = second_order(100_000);
         let valid: Vec<bool> = (0..e.len()).map(|t| t % 1000 > 50).collect();
-        let fit = AutoregressiveNoise::fit(&e, &valid, 2, 0.0);
+        let fit = AutoregressiveNoise::from_autocovariance(&autocovariance(&e, &valid, 2));
         assert!((fit.coefficients[0] - 1.2).abs() < 0.02, "{fit:?}");
         assert!((fit.coefficients[1] + 0.5).abs() < 0.02, "{fit:?}");
         assert!((fit.innovation_std - 2.0).abs() < 0.05, "{fit:?}");

@@ -114,7 +114,7 @@ impl Prepared {
             .collect()
     }
 
-    /// Torque of every joint that base parameters `beta` predict along the motion, unfiltered, [joint][time].
+    /// Torque of every joint that base parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
     pub fn predict(&self, model: &Model, beta: &[f64]) -> Channels {
         let torque: Vec<Vec<f64>> = model
             .columns(&self.motion, &self.time, 0.0)
@@ -159,7 +159,8 @@ impl Prepared {
 fn filtered(input: &Channels, apply: impl Fn(&[f64], &mut [f64]) -> Result<()>) -> Result<Channels> {
     let mut output = Channels::zeros(input.channels(), input.samples());
     for joint in 0..input.channels() {
-        apply(input.channel(joint), output.channel_mut(joint)).map_err(|e| Error::request(format!("joint {}", joint + 1), e.to_string()))?;
+        apply(input.channel(joint), output.channel_mut(joint))
+            .map_err(|e| Error::request(format!("joint {}", joint + 1), e.to_string()))?;
     }
     Ok(output)
 }

@@ -1,18 +1,208 @@
-//! x
+//! Recordings: what the sensors of an arm said over time, from a file or from a simulation.
+
+pub mod csv;
+pub mod parquet;
+
+mod columns;
+#[cfg(test)]
+mod samples;
+
 use crate::channels::Channels;
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
-/// x
-#[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
-pub struct Signals { pub q: Channels, pub qd: Channels, pub qdd: Channels, pub tau: Channels }
-/// x
-#[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
-pub struct Recording {
-    pub robot: String, pub joints: Vec<String>, pub time: Vec<f64>,
-    pub q: Channels, pub qd: Option<Channels>, pub qdd: Option<Channels>, pub tau: Channels,
-    pub truth: Option<Signals>,
-    pub provenance: BTreeMap<String,String>
+use std::ops::{Range, RangeBounds};
+use std::path::Path;
+
+/// Positions (rad), velocities (rad/s), accelerations (rad/s²) and torques (N m) of all joints over time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Signals {
+    /// Joint positions, rad.
+    pub q: Channels,
+    /// Joint velocities, rad/s.
+    pub qd: Channels,
+    /// Joint accelerations, rad/s².
+    pub qdd: Channels,
+    /// Torques the motors deliver at the joints, N m.
+    pub tau: Channels,
 }
-impl Recording { /// x
- pub fn rate_hz(&self)->f64 {1.0/(self.time[1]-self.time[0])}}
+
+/// A log: what the sensors say and, where it is known, the truth behind it. All tables have one channel per joint, in
+/// the order of `joints`, and one sample per entry of `time`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Name of the robot; empty where the file does not tell.
+    pub robot: String,
+    /// Names of the joints from base to flange.
+    pub joints: Vec<String>,
+    /// Time of every sample, s, increasing.
+    pub time: Vec<f64>,
+    /// Measured positions, rad.
+    pub q: Channels,
+    /// Measured velocities, rad/s, where there is a sensor for them.
+    pub qd: Option<Channels>,
+    /// Measured accelerations, rad/s², where there is a sensor for them.
+    pub qdd: Option<Channels>,
+    /// Measured torques, N m.
+    pub tau: Channels,
+    /// The signals without noise; simulated logs only.
+    pub truth: Option<Signals>,
+    /// Where the log comes from: seed, versions, what measured the velocity.
+    pub provenance: BTreeMap<String, String>,
+}
+
+impl Signals {
+    /// The samples of `range` of every signal.
+    ///
+    /// # Panics
+    /// If `range` reaches beyond the last sample.
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        Signals {
+            q: cut(&self.q, &range),
+            qd: cut(&self.qd, &range),
+            qdd: cut(&self.qdd, &range),
+            tau: cut(&self.tau, &range),
+        }
+    }
+}
+
+impl Recording {
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Time from the first to the last sample, s.
+    pub fn duration(&self) -> f64 {
+        self.time.last().zip(self.time.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// Sampling rate, Hz: one over the median step of time, so that single gaps do not matter. NaN for fewer than two
+    /// samples.
+    pub fn rate_hz(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if steps.is_empty() {
+            return f64::NAN;
+        }
+        steps.sort_by(f64::total_cmp);
+        let (low, high) = (steps[(steps.len() - 1) / 2], steps[steps.len() / 2]);
+        1.0 / (low + 0.5 * (high - low))
+    }
+
+    /// The samples of `range`, with everything known about the whole.
+    ///
+    /// # Panics
+    /// If `range` reaches beyond the last sample.
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        Recording {
+            robot: self.robot.clone(),
+            joints: self.joints.clone(),
+            time: self.time[range.clone()].to_vec(),
+            q: cut(&self.q, &range),
+            qd: self.qd.as_ref().map(|table| cut(table, &range)),
+            qdd: self.qdd.as_ref().map(|table| cut(table, &range)),
+            tau: cut(&self.tau, &range),
+            truth: self.truth.as_ref().map(|signals| signals.slice(range)),
+            provenance: self.provenance.clone(),
+        }
+    }
+
+    /// The samples whose time, s, lies in `range`: `time_slice(0.0..10.0)` is the first ten seconds without the sample
+    /// at 10 s. Times stay as they are. No sample may be left.
+    pub fn time_slice(&self, range: impl RangeBounds<f64>) -> Self {
+        let first = self.time.iter().position(|time| range.contains(time)).unwrap_or(0);
+        let end = self.time.iter().rposition(|time| range.contains(time)).map_or(0, |last| last + 1);
+        self.slice(first..end)
+    }
+}
+
+/// Reads a log; the extension of the name (`csv`, `parquet`) tells the format. What was read but not used is logged as
+/// a warning; [`csv::read`] and [`parquet::read`] return it.
+///
+/// With `joints` (the robot's joints in order) the log must have these joints; without, it names or numbers its own.
+///
+/// # Errors
+/// An unreadable file, an unknown extension, or anything wrong with the content, with its line and column.
+pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recording> {
+    let path = path.as_ref();
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let (recording, notes) = match extension.as_deref() {
+        Some("csv") => csv::read(path, joints)?,
+        Some("parquet") => parquet::read(path, joints)?,
+        _ => {
+            let problem = "the name of a log ends in .csv or .parquet, which tells how to read it";
+            return Err(Error::input(path, None, "extension", problem));
+        }
+    };
+    for note in notes {
+        tracing::warn!("{}: {note}", path.display());
+    }
+    Ok(recording)
+}
+
+fn cut(table: &Channels, range: &Range<usize>) -> Channels {
+    table.map(|_, signal| signal[range.clone()].to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rate_is_the_median_and_ignores_a_gap() {
+        let mut recording = samples::full(2, 6);
+        recording.time = vec![1.0, 1.01, 1.02, 1.03, 5.0, 5.01];
+        assert!((recording.rate_hz() - 100.0).abs() < 1e-9, "{}", recording.rate_hz());
+        assert!((recording.duration() - 4.01).abs() < 1e-12);
+        recording.time = vec![0.0, 0.1, 0.4];
+        assert!((recording.rate_hz() - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn too_few_samples_have_no_rate_and_no_duration() {
+        for samples in 0..2 {
+            let recording = samples::full(1, samples);
+            assert!(recording.rate_hz().is_nan());
+            assert_eq!(recording.duration(), 0.0);
+        }
+    }
+
+    #[test]
+    fn time_slice_cuts_every_signal_at_the_same_samples() {
+        let recording = samples::full(3, 10);
+        let part = recording.time_slice(recording.time[2]..recording.time[6]);
+        assert_eq!(part.time, recording.time[2..6]);
+        assert_eq!((part.joints(), part.samples()), (3, 4));
+        let truth = part.truth.as_ref().unwrap();
+        let whole = recording.truth.as_ref().unwrap();
+        for joint in 0..3 {
+            assert_eq!(part.q.channel(joint), &recording.q.channel(joint)[2..6]);
+            assert_eq!(part.tau.channel(joint), &recording.tau.channel(joint)[2..6]);
+            assert_eq!(truth.qdd.channel(joint), &whole.qdd.channel(joint)[2..6]);
+        }
+        assert_eq!(part.provenance, recording.provenance);
+        assert_eq!(recording.time_slice(..), recording);
+        assert_eq!(recording.time_slice(recording.time[8]..=recording.time[9]).samples(), 2);
+        assert_eq!(recording.time_slice(1e6..2e6).samples(), 0);
+    }
+
+    #[test]
+    fn load_chooses_by_extension() {
+        let folder = tempfile::tempdir().unwrap();
+        let recording = samples::full(2, 5);
+        let joints = recording.joints.clone();
+        csv::write(&folder.path().join("log.CSV"), &recording).unwrap();
+        parquet::write(&folder.path().join("log.parquet"), &recording).unwrap();
+        let from_csv = load(folder.path().join("log.CSV"), Some(&joints)).unwrap();
+        assert_eq!(samples::bits(&from_csv), samples::bits(&recording));
+        assert_eq!(load(folder.path().join("log.parquet"), None).unwrap(), recording);
+        let error = load("log.mat", None).unwrap_err().to_string();
+        assert!(error.contains("log.mat") && error.contains(".parquet"), "{error}");
+        let error = load(folder.path().join("none.csv"), None).unwrap_err().to_string();
+        assert!(error.contains("none.csv"), "{error}");
+    }
+}

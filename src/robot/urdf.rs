@@ -66,7 +66,9 @@ impl<'a> Lines<'a> {
         let Some(text) = attribute else { return Ok(0.0) };
         match text.trim().parse::<f64>() {
             Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-            _ => Err(self.error("joint", joint, format!("armature=\"{text}\" must be a number of zero or more, kg m2"))),
+            _ => {
+                Err(self.error("joint", joint, format!("armature=\"{text}\" must be a number of zero or more, kg m2")))
+            }
         }
     }
 }
@@ -184,7 +186,10 @@ impl<'a> Chain<'a> {
                     return Err(self.lines.error(
                         "joint",
                         &joint.name,
-                        format!("the chain branches: `{}` moves the same body; only serial arms are handled", other.name),
+                        format!(
+                            "the chain branches: `{}` moves the same body; only serial arms are handled",
+                            other.name
+                        ),
                     ));
                 }
             }
@@ -210,9 +215,9 @@ impl<'a> Chain<'a> {
 
     fn axis(&self, joint: &urdf_rs::Joint) -> Result<Vector3<f64>> {
         let axis = Vector3::from(joint.axis.xyz.0);
-        axis.try_normalize(1e-9)
-            .filter(|unit| unit.iter().all(|v| v.is_finite()))
-            .ok_or_else(|| self.lines.error("joint", &joint.name, format!("axis {:?} has no direction", axis.as_slice())))
+        axis.try_normalize(1e-9).filter(|unit| unit.iter().all(|v| v.is_finite())).ok_or_else(|| {
+            self.lines.error("joint", &joint.name, format!("axis {:?} has no direction", axis.as_slice()))
+        })
     }
 
     fn limits(&self, joint: &urdf_rs::Joint) -> Result<Limits> {

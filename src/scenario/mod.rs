@@ -1,12 +1,15 @@
 //! Scenarios: one TOML file that says everything a run depends on. Unknown keys are refused, and everything is checked
 //! before anything runs. Units are in the key names; inside the program all is SI.
 
+mod effects;
 mod locate;
 mod setup;
 mod validate;
 
-pub use setup::Setup;
+pub use effects::{EffectSpec, joint as effect_joint};
+pub use setup::{Arm, Setup};
 
+use crate::design::Workspace;
 use crate::error::{Error, Result};
 use crate::simulation::integrator::Integrator;
 use locate::Located;
@@ -42,6 +45,9 @@ pub struct Scenario {
     pub sensors: SensorSpec,
     /// How the measurements are turned into parameters.
     pub identification: IdentificationSpec,
+    /// Effects at work in the plant and its sensors, beyond the friction and rotor inertia of its drives.
+    #[serde(default, rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSpec>,
 }
 
 /// The arm a scenario is for.
@@ -115,6 +121,9 @@ pub struct ControllerSpec {
 pub struct LimitSpec {
     /// Largest acceleration, rad/s2 (m/s2 for a prismatic joint).
     pub acceleration_rad_s2: PerJoint,
+    /// The space that excitation motions may use; all of it where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub workspace: Option<Workspace>,
 }
 
 /// Where a motion comes from: exactly one of the keys.

@@ -2,27 +2,76 @@
 
 use super::locate::Located;
 use super::{MotionSpec, PerJoint, Scenario};
-use crate::effects::{CoulombFriction, ViscousFriction};
+use crate::effects::{CoulombFriction, Placed, ViscousFriction};
 use crate::error::{Error, Result};
 use crate::excitation::{self, JointLimits, Motion, MotionFile};
 use crate::random;
 use crate::robot::{self, InertiaCheck, Robot};
-use crate::simulation::plant::Law;
+use crate::simulation::integrator::Integrator;
 use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
 use std::path::Path;
+
+/// An arm with its sensors and limits: what a scenario says before any motion.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    /// The scenario, with paths resolved.
+    pub scenario: Scenario,
+    /// The arm as it is known: the URDF with the scenario's friction, rotors and gravity.
+    pub known: Robot,
+    /// Sensors of every joint.
+    pub sensors: Vec<JointSensors>,
+    /// Limits of the motions.
+    pub limits: Vec<JointLimits>,
+}
+
+impl Arm {
+    /// Reads a scenario with its arm, but not its motions. `seed` replaces the scenario's seed where given.
+    ///
+    /// # Errors
+    /// Names file, line and key for anything that is missing, malformed, impossible or meant for another arm.
+    pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
+        let (scenario, text) = read(path.as_ref(), seed)?;
+        Self::new(scenario, &Located::new(path.as_ref(), &text))
+    }
+
+    fn new(scenario: Scenario, at: &Located) -> Result<Self> {
+        let mut known = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
+        if known.name != scenario.robot.name {
+            let (wanted, file, found) = (&scenario.robot.name, known.source.display(), &known.name);
+            return Err(at.error("robot.name", format!("the scenario is for `{wanted}`, but {file} is `{found}`")));
+        }
+        if let Some(gravity) = scenario.robot.gravity_m_s2 {
+            known.gravity = gravity.into();
+        }
+        check_lengths(&scenario, known.dof(), at)?;
+        override_drives(&scenario, &mut known);
+        let (limits, sensors) = (limits(&scenario, &known), sensors(&scenario, known.dof()));
+        Ok(Arm { scenario, known, sensors, limits })
+    }
+}
+
+/// A scenario and its text, with the seed replaced where one is given.
+fn read(path: &Path, seed: Option<u64>) -> Result<(Scenario, String)> {
+    let mut scenario = Scenario::load(path)?;
+    scenario.seed = seed.unwrap_or(scenario.seed);
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
+    Ok((scenario, text))
+}
 
 /// Everything a run needs, checked against each other.
 #[derive(Clone)]
 pub struct Setup {
     /// The scenario, with paths resolved.
     pub scenario: Scenario,
-    /// The arm as simulated: the plant's truth.
+    /// The arm as it is known: the URDF with the scenario's friction, rotors and gravity.
+    pub known: Robot,
+    /// The arm as simulated, bodies altered by the effects: the plant's truth.
     pub plant: Robot,
     /// What the controller believes the arm to be.
     pub nominal: Robot,
-    /// Friction laws on the plant's joints.
-    pub laws: Vec<Law>,
+    /// Friction and other effects at work in the plant.
+    pub effects: Vec<Placed>,
     /// Sensors of every joint.
     pub sensors: Vec<JointSensors>,
     /// Limits of the motions.
@@ -40,33 +89,52 @@ impl Setup {
     /// Names file, line and key or joint for anything that is missing, malformed, impossible or meant for another arm,
     /// and for motions outside the limits.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
-        let path = path.as_ref();
-        let mut scenario = Scenario::load(path)?;
-        scenario.seed = seed.unwrap_or(scenario.seed);
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
-        Self::new(scenario, &Located::new(path, &text))
+        let (scenario, text) = read(path.as_ref(), seed)?;
+        Self::new(scenario, &Located::new(path.as_ref(), &text))
+    }
+
+    /// The scenario as it was run, with the versions that ran it, as TOML.
+    ///
+    /// # Errors
+    /// If a number has no TOML form.
+    pub fn merged(&self) -> Result<String> {
+        let scenario = toml::to_string_pretty(&self.scenario)
+            .map_err(|problem| Error::request("scenario", format!("cannot be written: {problem}")))?;
+        let versions = [
+            ("tauscope", env!("CARGO_PKG_VERSION")),
+            ("rapier3d", rapier3d::VERSION),
+            ("random_generator", random::GENERATOR),
+        ];
+        let mut text = String::from("# The scenario as it was run. Versions:\n");
+        for (name, version) in versions {
+            text += &format!("#   {name} {version}\n");
+        }
+        Ok(text + "\n" + &scenario)
     }
 
     fn new(scenario: Scenario, at: &Located) -> Result<Self> {
-        let mut plant = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
-        if plant.name != scenario.robot.name {
-            let problem = format!("the scenario is for `{}`, but {} is `{}`", scenario.robot.name, plant.source.display(), plant.name);
-            return Err(at.error("robot.name", problem));
+        let Arm { scenario, known, sensors, limits } = Arm::new(scenario, at)?;
+        let motion = self::motion(&scenario, &scenario.motion, "motion", &known, &limits)?;
+        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &known, &limits)?;
+        let mut effects = drive_friction(&known);
+        let mut plant = known.clone();
+        for spec in &scenario.effects {
+            let placed = spec.place(&known).map_err(|problem| at.error("effect", problem))?;
+            placed.effect.alter(&placed.parameters, placed.joint, &mut plant);
+            effects.push(placed);
         }
-        if let Some(gravity) = scenario.robot.gravity_m_s2 {
-            plant.gravity = gravity.into();
+        let geared = effects.iter().find(|placed| placed.effect.gear(&placed.parameters).is_some());
+        if let (Integrator::RapierNative, Some(placed)) = (scenario.plant.integrator, geared) {
+            let name = placed.effect.about().name;
+            return Err(at.error("plant.integrator", format!("rapier_native cannot carry `{name}`; use rk4")));
         }
-        check_lengths(&scenario, plant.dof(), at)?;
-        override_drives(&scenario, &mut plant);
-        let limits = limits(&scenario, &plant);
-        let motion = self::motion(&scenario, &scenario.motion, "motion", &plant, &limits)?;
-        let held_out = self::motion(&scenario, &scenario.held_out, "held_out", &plant, &limits)?;
         Ok(Setup {
-            nominal: misjudged(&plant, scenario.controller.model_error, scenario.seed),
-            laws: laws(&plant),
-            sensors: sensors(&scenario, plant.dof()),
+            nominal: misjudged(&known, scenario.controller.model_error, scenario.seed),
+            sensors,
             scenario,
+            known,
             plant,
+            effects,
             limits,
             motion,
             held_out,
@@ -122,7 +190,13 @@ fn limits(scenario: &Scenario, plant: &Robot) -> Vec<JointLimits> {
         .collect()
 }
 
-fn motion(scenario: &Scenario, spec: &MotionSpec, label: &str, plant: &Robot, limits: &[JointLimits]) -> Result<Motion> {
+fn motion(
+    scenario: &Scenario,
+    spec: &MotionSpec,
+    label: &str,
+    plant: &Robot,
+    limits: &[JointLimits],
+) -> Result<Motion> {
     let names = plant.joint_names();
     let motion = match (&spec.file, &spec.random) {
         (Some(file), _) => MotionFile::read(file)?.for_arm(&plant.name, &names)?,
@@ -140,19 +214,19 @@ fn motion(scenario: &Scenario, spec: &MotionSpec, label: &str, plant: &Robot, li
     Ok(motion)
 }
 
-/// The friction of the plant's drives as laws.
-fn laws(plant: &Robot) -> Vec<Law> {
+/// The friction of the plant's drives as effects.
+fn drive_friction(plant: &Robot) -> Vec<Placed> {
     plant
         .joints
         .iter()
         .enumerate()
         .flat_map(|(joint, spec)| {
             [
-                Law { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
-                Law { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
+                Placed { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
+                Placed { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
             ]
         })
-        .filter(|law| law.parameters[0] > 0.0)
+        .filter(|placed| placed.parameters[0] > 0.0)
         .collect()
 }
 

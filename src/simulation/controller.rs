@@ -4,7 +4,7 @@ use super::plant::Controller;
 use crate::dynamics::{Chain, inverse_dynamics_at};
 use crate::effects::{CoulombFriction, Effect, Instant, ViscousFriction, direction};
 use crate::excitation::Reference;
-use crate::robot::{Drive, Robot};
+use crate::robot::Robot;
 
 /// Velocity width over which the controller's friction compensation changes sign, rad/s.
 const COMPENSATION_WIDTH: f64 = 0.02;
@@ -15,8 +15,7 @@ pub struct ComputedTorque<'a> {
     reference: &'a dyn Reference,
     chain: Chain,
     inertial: Vec<f64>,
-    drives: Vec<Drive>,
-    effort: Vec<f64>,
+    nominal: Robot,
     stiffness: f64,
     damping: f64,
 }
@@ -30,8 +29,7 @@ impl<'a> ComputedTorque<'a> {
             reference,
             chain: Chain::new(nominal),
             inertial: nominal.inertial_parameters(),
-            drives: nominal.joints.iter().map(|joint| joint.drive).collect(),
-            effort: nominal.joints.iter().map(|joint| joint.limits.effort).collect(),
+            nominal: nominal.clone(),
             stiffness: natural * natural,
             damping: 2.0 * damping_ratio * natural,
         }
@@ -48,12 +46,24 @@ impl Controller for ComputedTorque<'_> {
             .collect();
         let rigid = inverse_dynamics_at(&self.chain, &self.inertial, q, qd, &command);
         let heading: Vec<f64> = qd_ref.iter().map(|&v| direction(v, COMPENSATION_WIDTH)).collect();
-        let wanted = Instant { t, q, qd: &qd_ref, direction: &heading };
-        for (joint, drive) in self.drives.iter().enumerate() {
-            let friction = ViscousFriction.torque(&[drive.viscous], joint, &wanted)
-                + CoulombFriction.torque(&[drive.coulomb], joint, &wanted);
-            let total = rigid[joint] + drive.armature * command[joint] + friction;
-            tau[joint] = total.clamp(-self.effort[joint], self.effort[joint]);
+        let wanted = Instant {
+            t,
+            q,
+            qd: &qd_ref,
+            qdd: &command,
+            direction: &heading,
+            load: &rigid,
+            robot: &self.nominal,
+            chain: &self.chain,
+        };
+        let mut friction = vec![0.0; dof];
+        for (joint, spec) in self.nominal.joints.iter().enumerate() {
+            ViscousFriction.torque(&[spec.drive.viscous], joint, &wanted, &[], &mut friction);
+            CoulombFriction.torque(&[spec.drive.coulomb], joint, &wanted, &[], &mut friction);
+        }
+        for (joint, spec) in self.nominal.joints.iter().enumerate() {
+            let total = rigid[joint] + spec.drive.armature * command[joint] + friction[joint];
+            tau[joint] = total.clamp(-spec.limits.effort, spec.limits.effort);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Time stepping of the plant: classical Runge-Kutta around rapier's forward dynamics, with the instants at which a joint
 //! comes to rest found inside the step; and rapier's own step as a named, deliberately imperfect alternative.
 
-use super::plant::{Contact, Controller, Plant, Response, State};
+use super::plant::{Contact, Controller, Memory, Plant, Response, State};
 
 /// How the plant is stepped through time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -26,14 +26,16 @@ pub struct Run<'a> {
     t: f64,
     state: State,
     contacts: Vec<Contact>,
+    memory: Memory,
 }
 
 impl<'a> Run<'a> {
     /// Starts at time zero in `state`.
     pub fn new(plant: &'a mut Plant, controller: &'a dyn Controller, state: State) -> Self {
         let mut contacts = plant.contacts(&state.qd);
-        plant.release(0.0, &state, &mut contacts, controller);
-        Run { plant, controller, t: 0.0, state, contacts }
+        let memory = plant.fresh_memory();
+        plant.release(0.0, &state, &memory, &mut contacts, controller);
+        Run { plant, controller, t: 0.0, state, contacts, memory }
     }
 
     /// The present state.
@@ -43,7 +45,7 @@ impl<'a> Run<'a> {
 
     /// What happens at the present instant.
     pub fn response(&mut self) -> Response {
-        self.plant.respond(self.t, &self.state, &self.contacts, self.controller)
+        self.plant.respond(self.t, &self.state, &self.memory, &self.contacts, self.controller)
     }
 
     /// Advances to time `end` in one step of the integrator; `first` is the response at the present instant.
@@ -61,22 +63,31 @@ impl<'a> Run<'a> {
             let step = end - self.t;
             let next = self.runge_kutta(&first, step);
             let Some(joint) = self.first_reversal(&next) else {
-                self.state = next;
-                return self.settle(end);
+                return self.arrive(next, step, end, |_| {});
             };
             let (passed, resting, at_rest) = self.find_rest(&first, joint, next, step);
-            self.state = at_rest;
-            self.stop(resting);
-            self.settle(self.t + passed);
+            self.arrive(at_rest, passed, self.t + passed, |run| run.stop(resting));
             first = self.response();
         }
-        self.state = self.runge_kutta(&first, end - self.t);
-        self.stop_reversed();
-        self.settle(end);
+        let step = end - self.t;
+        let next = self.runge_kutta(&first, step);
+        self.arrive(next, step, end, Self::stop_reversed);
+    }
+
+    /// Takes over the state after `passed` seconds, brings to rest what must rest, and lets go of what friction cannot hold.
+    fn arrive(&mut self, next: State, passed: f64, t: f64, stop: impl FnOnce(&mut Self)) {
+        self.memory = self.plant.remember(&self.memory, self.t, &self.state, &next, passed);
+        self.state = next;
+        stop(self);
+        self.t = t;
+        self.plant.release(t, &self.state, &self.memory, &mut self.contacts, self.controller);
     }
 
     fn stop(&mut self, joint: usize) {
         self.state.qd[joint] = 0.0;
+        if self.plant.is_rigid(joint) {
+            self.state.link_qd[joint] = 0.0;
+        }
         self.contacts[joint] = Contact::Stuck;
     }
 
@@ -87,34 +98,20 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Takes over a new time and lets go of what friction cannot hold there.
-    fn settle(&mut self, t: f64) {
-        self.t = t;
-        self.plant.release(t, &self.state, &mut self.contacts, self.controller);
-    }
-
     /// One Runge-Kutta step of length `h` with the contacts held.
     fn runge_kutta(&mut self, first: &Response, h: f64) -> State {
         let start = self.state.clone();
-        let shifted = |base: &[f64], rate: &[f64], by: f64| -> Vec<f64> {
-            base.iter().zip(rate).map(|(value, slope)| value + by * slope).collect()
+        let mut stage = |rate: &Rate, by: f64| -> Rate {
+            let x = rate.applied(&start, by);
+            let memory = self.plant.remember(&self.memory, self.t, &start, &x, by);
+            let response = self.plant.respond(self.t + by, &x, &memory, &self.contacts, self.controller);
+            Rate::new(&x, response)
         };
-        let mut stage = |velocity: &[f64], acceleration: &[f64], by: f64| -> (Vec<f64>, Vec<f64>) {
-            let x = State { q: shifted(&start.q, velocity, by), qd: shifted(&start.qd, acceleration, by) };
-            let response = self.plant.respond(self.t + by, &x, &self.contacts, self.controller);
-            (x.qd, response.qdd)
-        };
-        let (v1, a1) = (start.qd.clone(), first.qdd.clone());
-        let (v2, a2) = stage(&v1, &a1, h / 2.0);
-        let (v3, a3) = stage(&v2, &a2, h / 2.0);
-        let (v4, a4) = stage(&v3, &a3, h);
-        let mean = |k1: &[f64], k2: &[f64], k3: &[f64], k4: &[f64]| -> Vec<f64> {
-            (0..k1.len()).map(|j| (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j]) / 6.0).collect()
-        };
-        State {
-            q: shifted(&start.q, &mean(&v1, &v2, &v3, &v4), h),
-            qd: shifted(&start.qd, &mean(&a1, &a2, &a3, &a4), h),
-        }
+        let one = Rate::new(&start, first.clone());
+        let two = stage(&one, h / 2.0);
+        let three = stage(&two, h / 2.0);
+        let four = stage(&three, h);
+        Rate::mean([&one, &two, &three, &four]).applied(&start, h)
     }
 
     /// The sliding joint that has turned round farthest by `next`, if any.
@@ -149,19 +146,57 @@ impl<'a> Run<'a> {
         (high, joint, high_state)
     }
 
+    /// Rapier's own step. It knows no elastic gears: such scenarios are refused before they run.
     fn native_step(&mut self, first: &Response, end: f64) {
         let net: Vec<f64> = first.tau.iter().zip(&first.friction).map(|(motor, law)| motor - law).collect();
-        let h = end - self.t;
-        let before = self.state.clone();
-        let State { q, qd } = &mut self.state;
-        self.plant.arm.native_step(q, qd, &net, h);
-        for joint in 0..before.q.len() {
-            if self.contacts[joint] == Contact::Stuck {
-                self.state.q[joint] = before.q[joint];
-                self.state.qd[joint] = 0.0;
-            }
+        let step = end - self.t;
+        let (mut q, mut qd) = (self.state.q.clone(), self.state.qd.clone());
+        self.plant.arm.native_step(&mut q, &mut qd, &net, step);
+        for joint in (0..q.len()).filter(|&joint| self.contacts[joint] == Contact::Stuck) {
+            q[joint] = self.state.q[joint];
+            qd[joint] = 0.0;
         }
-        self.stop_reversed();
-        self.settle(end);
+        self.arrive(State::new(q, qd), step, end, Self::stop_reversed);
+    }
+}
+
+/// Time derivative of a [`State`].
+struct Rate {
+    qd: Vec<f64>,
+    qdd: Vec<f64>,
+    link_qd: Vec<f64>,
+    link_qdd: Vec<f64>,
+}
+
+impl Rate {
+    fn new(x: &State, response: Response) -> Self {
+        Rate { qd: x.qd.clone(), qdd: response.qdd, link_qd: x.link_qd.clone(), link_qdd: response.link_qdd }
+    }
+
+    /// The state `by` seconds after `start` at this rate.
+    fn applied(&self, start: &State, by: f64) -> State {
+        let moved = |base: &[f64], rate: &[f64]| -> Vec<f64> {
+            base.iter().zip(rate).map(|(value, slope)| value + by * slope).collect()
+        };
+        State {
+            q: moved(&start.q, &self.qd),
+            qd: moved(&start.qd, &self.qdd),
+            link_q: moved(&start.link_q, &self.link_qd),
+            link_qd: moved(&start.link_qd, &self.link_qdd),
+        }
+    }
+
+    /// The Runge-Kutta mean of the four stages.
+    fn mean(stages: [&Rate; 4]) -> Rate {
+        let mean = |pick: fn(&Rate) -> &Vec<f64>| -> Vec<f64> {
+            let [one, two, three, four] = stages.map(pick);
+            (0..one.len()).map(|j| (one[j] + 2.0 * (two[j] + three[j]) + four[j]) / 6.0).collect()
+        };
+        Rate {
+            qd: mean(|r| &r.qd),
+            qdd: mean(|r| &r.qdd),
+            link_qd: mean(|r| &r.link_qd),
+            link_qdd: mean(|r| &r.link_qdd),
+        }
     }
 }

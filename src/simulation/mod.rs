@@ -7,6 +7,7 @@ pub mod rapier_arm;
 pub mod sensors;
 
 use crate::channels::Channels;
+use crate::effects::Scope;
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::random;
@@ -44,7 +45,7 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
         scenario.controller.bandwidth_hz,
         scenario.controller.damping_ratio,
     );
-    let mut plant = Plant::new(&setup.plant, setup.laws.clone())?;
+    let mut plant = Plant::new(&setup.plant, setup.effects.clone())?;
     let start = start_state(reference);
     let mut run = Run::new(&mut plant, &controller, start);
     let zeros = || Channels::zeros(dof, samples);
@@ -87,7 +88,21 @@ fn start_state(reference: &dyn Reference) -> State {
     let zeros = || vec![0.0; reference.joints()];
     let (mut q, mut qd, mut qdd) = (zeros(), zeros(), zeros());
     reference.at(0.0, &mut q, &mut qd, &mut qdd);
-    State { q, qd }
+    State::new(q, qd)
+}
+
+/// Positions and torques as the effects in the sensors leave them, before noise.
+fn distorted(setup: &Setup, truth: &Truth, period: f64) -> (Channels, Channels) {
+    let (mut q, mut tau) = (truth.signals.q.clone(), truth.signals.tau.clone());
+    for placed in &setup.effects {
+        let joints =
+            if placed.effect.about().scope == Scope::Arm { (0..q.channels()).collect() } else { placed.joints() };
+        for joint in joints {
+            placed.effect.distort_position(&placed.parameters, q.channel_mut(joint));
+            placed.effect.distort_torque(&placed.parameters, tau.channel_mut(joint), period);
+        }
+    }
+    (q, tau)
 }
 
 /// What the sensors of `setup` make of a run; `run` numbers the noise, so that two motions never share it.
@@ -97,7 +112,8 @@ fn start_state(reference: &dyn Reference) -> State {
 pub fn measure(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
     let seed = setup.scenario.seed;
     let period = 1.0 / setup.scenario.sensors.rate_hz;
-    let q = sensors::encoders(&truth.signals.q, &setup.sensors, seed, run);
+    let (q, tau) = distorted(setup, truth, period);
+    let q = sensors::encoders(&q, &setup.sensors, seed, run);
     let mut qd = Channels::zeros(q.channels(), q.samples());
     let mut qdd = qd.clone();
     for joint in 0..q.channels() {
@@ -124,7 +140,7 @@ pub fn measure(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
         robot: setup.plant.name.clone(),
         joints: setup.plant.joint_names(),
         time: truth.time.clone(),
-        tau: sensors::torque(&truth.signals.tau, &setup.sensors, period, seed, run),
+        tau: sensors::torque(&tau, &setup.sensors, period, seed, run),
         q,
         qd: Some(qd),
         qdd: Some(qdd),

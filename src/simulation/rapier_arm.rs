@@ -43,11 +43,10 @@ impl RapierArm {
         let mut joints = Vec::new();
         let mut handle = None;
         for joint in &robot.joints {
-            let properties = mass_properties(&joint.inertia).map_err(|problem| {
-                Error::request(format!("link `{}` of {}", joint.link, robot.name), problem)
-            })?;
-            let body = world
-                .insert_body(RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(properties));
+            let properties = mass_properties(&joint.inertia)
+                .map_err(|problem| Error::request(format!("link `{}` of {}", joint.link, robot.name), problem))?;
+            let body =
+                world.insert_body(RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(properties));
             let rapier_joint = generic_joint(joint);
             handle = world.insert_multibody_joint(bodies[bodies.len() - 1], body, rapier_joint);
             bodies.push(body);

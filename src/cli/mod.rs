@@ -1,0 +1,87 @@
+//! The command line: one file per command, each thin: parse, call the library, print.
+
+mod excite;
+mod progress;
+mod run;
+mod simulate;
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Done.
+pub const DONE: u8 = 0;
+/// A check failed.
+pub const FAILED: u8 = 1;
+/// Bad input or usage.
+pub const BAD_INPUT: u8 = 2;
+
+/// A physics-simulator-in-the-loop testbed for robot-arm identification.
+#[derive(Debug, Parser)]
+#[command(name = "tauscope", version, about, long_about = LONG_ABOUT, max_term_width = 120)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+const LONG_ABOUT: &str = "\
+A physics-simulator-in-the-loop testbed for robot-arm identification: simulates an arm in rapier along an excitation \
+motion, adds sensor noise, identifies its dynamic parameters and scores them against the truth.
+
+Without a command it runs `tauscope run scenarios/irb1600.toml`.
+
+Exit codes: 0 done, 1 a check failed, 2 bad input or usage.";
+
+/// Options of every command.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Global {
+    /// Print the result as JSON on standard output instead of tables.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Seed that replaces the scenario's; every random number comes from it.
+    #[arg(long, global = true, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Folder for the results, instead of `results/NAME` of the scenario.
+    #[arg(long, global = true, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// No progress bar and no tables: errors only.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+impl Global {
+    /// The results folder of something called `name`.
+    pub fn folder(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("results").join(name))
+    }
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate, measure, identify and score a scenario: the main job.
+    Run(run::Arguments),
+    /// Simulate and measure a scenario, without identifying.
+    Simulate(simulate::Arguments),
+    /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
+    Excite(excite::Arguments),
+}
+
+/// Parses the command line and does what it says.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
+    let result = match command {
+        Command::Run(arguments) => run::run(&arguments, &cli.global),
+        Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
+        Command::Excite(arguments) => excite::run(&arguments, &cli.global),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            eprintln!("tauscope: {error}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}

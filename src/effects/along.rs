@@ -1,0 +1,173 @@
+//! An effect along a motion that is known: the model's side of the law.
+
+use super::{Instant, Placed};
+use crate::channels::Channels;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::robot::Robot;
+use std::cell::OnceCell;
+
+/// A known motion with all that laws may ask about it.
+pub struct Along<'a> {
+    /// The arm as it is known.
+    pub robot: &'a Robot,
+    /// Its geometry.
+    pub chain: &'a Chain,
+    /// Time, s.
+    pub time: &'a [f64],
+    /// The motion.
+    pub motion: &'a Motion,
+    /// Direction of motion of every joint.
+    direction: Channels,
+    /// Torque on the rigid bodies, worked out when a law asks for it.
+    load: OnceCell<Channels>,
+}
+
+impl<'a> Along<'a> {
+    /// Prepares a motion; `width` is the velocity over which the direction is smoothed, rad/s.
+    pub fn new(robot: &'a Robot, chain: &'a Chain, time: &'a [f64], motion: &'a Motion, width: f64) -> Self {
+        let heading = motion.qd.map(|_, signal| signal.iter().map(|&v| direction(v, width)).collect());
+        Along { robot, chain, time, motion, direction: heading, load: OnceCell::new() }
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.motion.samples()
+    }
+
+    /// Torque on the rigid bodies, `[joint][time]`.
+    pub fn load(&self) -> &Channels {
+        self.load.get_or_init(|| inverse_dynamics(self.chain, &self.robot.inertial_parameters(), self.motion))
+    }
+}
+
+/// Direction of motion along a measured velocity: tanh(v / width), the sign smoothed over the width in which noise
+/// makes it unreliable; a width of zero gives the plain sign.
+pub fn direction(velocity: f64, width: f64) -> f64 {
+    if width > 0.0 {
+        (velocity / width).tanh()
+    } else if velocity == 0.0 {
+        0.0
+    } else {
+        velocity.signum()
+    }
+}
+
+/// Torque, `[joint][time]`, that each placed effect adds along a motion: what its law says at the joints, and what the
+/// bodies it alters need more. Effects in gears and sensors add nothing here.
+pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
+    let dof = along.robot.dof();
+    let needs_load = placed.iter().any(|one| one.effect.about().uses_acceleration);
+    let mut torques: Vec<Channels> = placed.iter().map(|one| altered_bodies(one, along)).collect();
+    let mut memories: Vec<Vec<f64>> = placed.iter().map(|one| vec![0.0; one.effect.memory()]).collect();
+    let remembers = memories.iter().any(|memory| !memory.is_empty());
+    let (mut now, mut last) = (Frame::new(dof), Frame::new(dof));
+    let mut out = vec![0.0; dof];
+    for sample in 0..along.samples() {
+        if remembers {
+            std::mem::swap(&mut now, &mut last);
+        }
+        now.gather(along, sample, needs_load);
+        if remembers && sample > 0 {
+            let dt = along.time[sample] - along.time[sample - 1];
+            let mean = last.mean(&now);
+            for (one, memory) in placed.iter().zip(&mut memories) {
+                one.effect.advance(&one.parameters, one.joint, &mean.instant(along), dt, memory);
+            }
+        }
+        for ((one, memory), torque) in placed.iter().zip(&memories).zip(&mut torques) {
+            out.fill(0.0);
+            one.effect.torque(&one.parameters, one.joint, &now.instant(along), memory, &mut out);
+            for (channel, &value) in out.iter().enumerate() {
+                if value != 0.0 {
+                    torque.channel_mut(channel)[sample] += value;
+                }
+            }
+        }
+    }
+    torques
+}
+
+/// [`contributions`] of a single effect.
+pub fn contribution(placed: &Placed, along: &Along) -> Channels {
+    contributions(std::slice::from_ref(placed), along).swap_remove(0)
+}
+
+/// Torque that altered bodies and rotors need more than those of the arm as it is known.
+fn altered_bodies(placed: &Placed, along: &Along) -> Channels {
+    let mut altered = along.robot.clone();
+    placed.effect.alter(&placed.parameters, placed.joint, &mut altered);
+    if altered == *along.robot {
+        return Channels::zeros(along.robot.dof(), along.samples());
+    }
+    let mut torque = inverse_dynamics(&Chain::new(&altered), &altered.inertial_parameters(), along.motion);
+    for joint in 0..along.robot.dof() {
+        let rotor = altered.joints[joint].drive.armature - along.robot.joints[joint].drive.armature;
+        let (load, qdd) = (along.load().channel(joint), along.motion.qdd.channel(joint));
+        for ((value, known), a) in torque.channel_mut(joint).iter_mut().zip(load).zip(qdd) {
+            *value += rotor * a - known;
+        }
+    }
+    torque
+}
+
+/// One sample of everything, gathered from the channels.
+#[derive(Debug, Clone)]
+struct Frame {
+    t: f64,
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    qdd: Vec<f64>,
+    direction: Vec<f64>,
+    load: Vec<f64>,
+}
+
+impl Frame {
+    fn new(dof: usize) -> Self {
+        let zeros = || vec![0.0; dof];
+        Frame { t: 0.0, q: zeros(), qd: zeros(), qdd: zeros(), direction: zeros(), load: zeros() }
+    }
+
+    fn gather(&mut self, along: &Along, sample: usize, with_load: bool) {
+        self.t = along.time[sample];
+        for (values, channels) in [
+            (&mut self.q, &along.motion.q),
+            (&mut self.qd, &along.motion.qd),
+            (&mut self.qdd, &along.motion.qdd),
+            (&mut self.direction, &along.direction),
+        ] {
+            for (joint, value) in values.iter_mut().enumerate() {
+                *value = channels.channel(joint)[sample];
+            }
+        }
+        if with_load {
+            for (joint, value) in self.load.iter_mut().enumerate() {
+                *value = along.load().channel(joint)[sample];
+            }
+        }
+    }
+
+    fn mean(&self, other: &Frame) -> Frame {
+        let middle = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| 0.5 * (x + y)).collect();
+        Frame {
+            t: 0.5 * (self.t + other.t),
+            q: middle(&self.q, &other.q),
+            qd: middle(&self.qd, &other.qd),
+            qdd: middle(&self.qdd, &other.qdd),
+            direction: middle(&self.direction, &other.direction),
+            load: middle(&self.load, &other.load),
+        }
+    }
+
+    fn instant<'a>(&'a self, along: &'a Along) -> Instant<'a> {
+        Instant {
+            t: self.t,
+            q: &self.q,
+            qd: &self.qd,
+            qdd: &self.qdd,
+            direction: &self.direction,
+            load: &self.load,
+            robot: along.robot,
+            chain: along.chain,
+        }
+    }
+}

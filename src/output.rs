@@ -1,0 +1,432 @@
+//! Folders of results that are written whole or not at all.
+//!
+//! Files are written to a hidden folder on the same file system and moved to their place by
+//! [`ResultFolder::finish`]. `manifest.json` lists what was written, so that the next run in the same folder can remove
+//! what it no longer writes, and nothing else.
+
+mod transaction;
+
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use transaction::Transaction;
+
+const MANIFEST: &str = "manifest.json";
+const MANIFEST_SCHEMA: &str = "tauscope.manifest/1";
+
+/// A folder of results in the making. Dropped before [`ResultFolder::finish`], it leaves no trace.
+#[derive(Debug)]
+pub struct ResultFolder {
+    target: PathBuf,
+    staging: TempDir,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Manifest {
+    schema: String,
+    /// Names in the folder, with `/` between folder and file.
+    files: BTreeSet<String>,
+}
+
+/// A JSON object with the name of its layout in front.
+#[derive(Serialize)]
+struct Tagged<'a, T> {
+    schema: &'a str,
+    #[serde(flatten)]
+    value: &'a T,
+}
+
+impl ResultFolder {
+    /// Prepares to write the folder `path`, which need not exist. Nothing in it changes before
+    /// [`ResultFolder::finish`].
+    ///
+    /// # Errors
+    /// [`Error::Io`] if `path` is a file, cannot be written to, or has a `manifest.json` of another program.
+    pub fn create(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let failed = |source| Error::io(path, "write results to this folder", source);
+        let target = std::path::absolute(path).map_err(failed)?;
+        let exists = target.try_exists().unwrap_or(false);
+        if exists && !target.is_dir() {
+            return Err(failed(io::Error::new(ErrorKind::NotADirectory, "it is a file; name a folder")));
+        }
+        let target = if exists { target.canonicalize().map_err(failed)? } else { target };
+        previous_files(&target)?;
+        let staging = if exists {
+            // Found out now rather than when hours of work are to be moved.
+            tempfile::tempfile_in(&target).map_err(failed)?;
+            staging_beside(&target).or_else(|_| staging_in(&target))
+        } else {
+            let parent = target.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new("."));
+            staging_in(parent)
+        };
+        Ok(ResultFolder { staging: staging.map_err(failed)?, target })
+    }
+
+    /// Where to write the file that will be called `name` in the folder. Names may have folders in front, as in
+    /// `plots/joint_1.svg`; these are made.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if `name` points out of the folder or is `manifest.json`, or its folder cannot be made.
+    pub fn file(&self, name: &str) -> Result<PathBuf> {
+        let failed = |source| Error::io(self.target.join(name), "write this result", source);
+        if !is_inside(name) || name == MANIFEST {
+            let problem = "names of results are relative, as in plots/joint_1.svg, and not manifest.json";
+            return Err(failed(io::Error::new(ErrorKind::InvalidInput, problem)));
+        }
+        let path = self.staging.path().join(name);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(failed)?;
+        }
+        Ok(path)
+    }
+
+    /// Writes a text.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if `name` is refused by [`ResultFolder::file`] or the file cannot be written.
+    pub fn write_text(&self, name: &str, text: &str) -> Result<()> {
+        let path = self.file(name)?;
+        std::fs::write(path, text).map_err(|source| Error::io(self.target.join(name), "write this result", source))
+    }
+
+    /// Writes a JSON object with `schema`, the name and version of its layout, as its first field.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if `name` is refused by [`ResultFolder::file`], the file cannot be written, or `value` is not an
+    /// object or has a field `schema` of its own.
+    pub fn write_json(&self, name: &str, schema: &str, value: &impl Serialize) -> Result<()> {
+        let path = self.file(name)?;
+        let written = File::create(path).and_then(|file| json(file, schema, value));
+        written.map_err(|source| Error::io(self.target.join(name), "write this result", source))
+    }
+
+    /// Moves all files to their place, over files of the same names; removes what the manifest of an earlier run lists
+    /// and this run did not write; writes `manifest.json` last. Other files are not touched. Returns the folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; the folder is then as before.
+    pub fn finish(self) -> Result<PathBuf> {
+        let failed = |source| Error::io(&self.target, "write results to this folder", source);
+        let old = previous_files(&self.target)?;
+        let mut files = BTreeSet::new();
+        collect(self.staging.path(), "", &mut files).map_err(failed)?;
+        let manifest = Manifest { schema: MANIFEST_SCHEMA.to_owned(), files };
+        let staged_manifest = self.staging.path().join(MANIFEST);
+        File::create(staged_manifest).and_then(|file| pretty(file, &manifest)).map_err(failed)?;
+        for name in manifest.files.iter().map(String::as_str).chain([MANIFEST]) {
+            let synced = File::open(self.staging.path().join(name)).and_then(|file| file.sync_all());
+            synced.map_err(|source| Error::io(self.target.join(name), "write this result", source))?;
+        }
+
+        // Beside the staged files' folder, where no name of a result can be.
+        let backup = staging_in(self.staging.path()).map_err(failed)?;
+        let mut transaction = Transaction::new(backup);
+        let at = |name: &str, source| Error::io(self.target.join(name), "move this result to its place", source);
+        transaction.create_folder(&self.target).map_err(failed)?;
+        for name in old.difference(&manifest.files) {
+            transaction.remove(&self.target.join(name)).map_err(|source| at(name, source))?;
+        }
+        for name in manifest.files.iter().map(String::as_str).chain([MANIFEST]) {
+            let moved = transaction.replace(&self.staging.path().join(name), &self.target.join(name));
+            moved.map_err(|source| at(name, source))?;
+        }
+        transaction.commit();
+        for name in old.difference(&manifest.files) {
+            remove_empty_folders(&self.target, name);
+        }
+        sync_folder(&self.target);
+        Ok(self.target)
+    }
+}
+
+/// A hidden folder beside `target`, if that is the same file system; a mounted folder's parent is not.
+fn staging_beside(target: &Path) -> io::Result<TempDir> {
+    let parent = target.parent().ok_or(ErrorKind::NotFound)?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        if parent.metadata()?.dev() != target.metadata()?.dev() {
+            return Err(ErrorKind::CrossesDevices.into());
+        }
+    }
+    staging_in(parent)
+}
+
+fn staging_in(folder: &Path) -> io::Result<TempDir> {
+    tempfile::Builder::new().prefix(".tauscope-").tempdir_in(folder)
+}
+
+/// Whether `name` is a plain relative path of folders and a file.
+fn is_inside(name: &str) -> bool {
+    name.split('/').all(|part| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']))
+}
+
+/// What the manifest of an earlier run lists; nothing if there is none.
+fn previous_files(target: &Path) -> Result<BTreeSet<String>> {
+    let path = target.join(MANIFEST);
+    let failed = |source| Error::io(&path, "read what an earlier run wrote", source);
+    let text = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            return Ok(BTreeSet::new());
+        }
+        Err(error) => return Err(failed(error)),
+    };
+    let manifest = serde_json::from_str::<Manifest>(&text).ok().filter(|manifest| manifest.schema == MANIFEST_SCHEMA);
+    let Some(manifest) = manifest else {
+        let problem = "this manifest was not written by tauscope; choose another folder for the results";
+        return Err(failed(io::Error::new(ErrorKind::InvalidData, problem)));
+    };
+    // A manifest edited by hand must not make files elsewhere disappear.
+    Ok(manifest.files.into_iter().filter(|name| is_inside(name)).collect())
+}
+
+fn collect(folder: &Path, prefix: &str, files: &mut BTreeSet<String>) -> io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_str().ok_or_else(|| io::Error::new(ErrorKind::InvalidData, "a name is not UTF-8"))?;
+        let name = format!("{prefix}{name}");
+        if entry.file_type()?.is_dir() {
+            collect(&entry.path(), &format!("{name}/"), files)?;
+        } else {
+            files.insert(name);
+        }
+    }
+    Ok(())
+}
+
+fn json(writer: impl Write, schema: &str, value: &impl Serialize) -> io::Result<()> {
+    let plain = serde_json::to_value(value)?;
+    let object = plain.as_object().ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "it is not a JSON object"))?;
+    if object.contains_key("schema") {
+        return Err(io::Error::new(ErrorKind::InvalidInput, "the object has a field 'schema' of its own"));
+    }
+    // Not `plain`, which has lost the order of the fields.
+    pretty(writer, &Tagged { schema, value })
+}
+
+fn pretty(writer: impl Write, value: &impl Serialize) -> io::Result<()> {
+    let mut writer = BufWriter::new(writer);
+    serde_json::to_writer_pretty(&mut writer, value)?;
+    writer.write_all(b"\n")?;
+    writer.flush()
+}
+
+/// Removes the folders of a removed file that are empty now.
+fn remove_empty_folders(target: &Path, name: &str) {
+    let folders = Path::new(name).ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
+    for folder in folders {
+        if std::fs::remove_dir(target.join(folder)).is_err() {
+            return;
+        }
+    }
+}
+
+/// Makes new names survive a power cut where the system can; some file systems cannot, and the results are whole anyway.
+fn sync_folder(folder: &Path) {
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// Everything below a folder, hidden or not, with its content.
+    fn tree(folder: &Path) -> BTreeMap<String, String> {
+        let mut files = BTreeSet::new();
+        collect(folder, "", &mut files).unwrap();
+        files.into_iter().map(|name| (name.clone(), std::fs::read_to_string(folder.join(name)).unwrap())).collect()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        tree(folder).into_keys().collect()
+    }
+
+    fn write(target: &Path, files: &[(&str, &str)]) {
+        let folder = ResultFolder::create(target).unwrap();
+        for (name, text) in files {
+            folder.write_text(name, text).unwrap();
+        }
+        folder.finish().unwrap();
+    }
+
+    #[test]
+    fn a_new_folder_with_its_parents() {
+        let base = tempfile::tempdir().unwrap();
+        let target = base.path().join("a/b/out");
+        let folder = ResultFolder::create(&target).unwrap();
+        folder.write_text("plots/one/x.svg", "picture").unwrap();
+        std::fs::write(folder.file("log.csv").unwrap(), "t\n").unwrap();
+        assert!(!target.exists());
+        assert_eq!(folder.finish().unwrap(), target);
+        assert_eq!(names(base.path()), ["a/b/out/log.csv", "a/b/out/manifest.json", "a/b/out/plots/one/x.svg"]);
+        let manifest = "{\n  \"schema\": \"tauscope.manifest/1\",\n  \"files\": [\n    \"log.csv\",\n    \
+                        \"plots/one/x.svg\"\n  ]\n}\n";
+        assert_eq!(tree(&target)["manifest.json"], manifest);
+    }
+
+    #[test]
+    fn a_drop_in_the_middle_leaves_nothing() {
+        let base = tempfile::tempdir().unwrap();
+        let target = base.path().join("a/out");
+        let folder = ResultFolder::create(&target).unwrap();
+        folder.write_text("x.txt", "x").unwrap();
+        drop(folder);
+        assert_eq!(std::fs::read_dir(base.path()).unwrap().count(), 0);
+
+        write(&target, &[("x.txt", "old")]);
+        let before = tree(base.path());
+        let folder = ResultFolder::create(&target).unwrap();
+        folder.write_text("x.txt", "new").unwrap();
+        assert_eq!(tree(&target).len(), 2);
+        drop(folder);
+        assert_eq!(tree(base.path()), before);
+    }
+
+    #[test]
+    fn a_second_run_replaces_its_own_files_only() {
+        let base = tempfile::tempdir().unwrap();
+        let target = base.path().join("out");
+        write(&target, &[("x.txt", "old"), ("plots/gone.svg", "old"), ("more/gone.svg", "old"), ("gone.txt", "old")]);
+        std::fs::write(target.join("foreign.txt"), "mine").unwrap();
+        std::fs::write(target.join("plots/foreign.svg"), "mine").unwrap();
+        write(&target, &[("x.txt", "new"), ("y/z.txt", "new")]);
+        assert_eq!(
+            names(base.path()),
+            ["out/foreign.txt", "out/manifest.json", "out/plots/foreign.svg", "out/x.txt", "out/y/z.txt"]
+        );
+        assert_eq!(tree(&target)["x.txt"], "new");
+        assert!(!target.join("more").exists(), "an emptied folder goes with its files");
+    }
+
+    #[test]
+    fn a_manifest_cannot_reach_out_of_its_folder() {
+        let base = tempfile::tempdir().unwrap();
+        let target = base.path().join("out");
+        write(&target, &[("x.txt", "old")]);
+        let outside = base.path().join("outside.txt");
+        std::fs::write(&outside, "mine").unwrap();
+        let files = ["../outside.txt", outside.to_str().unwrap(), "never_written.txt", "x.txt"];
+        let manifest = serde_json::json!({ "schema": MANIFEST_SCHEMA, "files": files });
+        std::fs::write(target.join(MANIFEST), manifest.to_string()).unwrap();
+        write(&target, &[("y.txt", "new")]);
+        assert_eq!(names(base.path()), ["out/manifest.json", "out/y.txt", "outside.txt"]);
+    }
+
+    #[test]
+    fn a_failure_while_moving_leaves_the_folder_as_it_was() {
+        let base = tempfile::tempdir().unwrap();
+        let target = base.path().join("out");
+        write(&target, &[("a.txt", "old"), ("gone.txt", "old")]);
+        std::fs::create_dir_all(target.join("z.txt/folder")).unwrap();
+        std::fs::write(target.join("z.txt/folder/mine"), "mine").unwrap();
+        std::fs::write(target.join("foreign.txt"), "mine").unwrap();
+        let before = tree(base.path());
+        for (name, expected) in [("z.txt", "out/z.txt: "), ("foreign.txt/x", "out/foreign.txt/x: ")] {
+            let folder = ResultFolder::create(&target).unwrap();
+            folder.write_text("aa/new.txt", "new").unwrap();
+            folder.write_text(name, "new").unwrap();
+            let error = folder.finish().unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+            assert_eq!(tree(base.path()), before);
+            assert!(!target.join("aa").exists());
+        }
+    }
+
+    #[test]
+    fn places_that_cannot_be_written_are_refused_at_once() {
+        let base = tempfile::tempdir().unwrap();
+        let file = base.path().join("file.txt");
+        std::fs::write(&file, "mine").unwrap();
+        for target in [file.clone(), file.join("out"), file.join("a/b")] {
+            let error = ResultFolder::create(&target).unwrap_err();
+            assert!(matches!(error, Error::Io { .. }), "{error:?}");
+            assert!(error.to_string().starts_with(target.to_str().unwrap()), "{error}");
+        }
+        assert_eq!(names(base.path()), ["file.txt"]);
+    }
+
+    #[test]
+    fn a_manifest_of_another_program_is_kept() {
+        for text in ["{}", "not json", r#"{ "schema": "other", "files": [] }"#] {
+            let base = tempfile::tempdir().unwrap();
+            std::fs::write(base.path().join(MANIFEST), text).unwrap();
+            let error = ResultFolder::create(base.path()).unwrap_err().to_string();
+            assert!(error.contains("manifest.json") && error.contains("another folder"), "{error}");
+            assert_eq!(tree(base.path())[MANIFEST], text);
+        }
+    }
+
+    #[test]
+    fn names_that_leave_the_folder_are_refused() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(base.path().join("out")).unwrap();
+        for name in ["", "/etc/x", "../x", "a/../../x", "a//b", "a/", ".", "a\\b", "c:x", "manifest.json"] {
+            let error = folder.file(name).unwrap_err();
+            let Error::Io { path, source, .. } = error else { panic!("{error}") };
+            assert_eq!((path, source.kind()), (base.path().join("out").join(name), ErrorKind::InvalidInput));
+        }
+        assert!(folder.file("a/manifest.json").is_ok());
+    }
+
+    #[derive(Serialize)]
+    struct Report {
+        zeta: f64,
+        alpha: Option<Vec<f64>>,
+    }
+
+    #[test]
+    fn json_starts_with_its_schema_and_keeps_the_order() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(base.path().join("out")).unwrap();
+        folder.write_json("r.json", "tauscope.report/1", &Report { zeta: 0.1, alpha: Some(vec![1e-300]) }).unwrap();
+        let target = folder.finish().unwrap();
+        let expected =
+            "{\n  \"schema\": \"tauscope.report/1\",\n  \"zeta\": 0.1,\n  \"alpha\": [\n    1e-300\n  ]\n}\n";
+        assert_eq!(tree(&target)["r.json"], expected);
+    }
+
+    #[test]
+    fn json_must_be_an_object_without_a_schema() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(base.path().join("out")).unwrap();
+        let own = BTreeMap::from([("schema", 1)]);
+        for error in [
+            folder.write_json("r.json", "s/1", &[1, 2]).unwrap_err(),
+            folder.write_json("r.json", "s/1", &()).unwrap_err(),
+            folder.write_json("r.json", "s/1", &"text").unwrap_err(),
+            folder.write_json("r.json", "s/1", &own).unwrap_err(),
+        ] {
+            assert!(error.to_string().contains("out/r.json"), "{error}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_full_disk_names_the_file() {
+        if !Path::new("/dev/full").exists() {
+            return;
+        }
+        let base = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(base.path().join("out")).unwrap();
+        std::os::unix::fs::symlink("/dev/full", folder.file("r.json").unwrap()).unwrap();
+        let value = Report { zeta: 1.0, alpha: None };
+        for error in
+            [folder.write_json("r.json", "s/1", &value).unwrap_err(), folder.write_text("r.json", "text").unwrap_err()]
+        {
+            let Error::Io { path, source, .. } = error else { panic!("{error}") };
+            assert_eq!((path, source.kind()), (base.path().join("out/r.json"), ErrorKind::StorageFull));
+        }
+        drop(folder);
+        assert_eq!(std::fs::read_dir(base.path()).unwrap().count(), 0);
+    }
+}

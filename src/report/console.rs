@@ -1,0 +1,120 @@
+//! Tables for people.
+
+use super::results::SmoothingGain;
+use crate::scenario::Setup;
+use crate::study::testbed::{Scored, Variant};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+
+/// A plain aligned table: first column left, numbers right.
+pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled).set_header(header);
+    table.add_rows(rows);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// The scores of a scenario run: torque error per joint with and without smoothing, then one line per variant.
+pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters: usize) -> String {
+    let find = |variant: Variant| scored.iter().find(|result| result.variant == variant);
+    let (Some(raw), Some(smoothed)) = (find(Variant::Raw), find(Variant::SavitzkyGolay)) else {
+        return String::new();
+    };
+    let header = [
+        "torque error, std in N m",
+        "raw",
+        "Savitzky-Golay",
+        "ratio",
+        "paper's ratio",
+        "held-out raw",
+        "held-out S-G",
+        "ratio",
+    ];
+    let rows = setup
+        .plant
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            vec![
+                joint.name.clone(),
+                significant(raw.score.torque_std_training_nm[j]),
+                significant(smoothed.score.torque_std_training_nm[j]),
+                format!("{:.3}", gain.training[j]),
+                gain.paper_table_3.get(j).map_or("-".to_owned(), |ratio| format!("{ratio:.2}")),
+                significant(raw.score.torque_std_held_out_nm[j]),
+                significant(smoothed.score.torque_std_held_out_nm[j]),
+                format!("{:.3}", gain.held_out[j]),
+            ]
+        })
+        .collect();
+    let per_joint = table(&header, rows);
+    let header = ["signals", "d_beta", "median rel. error", "condition number", "residual / noise", "time"];
+    let noise: Vec<f64> = setup.sensors.iter().map(|sensor| sensor.torque_noise).collect();
+    let rows = scored
+        .iter()
+        .map(|result| {
+            vec![
+                result.variant.name().to_owned(),
+                significant(result.score.d_beta),
+                format!("{} %", significant(100.0 * median_size(&result.score.relative_errors))),
+                format!("{:.2}", result.estimate.condition_number),
+                noise_ratio(&result.residual_rms, &noise),
+                format!("{:.0} ms", 1e3 * result.seconds),
+            ]
+        })
+        .collect();
+    let per_variant = table(&header, rows);
+    format!(
+        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{per_joint}\n\n{per_variant}",
+        setup.scenario.name,
+        parameters,
+        setup.plant.dof(),
+        crate::excitation::Reference::duration_s(&setup.motion),
+        crate::excitation::Reference::duration_s(&setup.held_out),
+    )
+}
+
+/// Root mean square over the joints of residual over torque noise; a dash without noise.
+fn noise_ratio(residual: &[f64], noise: &[f64]) -> String {
+    if noise.iter().any(|&n| n <= 0.0) {
+        return "-".to_owned();
+    }
+    let sum: f64 = residual.iter().zip(noise).map(|(r, n)| (r / n).powi(2)).sum();
+    significant((sum / noise.len() as f64).sqrt())
+}
+
+/// Median of the sizes.
+fn median_size(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Three significant digits.
+fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor();
+    if (-3.0..5.0).contains(&exponent) {
+        format!("{value:.*}", (2.0 - exponent).max(0.0) as usize)
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_digits() {
+        assert_eq!(significant(1234.5), "1234");
+        assert_eq!(significant(12.345), "12.3");
+        assert_eq!(significant(0.001234), "0.00123");
+        assert_eq!(significant(1.2e-9), "1.20e-9");
+    }
+}

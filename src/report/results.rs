@@ -1,0 +1,177 @@
+//! The JSON results of a scenario run.
+
+use crate::identification::model::Model;
+use crate::scenario::Setup;
+use crate::study::testbed::{Score, Scored};
+use serde::Serialize;
+
+/// Schema of `identification.json`.
+pub const IDENTIFICATION_SCHEMA: &str = "tauscope.identification/1";
+
+/// Schema of `score.json`.
+pub const SCORE_SCHEMA: &str = "tauscope.score/1";
+
+/// `identification.json`: what each variant found.
+#[derive(Debug, Serialize)]
+pub struct Identification {
+    scenario: String,
+    robot: String,
+    joints: Vec<String>,
+    seed: u64,
+    estimator: &'static str,
+    standard_parameters: usize,
+    base_parameters: usize,
+    variants: Vec<VariantParameters>,
+}
+
+#[derive(Debug, Serialize)]
+struct VariantParameters {
+    signals: &'static str,
+    condition_number: f64,
+    /// Standard deviation of each joint's residual, the inverse root of its weight.
+    sigma_nm: Vec<f64>,
+    residual_rms_nm: Vec<f64>,
+    rows: Vec<usize>,
+    parameters: Vec<Parameter>,
+}
+
+#[derive(Debug, Serialize)]
+struct Parameter {
+    name: String,
+    unit: &'static str,
+    value: f64,
+    std: f64,
+    interval_95: [f64; 2],
+    truth: f64,
+}
+
+/// `score.json`: how close each variant came.
+#[derive(Debug, Serialize)]
+pub struct Scores {
+    scenario: String,
+    robot: String,
+    joints: Vec<String>,
+    seed: u64,
+    definitions: Definitions,
+    variants: Vec<VariantScore>,
+    smoothing_gain: SmoothingGain,
+}
+
+#[derive(Debug, Serialize)]
+struct Definitions {
+    d_beta: &'static str,
+    torque_std: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct VariantScore {
+    signals: &'static str,
+    #[serde(flatten)]
+    score: Score,
+    parameters: Vec<String>,
+    residual_rms_nm: Vec<f64>,
+    condition_number: f64,
+    seconds: f64,
+}
+
+/// Torque standard deviation with Savitzky-Golay over that without, per joint, beside the paper's.
+#[derive(Debug, Clone, Serialize)]
+pub struct SmoothingGain {
+    /// On the training motion.
+    pub training: Vec<f64>,
+    /// On the held-out motion.
+    pub held_out: Vec<f64>,
+    /// From the paper's Table 3, for six joints.
+    pub paper_table_3: Vec<f64>,
+}
+
+/// Names and units of the base parameters, with their true values.
+fn parameters(setup: &Setup, model: &Model) -> Vec<(String, &'static str, f64)> {
+    let truth = model.base().values(&Model::standard_values(&setup.plant));
+    model
+        .base()
+        .groupings()
+        .iter()
+        .zip(truth)
+        .map(|(grouping, value)| (grouping.name.clone(), Model::unit(grouping.leader), value))
+        .collect()
+}
+
+/// The content of `identification.json`.
+pub fn identification(setup: &Setup, model: &Model, scored: &[Scored]) -> Identification {
+    let named = parameters(setup, model);
+    let variants = scored
+        .iter()
+        .map(|result| {
+            let estimate = &result.estimate;
+            let parameters = named
+                .iter()
+                .zip(estimate.beta.iter().zip(estimate.std()).zip(estimate.intervals()))
+                .map(|((name, unit, truth), ((&value, std), interval_95))| Parameter {
+                    name: name.clone(),
+                    unit,
+                    value,
+                    std,
+                    interval_95,
+                    truth: *truth,
+                })
+                .collect();
+            VariantParameters {
+                signals: result.variant.name(),
+                condition_number: estimate.condition_number,
+                sigma_nm: estimate.sigma.clone(),
+                residual_rms_nm: result.residual_rms.clone(),
+                rows: estimate.rows.clone(),
+                parameters,
+            }
+        })
+        .collect();
+    Identification {
+        scenario: setup.scenario.name.clone(),
+        robot: setup.plant.name.clone(),
+        joints: setup.plant.joint_names(),
+        seed: setup.scenario.seed,
+        estimator: "weighted_least_squares",
+        standard_parameters: model.names().len(),
+        base_parameters: model.base().len(),
+        variants,
+    }
+}
+
+/// The content of `score.json`. `gain` is [`smoothing_gain`]'s.
+pub fn scores(setup: &Setup, model: &Model, scored: &[Scored], gain: SmoothingGain) -> Scores {
+    let names: Vec<String> = parameters(setup, model).into_iter().map(|(name, _, _)| name).collect();
+    Scores {
+        scenario: setup.scenario.name.clone(),
+        robot: setup.plant.name.clone(),
+        joints: setup.plant.joint_names(),
+        seed: setup.scenario.seed,
+        definitions: Definitions {
+            d_beta: "(2 / p) sum |beta - est| / (|beta| + |est|) over the base parameters; 0 is perfect, 2 the worst",
+            torque_std: "standard deviation of predicted minus noise-free motor torque, over the samples at which the \
+                         joint is faster than the reversal band",
+        },
+        variants: scored
+            .iter()
+            .map(|result| VariantScore {
+                signals: result.variant.name(),
+                score: result.score.clone(),
+                parameters: names.clone(),
+                residual_rms_nm: result.residual_rms.clone(),
+                condition_number: result.estimate.condition_number,
+                seconds: result.seconds,
+            })
+            .collect(),
+        smoothing_gain: gain,
+    }
+}
+
+/// Ratio of the torque standard deviations of two variants, smoothed over raw.
+pub fn smoothing_gain(raw: &Scored, smoothed: &Scored, paper_table_3: &[f64]) -> SmoothingGain {
+    let ratio = |with: &[f64], without: &[f64]| with.iter().zip(without).map(|(a, b)| a / b).collect();
+    SmoothingGain {
+        training: ratio(&smoothed.score.torque_std_training_nm, &raw.score.torque_std_training_nm),
+        held_out: ratio(&smoothed.score.torque_std_held_out_nm, &raw.score.torque_std_held_out_nm),
+        paper_table_3: paper_table_3.to_vec(),
+    }
+}

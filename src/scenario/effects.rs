@@ -1,0 +1,85 @@
+//! `[[effect]]` tables: effects by name, joint and parameters.
+
+use crate::effects::{self, Effect, Parameter, Placed, Scope};
+use crate::robot::Robot;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// One effect at work in the plant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectSpec {
+    /// Name in the library; `tauscope effects` lists them.
+    pub name: String,
+    /// Name of the joint it acts on (the first of a pair); absent for effects on the arm as a whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Parameters by name; those left out are at their typical values.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
+}
+
+impl EffectSpec {
+    /// The effect on its joint of `robot`.
+    ///
+    /// # Errors
+    /// In words, for an unknown name (with the nearest there is), a joint that is missing, unknown or unwanted, and
+    /// parameters that are unknown or out of bounds.
+    pub fn place(&self, robot: &Robot) -> Result<Placed, String> {
+        let effect = effects::find(&self.name).map_err(|e| e.to_string())?;
+        let joint = joint(effect, self.joint.as_deref(), robot)?;
+        let mut placed = Placed::typical(effect, joint);
+        for (name, &value) in &self.parameters {
+            let index = index(effect, name)?;
+            check(effect, &effect.parameters()[index], value)?;
+            placed.parameters[index] = value;
+        }
+        Ok(placed)
+    }
+}
+
+/// The joint an effect of this scope acts on.
+///
+/// # Errors
+/// In words, for a joint that is missing, unknown or unwanted.
+pub fn joint(effect: &dyn Effect, name: Option<&str>, robot: &Robot) -> Result<usize, String> {
+    let about = effect.about();
+    match (about.scope, name) {
+        (Scope::Arm, None) => Ok(0),
+        (Scope::Arm, Some(name)) => {
+            Err(format!("`{}` acts on the arm as a whole; leave out joint `{name}`", about.name))
+        }
+        (_, None) => Err(format!("`{}` acts on a joint; name one of {}", about.name, robot.joint_names().join(", "))),
+        (scope, Some(name)) => {
+            let joint = robot.joint_index(name).map_err(|e| e.to_string())?;
+            if scope == Scope::Pair && joint + 1 == robot.dof() {
+                return Err(format!("`{}` acts on a joint and the one after it; `{name}` is the last", about.name));
+            }
+            Ok(joint)
+        }
+    }
+}
+
+fn index(effect: &dyn Effect, name: &str) -> Result<usize, String> {
+    effect.parameters().iter().position(|parameter| parameter.name == name).ok_or_else(|| {
+        let names: Vec<&str> = effect.parameters().iter().map(|parameter| parameter.name).collect();
+        let nearest =
+            names.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
+        let hint = nearest.map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+        format!("`{}` has no parameter `{name}`{hint} It has {}", effect.about().name, names.join(", "))
+    })
+}
+
+fn check(effect: &dyn Effect, parameter: &Parameter, value: f64) -> Result<(), String> {
+    if value.is_finite() && (parameter.lower..=parameter.upper).contains(&value) {
+        return Ok(());
+    }
+    Err(format!(
+        "{} of `{}` is {value}, outside {} .. {} {}",
+        parameter.name,
+        effect.about().name,
+        parameter.lower,
+        parameter.upper,
+        parameter.unit
+    ))
+}

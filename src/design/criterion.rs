@@ -82,7 +82,10 @@ impl Criterion {
         .into_iter()
         .find(|criterion| criterion.name() == name)
         .ok_or_else(|| {
-            Error::request("criterion", format!("there is no criterion `{name}`; choose from {}", Self::NAMES.join(", ")))
+            Error::request(
+                "criterion",
+                format!("there is no criterion `{name}`; choose from {}", Self::NAMES.join(", ")),
+            )
         })
     }
 

@@ -181,8 +181,9 @@ impl Envelope {
         let steps = (motion.duration_s() * CHECK_RATE_HZ).floor() as u64;
         for t in (0..=steps).map(|k| k as f64 / CHECK_RATE_HZ) {
             motion.at(t, &mut q, &mut qd, &mut qdd);
-            self.keeps([&q, &qd, &qdd], &mut margins)
-                .map_err(|passed| Error::request(passed.subject, format!("{} at t = {t:.4} s; {}", passed.what, passed.advice)))?;
+            self.keeps([&q, &qd, &qdd], &mut margins).map_err(|passed| {
+                Error::request(passed.subject, format!("{} at t = {t:.4} s; {}", passed.what, passed.advice))
+            })?;
         }
         Ok(Clearance {
             effort_used: margins.effort_used,
@@ -209,7 +210,8 @@ impl Envelope {
             let joint = &self.robot.joints[index];
             let used = tau.abs() / joint.limits.effort;
             // Written so that a torque that is not a number counts as passed.
-            if !(used <= 1.0) {
+            let kept = used <= 1.0;
+            if !kept {
                 return Err(Passed {
                     subject: joint.name.clone(),
                     what: format!("takes {tau:.2} N m, more than its torque limit of {:.2} N m,", joint.limits.effort),
@@ -242,7 +244,11 @@ impl Envelope {
                 let (radius, top) = (workspace.column_radius_m, workspace.column_top_m);
                 return Err(Passed {
                     subject: "workspace.column_radius_m".to_owned(),
-                    what: format!("{} is inside the column of {radius} m up to z = {top} m by {:.3} m", name(), -column),
+                    what: format!(
+                        "{} is inside the column of {radius} m up to z = {top} m by {:.3} m",
+                        name(),
+                        -column
+                    ),
                     advice: "make the column smaller",
                 });
             }
@@ -282,5 +288,70 @@ struct Margins {
 impl Default for Margins {
     fn default() -> Self {
         Margins { effort_used: 0.0, floor: f64::INFINITY, column: f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{WORKSPACE, irb1600, limits};
+    use super::*;
+    use crate::excitation::freudenstein::{FreudensteinSequence, JointMoves};
+
+    /// All joints stand still but one, which goes to `to` and back in 4 s.
+    fn out_and_back(joint: usize, to: f64) -> FreudensteinSequence {
+        let mut joints = vec![JointMoves { duration_s: vec![4.0], via: vec![] }; 6];
+        joints[joint] = JointMoves { duration_s: vec![2.0, 2.0], via: vec![to] };
+        FreudensteinSequence::new(4.0, joints).unwrap()
+    }
+
+    fn envelope(workspace: Workspace) -> Envelope {
+        let robot = irb1600();
+        Envelope::new(&robot, &limits(&robot), Some(workspace)).unwrap()
+    }
+
+    #[test]
+    fn floor_and_column_are_kept_or_named() {
+        let wide = envelope(WORKSPACE);
+        let clearance = wide.check(&out_and_back(0, 1.0)).unwrap();
+        // Turning about the vertical axis leaves the forearm at z = 0.9615 m.
+        assert!((clearance.floor_m.unwrap() - 0.9615).abs() < 1e-9, "{clearance:?}");
+        // Leaning forward by 100 deg puts the outstretched arm through the floor.
+        let message = wide.check(&out_and_back(1, 1.745)).unwrap_err().to_string();
+        assert!(message.contains("floor_m") && message.contains("t = ") && message.contains("joint_6"), "{message}");
+        // Folding the forearm straight down beside a wide column runs into it.
+        let message = envelope(Workspace { column_radius_m: 0.6, column_top_m: 0.9, ..WORKSPACE })
+            .check(&out_and_back(2, 0.9))
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("column"), "{message}");
+    }
+
+    #[test]
+    fn torque_beyond_the_effort_is_named() {
+        let mut robot = irb1600();
+        robot.joints[0].limits.effort = 100.0;
+        let tight = Envelope::new(&robot, &limits(&robot), None).unwrap();
+        let message = tight.check(&out_and_back(0, 1.0)).unwrap_err().to_string();
+        assert!(message.contains("joint_1") && message.contains("torque limit of 100.00"), "{message}");
+    }
+
+    #[test]
+    fn limits_that_the_zero_pose_passes_are_named() {
+        let robot = irb1600();
+        let refusal =
+            |robot: &Robot, workspace| Envelope::new(robot, &limits(robot), Some(workspace)).unwrap_err().to_string();
+        let message = refusal(&robot, Workspace { floor_m: 1.2, ..WORKSPACE });
+        assert!(message.contains("floor_m") && message.contains("zero pose"), "{message}");
+        let message = refusal(&robot, Workspace { column_radius_m: 2.0, column_top_m: 2.0, ..WORKSPACE });
+        assert!(message.contains("column") && message.contains("zero pose"), "{message}");
+        assert!(refusal(&robot, Workspace { floor_m: f64::NAN, ..WORKSPACE }).contains("floor_m"));
+        let mut weak = irb1600();
+        weak.joints[2].limits.effort = 20.0;
+        let message = refusal(&weak, WORKSPACE);
+        assert!(message.contains("joint_3") && message.contains("zero pose"), "{message}");
+        let mut bounds = limits(&robot);
+        bounds[1].lower = 0.3;
+        let message = Envelope::new(&robot, &bounds, None).unwrap_err().to_string();
+        assert!(message.contains("joint_2") && message.contains("lower"), "{message}");
     }
 }

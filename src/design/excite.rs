@@ -194,9 +194,7 @@ impl Session<'_, '_> {
             }
             if parts.len() == 1 { Ok(motion.clone()) } else { Motion::joined(&parts) }
         };
-        let total = |information: &Information| {
-            (0..copies).fold(others.clone(), |sum, _| sum.joined(information))
-        };
+        let total = |information: &Information| (0..copies).fold(others.clone(), |sum, _| sum.joined(information));
         let worth = |motion: &Motion| -> Worth {
             let (information, violation) = problem.observe(motion);
             problem.worth(&total(&information), violation)
@@ -255,7 +253,11 @@ impl Session<'_, '_> {
     /// Information of all blocks but `k`.
     fn others(&self, k: usize) -> Information {
         let none = Information::none(self.problem.experiment.beta().len());
-        self.blocks.iter().enumerate().filter(|(index, _)| *index != k).fold(none, |sum, (_, b)| sum.joined(&b.information))
+        self.blocks
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| *index != k)
+            .fold(none, |sum, (_, b)| sum.joined(&b.information))
     }
 
     /// The best motion that passes the check at 10 kHz.
@@ -297,4 +299,113 @@ fn nothing_found(least: Option<Violation>, evaluations: usize) -> Error {
              relax it, or allow more evaluations"
         ),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Criterion;
+    use super::super::tests::problem;
+    use super::*;
+    use crate::excitation::Reference;
+
+    fn request(family: Family, duration_s: f64, evaluations: usize) -> Request {
+        Request { family, duration_s, size: None, still_band: 0.03, seed: 5, starts: 1, evaluations }
+    }
+
+    fn run(problem: &Problem, request: &Request) -> Result<Outcome> {
+        excite(problem, request, &mut |_, _| true)
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_motion_on_any_number_of_threads() {
+        let problem = problem(Criterion::default());
+        let request = request(Family::Freudenstein, 10.0, 600);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| run(&problem, &request).unwrap())
+        };
+        let (one, two) = (on(1), on(2));
+        assert_eq!(one, two);
+        let other = run(&problem, &Request { seed: 6, ..request.clone() }).unwrap();
+        assert_ne!(one.motion, other.motion);
+    }
+
+    #[test]
+    fn every_kind_is_improved_and_keeps_every_limit_at_10_khz() {
+        let problem = problem(Criterion::default());
+        for family in Family::ALL {
+            let request = request(family, 6.0, 500);
+            let mut values = Vec::new();
+            let outcome = excite(&problem, &request, &mut |progress, _| {
+                values.extend(progress.best);
+                true
+            })
+            .unwrap();
+            assert!(values.is_sorted_by(|a, b| a >= b), "{}: the best never gets worse", family.name());
+            assert!(outcome.value < values[0] && outcome.value == *values.last().unwrap(), "{}", family.name());
+            assert!(outcome.evaluations >= 500 && !outcome.stopped);
+            let [mut q, mut qd, mut qdd] = [[0.0; 6]; 3];
+            let robot = problem.envelope.robot();
+            for k in 0..=60_000 {
+                outcome.motion.at(f64::from(k) / 1e4, &mut q, &mut qd, &mut qdd);
+                for (j, limits) in problem.envelope.joints().iter().enumerate() {
+                    assert!(q[j] >= limits.lower && q[j] <= limits.upper);
+                    assert!(qd[j].abs() <= limits.velocity && qdd[j].abs() <= limits.acceleration);
+                }
+                let frames = robot.frames(&q);
+                assert!(frames[3..].iter().all(|frame| frame.translation.z >= 0.0));
+                let clear = |p: &nalgebra::Vector3<f64>| p.x.hypot(p.y) >= 0.35 || p.z >= 0.7;
+                assert!(frames[3..].iter().all(|frame| clear(&frame.translation)));
+            }
+        }
+    }
+
+    #[test]
+    fn long_motions_are_better_than_their_first_block_repeated() {
+        let problem = problem(Criterion::LogDeterminant);
+        let short = run(&problem, &request(Family::Freudenstein, 10.0, 800)).unwrap();
+        let long = run(&problem, &request(Family::Freudenstein, 20.0, 2000)).unwrap();
+        assert_eq!(long.motion.duration_s(), 20.0);
+        assert!(long.value < short.value - 0.5 * 2f64.ln(), "{} against {}", long.value, short.value);
+        let information = problem.experiment.information(&long.motion, problem.grid_hz);
+        let whole = super::super::criterion::log_determinant(&information);
+        assert!((whole - long.value).abs() < 0.01, "blocks {} against the whole {whole}", long.value);
+    }
+
+    #[test]
+    fn it_stops_when_told_with_the_best_so_far() {
+        let problem = problem(Criterion::default());
+        let mut generations = 0;
+        let outcome = excite(&problem, &request(Family::Freudenstein, 10.0, 1_000_000), &mut |_, _| {
+            generations += 1;
+            generations < 4
+        })
+        .unwrap();
+        assert!(outcome.stopped && outcome.evaluations < 200);
+        assert!(problem.envelope.check(&outcome.motion).is_ok());
+    }
+
+    #[test]
+    fn impossible_requests_name_what_conflicts() {
+        let fine = problem(Criterion::default());
+        let message = |problem: &Problem, request: &Request| run(problem, request).unwrap_err().to_string();
+        let text = message(&fine, &request(Family::Freudenstein, 0.02, 100));
+        assert!(text.contains("duration") && text.contains("rows"), "{text}");
+        let many = Request { size: Some(200), ..request(Family::Freudenstein, 1.0, 100) };
+        let text = message(&fine, &many);
+        assert!(text.contains("acceleration limit of joint_1") && text.contains("reversal band"), "{text}");
+        let text = message(&fine, &request(Family::Freudenstein, f64::NAN, 100));
+        assert!(text.contains("duration"), "{text}");
+        let few = Request { size: Some(2), ..request(Family::Freudenstein, 40.0, 100) };
+        assert!(message(&fine, &few).contains("size"));
+
+        // Enough torque to hold the zero pose, not enough for friction once a joint moves.
+        let mut robot = super::super::tests::irb1600();
+        robot.joints[0].limits.effort = 61.0;
+        let limits = super::super::tests::limits(&robot);
+        let envelope = super::super::Envelope::new(&robot, &limits, None).unwrap();
+        let weak = Problem::new(fine.experiment.clone(), envelope, Criterion::default(), 50.0, 0.03).unwrap();
+        let text = message(&weak, &request(Family::Freudenstein, 10.0, 200));
+        assert!(text.starts_with("torque limits"), "{text}");
+    }
 }

@@ -37,7 +37,10 @@ impl Family {
     /// Lists the names there are.
     pub fn named(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|family| family.name() == name).ok_or_else(|| {
-            Error::request("kind", format!("there is no parametrisation `{name}`; choose from {}", Motion::KINDS.join(", ")))
+            Error::request(
+                "kind",
+                format!("there is no parametrisation `{name}`; choose from {}", Motion::KINDS.join(", ")),
+            )
         })
     }
 

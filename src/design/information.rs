@@ -36,6 +36,12 @@ pub struct Information {
 }
 
 impl Information {
+    /// From a matrix G that is known.
+    #[cfg(test)]
+    pub(super) fn of(matrix: DMatrix<f64>, rows: f64) -> Self {
+        Information { matrix, rows }
+    }
+
     /// No rows at all, for `parameters` base parameters.
     pub fn none(parameters: usize) -> Self {
         Information { matrix: DMatrix::zeros(parameters, parameters), rows: 0.0 }
@@ -67,7 +73,8 @@ impl Information {
     /// columns of unit length. A column of zeros counts as an eigenvalue of zero.
     pub fn normalised_eigenvalues(&self) -> Vec<f64> {
         let scale = self.matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
-        let unit = DMatrix::from_fn(self.parameters(), self.parameters(), |r, c| self.matrix[(r, c)] * scale[r] * scale[c]);
+        let unit =
+            DMatrix::from_fn(self.parameters(), self.parameters(), |r, c| self.matrix[(r, c)] * scale[r] * scale[c]);
         let mut values: Vec<f64> = unit.symmetric_eigenvalues().iter().copied().collect();
         values.sort_by(f64::total_cmp);
         values
@@ -82,7 +89,8 @@ impl Information {
 
     /// ln det G; minus infinity when a parameter is not excited.
     pub fn log_determinant(&self) -> f64 {
-        self.factor().map_or(f64::NEG_INFINITY, |factor| 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>())
+        self.factor()
+            .map_or(f64::NEG_INFINITY, |factor| 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>())
     }
 
     /// Standard deviation of every base parameter; infinite when one is not excited.
@@ -171,7 +179,8 @@ impl Experiment {
             }
         }
         let model = Model::new(robot);
-        let joints = torque_noise.iter().enumerate().map(|(joint, &sigma)| joint_columns(&model, joint, sigma)).collect();
+        let joints =
+            torque_noise.iter().enumerate().map(|(joint, &sigma)| joint_columns(&model, joint, sigma)).collect();
         let beta = DVector::from_vec(model.base().values(&Model::standard_values(robot)));
         Ok(Experiment { chain: Chain::new(robot), model, beta, joints, rate_hz })
     }

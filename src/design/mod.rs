@@ -23,6 +23,8 @@ pub mod families;
 pub mod information;
 pub mod problem;
 pub mod search;
+#[cfg(test)]
+mod tests;
 
 pub use criterion::Criterion;
 pub use envelope::{Envelope, Workspace};

@@ -7,8 +7,8 @@
 
 use super::envelope::Violation;
 use super::problem::Worth;
-use crate::excitation::encoding::{Encoding, random_point};
 use crate::excitation::Motion;
+use crate::excitation::encoding::{Encoding, random_point};
 use crate::random;
 use fcmaes_core::{Cmaes, CmaesParams, Fitness};
 use rand::Rng;
@@ -86,7 +86,12 @@ pub fn minimise(
     plan: &Plan,
     watch: &mut Watch,
 ) -> Found {
-    let mut search = Search { encoding, worth, watch, found: Found { best: None, least_violation: None, evaluations: 0, stopped: false } };
+    let mut search = Search {
+        encoding,
+        worth,
+        watch,
+        found: Found { best: None, least_violation: None, evaluations: 0, stopped: false },
+    };
     let starts = plan.starts.max(1);
     for start in 0..starts {
         let until = plan.evaluations * (start + 1) / starts;

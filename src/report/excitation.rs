@@ -57,8 +57,18 @@ pub fn found(
 
 /// The motions side by side.
 pub fn table(parameters: usize, rows: &[Row]) -> String {
-    let header =
-        ["motion", "rank", "kappa", "D", "peak acc.", "of limit", "rel. std median", "worst", "held-out torque error", ""];
+    let header = [
+        "motion",
+        "rank",
+        "kappa",
+        "D",
+        "peak acc.",
+        "of limit",
+        "rel. std median",
+        "worst",
+        "held-out torque error",
+        "",
+    ];
     let cells = rows
         .iter()
         .map(|row| {

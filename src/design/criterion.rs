@@ -17,7 +17,7 @@
 //! and Automation 13(5), 1997 (D); J. Jin and N. Gans, Parameter identification for industrial robots with a fast and
 //! robust trajectory design approach, Robotics and Computer-Integrated Manufacturing 31, 2015 (Hadamard's inequality).
 
-use super::information::Information;
+use super::information::{Information, SINGULAR};
 use crate::error::{Error, Result};
 
 /// Weight of ln kappa beside D in the compromise, unless another is asked for.
@@ -138,17 +138,18 @@ pub fn sizes(beta: &[f64], units: &[&str]) -> Vec<f64> {
 /// D and kappa from one set of eigenvalues.
 fn both(information: &Information) -> (f64, f64) {
     let values = information.normalised_eigenvalues();
-    if values.first().is_none_or(|least| *least <= 0.0) {
+    let kappa = ratio_of_ends(&values);
+    if kappa.is_infinite() {
         return (f64::INFINITY, f64::INFINITY);
     }
     let logarithm = values.iter().map(|v| v.ln()).sum::<f64>() + information.log_diagonal();
-    (-logarithm / (2.0 * information.parameters() as f64), ratio_of_ends(&values))
+    (-logarithm / (2.0 * information.parameters() as f64), kappa)
 }
 
-/// Square root of the largest over the smallest eigenvalue, which rounding may have put below zero.
+/// Square root of the largest over the smallest eigenvalue; infinite when the smallest is zero to rounding.
 fn ratio_of_ends(ascending: &[f64]) -> f64 {
     match (ascending.first(), ascending.last()) {
-        (Some(least), Some(most)) if *least > 0.0 => (most / least).sqrt(),
+        (Some(least), Some(most)) if *least > SINGULAR * most => (most / least).sqrt(),
         _ => f64::INFINITY,
     }
 }

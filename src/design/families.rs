@@ -1,6 +1,7 @@
 //! The parametrisations at a given length, as encodings to search in.
 //!
-//! Their numbers of unknowns grow with the length: so many moves, segments, harmonics or control points a second.
+//! Their numbers of unknowns grow with the length: so many moves, segments, harmonics or control points a second, chosen so
+//! that all parametrisations have about equally many (1.7 a second and joint).
 
 use crate::error::{Error, Result};
 use crate::excitation::bspline::DEGREE;
@@ -48,9 +49,9 @@ impl Family {
     pub fn usual_size(self, duration_s: f64) -> usize {
         let per_second = match self {
             Family::Freudenstein => 0.9,
-            Family::Fourier => 0.5,
-            Family::Quintic => 0.6,
-            Family::Bspline => 1.3,
+            Family::Fourier => 0.8,
+            Family::Quintic => 0.5,
+            Family::Bspline => 1.7,
         };
         ((per_second * duration_s).round() as usize).max(2)
     }

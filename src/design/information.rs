@@ -24,7 +24,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 const BLOCK: usize = 64;
 
 /// Eigenvalues of the normalised information matrix below this share of the largest are rounding.
-const SINGULAR: f64 = 1e-12;
+pub(super) const SINGULAR: f64 = 1e-12;
 
 /// Information about the base parameters from some rows; adding two of them joins the logs.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +123,7 @@ pub struct Samples {
     pub time: Vec<f64>,
     /// Positions, velocities and accelerations.
     pub motion: Motion,
-    /// Torque of the motors, [joint][time].
+    /// Torque of the motors, `[joint][time]`.
     pub torque: Channels,
 }
 

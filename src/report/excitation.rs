@@ -64,9 +64,9 @@ pub fn table(parameters: usize, rows: &[Row]) -> String {
         "D",
         "peak acc.",
         "of limit",
-        "rel. std median",
+        "rel. std %, median",
         "worst",
-        "held-out torque error",
+        "held-out error, sigma",
         "",
     ];
     let cells = rows
@@ -79,9 +79,9 @@ pub fn table(parameters: usize, rows: &[Row]) -> String {
                 number(row.d, 3),
                 format!("{:.1} rad/s2", row.peak_acceleration),
                 format!("{:.0} %", 100.0 * row.acceleration_used),
-                format!("{} %", number(100.0 * row.median_deviation, 3)),
-                format!("{} %", number(100.0 * row.worst_deviation, 2)),
-                row.held_out.map_or("-".to_owned(), |error| format!("{} sigma", number(error, 4))),
+                number(100.0 * row.median_deviation, 3),
+                number(100.0 * row.worst_deviation, 2),
+                row.held_out.map_or("-".to_owned(), |error| number(error, 4)),
                 row.held_out_change.map_or(String::new(), change),
             ]
         })

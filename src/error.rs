@@ -56,8 +56,66 @@ impl Error {
         Error::Input { path: path.as_ref().to_owned(), line, field: field.into(), problem: problem.into() }
     }
 
+    /// The [`Error::Input`] of a TOML file that does not parse or does not hold the wanted keys.
+    pub fn toml(path: impl AsRef<Path>, text: &str, error: &toml::de::Error) -> Self {
+        let line = error.span().map(|span| line_at(text, span.start));
+        let place = line.and_then(|line| text.lines().nth(line - 1)).map_or("", str::trim);
+        let table =
+            place.strip_prefix('[').map(|header| header.split(']').next().unwrap_or("").trim_matches(['[', ' ']));
+        let missing = error.message().strip_prefix("missing field `").and_then(|rest| rest.split('`').next());
+        let key = place.split_once('=').map(|(key, _)| key.trim()).filter(|key| !key.is_empty());
+        let field = match (missing, table) {
+            (Some(key), Some(table)) => format!("{table}.{key}"),
+            (Some(key), None) => key.to_owned(),
+            (None, table) => table.or(key).unwrap_or("the file").to_owned(),
+        };
+        Error::input(path, line, field, error.message())
+    }
+
     /// An [`Error::Request`] about `subject`.
     pub fn request(subject: impl Into<String>, problem: impl Into<String>) -> Self {
         Error::Request { subject: subject.into(), problem: problem.into() }
+    }
+}
+
+/// Line, counted from 1, of a byte offset in a text.
+pub fn line_at(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        #[serde(rename = "seed")]
+        _seed: u64,
+        #[serde(rename = "plant")]
+        _plant: Inner,
+    }
+
+    #[derive(Debug, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        #[serde(rename = "step_s")]
+        _step: f64,
+    }
+
+    #[test]
+    fn toml_errors_name_line_and_key() {
+        for (text, expected) in [
+            ("seed = 1\n\n[plant] # the arm\n", "a.toml:3: plant.step_s: missing field"),
+            ("\n[plant]\nstep_s = 1\n", "a.toml:1: seed: missing field"),
+            ("seed = -1\n[plant]\nstep_s = 1\n", "a.toml:1: seed: invalid value"),
+            ("seed = 1\n[plant]\nstep_s = \"x\"\n", "a.toml:3: step_s: invalid type"),
+            ("seed = 1\n[plant]\nstp = 1\nstep_s = 1\n", "a.toml:3: stp: unknown field"),
+            ("seed = 1\n[plantt]\n", "a.toml:2: plantt: unknown field"),
+            ("<xml/>", "a.toml:1: the file: "),
+        ] {
+            let message = Error::toml("a.toml", text, &toml::from_str::<Outer>(text).unwrap_err()).to_string();
+            assert!(message.starts_with(expected), "{message}");
+        }
     }
 }

@@ -8,6 +8,7 @@ mod transaction;
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -22,7 +23,10 @@ const MANIFEST_SCHEMA: &str = "tauscope.manifest/1";
 #[derive(Debug)]
 pub struct ResultFolder {
     target: PathBuf,
-    staging: TempDir,
+    /// Where the hidden folder is made.
+    place: PathBuf,
+    /// Made with the first file, so that a run that is killed while it computes leaves nothing behind.
+    staging: OnceCell<TempDir>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -56,15 +60,23 @@ impl ResultFolder {
         }
         let target = if exists { target.canonicalize().map_err(failed)? } else { target };
         previous_files(&target)?;
-        let staging = if exists {
-            // Found out now rather than when hours of work are to be moved.
+        // Whether it can be written is found out now rather than when hours of work are to be moved.
+        let place = if exists {
             tempfile::tempfile_in(&target).map_err(failed)?;
-            staging_beside(&target).or_else(|_| staging_in(&target))
+            place_beside(&target).unwrap_or_else(|| target.clone())
         } else {
-            let parent = target.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new("."));
-            staging_in(parent)
+            target.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new(".")).to_owned()
         };
-        Ok(ResultFolder { staging: staging.map_err(failed)?, target })
+        drop(staging_in(&place).map_err(failed)?);
+        Ok(ResultFolder { target, place, staging: OnceCell::new() })
+    }
+
+    fn staging(&self) -> io::Result<&Path> {
+        if let Some(staging) = self.staging.get() {
+            return Ok(staging.path());
+        }
+        let made = staging_in(&self.place)?;
+        Ok(self.staging.get_or_init(|| made).path())
     }
 
     /// Where to write the file that will be called `name` in the folder. Names may have folders in front, as in
@@ -78,11 +90,23 @@ impl ResultFolder {
             let problem = "names of results are relative, as in plots/joint_1.svg, and not manifest.json";
             return Err(failed(io::Error::new(ErrorKind::InvalidInput, problem)));
         }
-        let path = self.staging.path().join(name);
+        let path = self.staging().map_err(failed)?.join(name);
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(failed)?;
         }
         Ok(path)
+    }
+
+    /// Writes a file by `write`, which is told where.
+    ///
+    /// # Errors
+    /// Those of [`ResultFolder::file`] and of `write`, with the name the file was to have instead of where it was written.
+    pub fn write_with(&self, name: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+        let staged = self.file(name)?;
+        write(&staged).map_err(|error| match error {
+            Error::Io { path, action, source } if path == staged => Error::io(self.target.join(name), action, source),
+            other => other,
+        })
     }
 
     /// Writes a text.
@@ -114,17 +138,18 @@ impl ResultFolder {
         let failed = |source| Error::io(&self.target, "write results to this folder", source);
         let old = previous_files(&self.target)?;
         let mut files = BTreeSet::new();
-        collect(self.staging.path(), "", &mut files).map_err(failed)?;
+        let staging = self.staging().map_err(failed)?;
+        collect(staging, "", &mut files).map_err(failed)?;
         let manifest = Manifest { schema: MANIFEST_SCHEMA.to_owned(), files };
-        let staged_manifest = self.staging.path().join(MANIFEST);
+        let staged_manifest = staging.join(MANIFEST);
         File::create(staged_manifest).and_then(|file| pretty(file, &manifest)).map_err(failed)?;
         for name in manifest.files.iter().map(String::as_str).chain([MANIFEST]) {
-            let synced = File::open(self.staging.path().join(name)).and_then(|file| file.sync_all());
+            let synced = File::open(staging.join(name)).and_then(|file| file.sync_all());
             synced.map_err(|source| Error::io(self.target.join(name), "write this result", source))?;
         }
 
         // Beside the staged files' folder, where no name of a result can be.
-        let backup = staging_in(self.staging.path()).map_err(failed)?;
+        let backup = staging_in(staging).map_err(failed)?;
         let mut transaction = Transaction::new(backup);
         let at = |name: &str, source| Error::io(self.target.join(name), "move this result to its place", source);
         transaction.create_folder(&self.target).map_err(failed)?;
@@ -132,7 +157,7 @@ impl ResultFolder {
             transaction.remove(&self.target.join(name)).map_err(|source| at(name, source))?;
         }
         for name in manifest.files.iter().map(String::as_str).chain([MANIFEST]) {
-            let moved = transaction.replace(&self.staging.path().join(name), &self.target.join(name));
+            let moved = transaction.replace(&staging.join(name), &self.target.join(name));
             moved.map_err(|source| at(name, source))?;
         }
         transaction.commit();
@@ -144,17 +169,17 @@ impl ResultFolder {
     }
 }
 
-/// A hidden folder beside `target`, if that is the same file system; a mounted folder's parent is not.
-fn staging_beside(target: &Path) -> io::Result<TempDir> {
-    let parent = target.parent().ok_or(ErrorKind::NotFound)?;
+/// The folder of `target`, if it can be written and is on the same file system; that of a mounted folder is not.
+fn place_beside(target: &Path) -> Option<PathBuf> {
+    let parent = target.parent()?;
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
-        if parent.metadata()?.dev() != target.metadata()?.dev() {
-            return Err(ErrorKind::CrossesDevices.into());
+        if parent.metadata().ok()?.dev() != target.metadata().ok()?.dev() {
+            return None;
         }
     }
-    staging_in(parent)
+    staging_in(parent).ok().map(|_| parent.to_owned())
 }
 
 fn staging_in(folder: &Path) -> io::Result<TempDir> {
@@ -201,7 +226,11 @@ fn collect(folder: &Path, prefix: &str, files: &mut BTreeSet<String>) -> io::Res
     Ok(())
 }
 
-fn json(writer: impl Write, schema: &str, value: &impl Serialize) -> io::Result<()> {
+/// Writes `value` as a JSON object with `schema` as its first field, and a line end.
+///
+/// # Errors
+/// If `writer` fails, or `value` is not an object or has a field `schema` of its own.
+pub fn json(writer: impl Write, schema: &str, value: &impl Serialize) -> io::Result<()> {
     let plain = serde_json::to_value(value)?;
     let object = plain.as_object().ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "it is not a JSON object"))?;
     if object.contains_key("schema") {
@@ -290,6 +319,14 @@ mod tests {
         assert_eq!(tree(&target).len(), 2);
         drop(folder);
         assert_eq!(tree(base.path()), before);
+    }
+
+    #[test]
+    fn nothing_is_made_before_the_first_file() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(base.path().join("out")).unwrap();
+        assert_eq!(std::fs::read_dir(base.path()).unwrap().count(), 0);
+        drop(folder);
     }
 
     #[test]

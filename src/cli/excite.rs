@@ -1,6 +1,6 @@
 //! `tauscope excite`: search for an excitation motion, or compare the parametrisations.
 
-use super::{DONE, Global, progress};
+use super::{DONE, Global, print, progress};
 use crate::design::comparison::{Judge, compare};
 use crate::design::criterion::KAPPA_WEIGHT;
 use crate::design::excite::{Outcome, Request, excite};
@@ -207,14 +207,13 @@ impl<'a> Writer<'a> {
 fn report(problem: &Problem, request: &Request, outcome: &Outcome, path: &Path, global: &Global) -> Result<u8> {
     let judge = Judge::new(problem, request)?;
     let row = judge.row(request.family.name(), &outcome.motion);
-    if global.json {
-        let found = excitation::found(problem, request, outcome, path, &row, judge.random_median());
-        println!("{}", serde_json::to_string_pretty(&found).expect("plain numbers and text"));
-    } else if !global.quiet {
+    let found = excitation::found(problem, request, outcome, path, &row, judge.random_median());
+    let text = || {
         let rows: Vec<_> = std::iter::once(&row).chain(judge.random_median()).cloned().collect();
-        println!("{}", excitation::table(problem.experiment.beta().len(), &rows));
-        println!("\n{}\n\nMotion in {}", excitation::summary(problem, request, outcome), path.display());
-    }
+        let table = excitation::table(problem.experiment.beta().len(), &rows);
+        format!("{table}\n\n{}\n\nMotion in {}", excitation::summary(problem, request, outcome), path.display())
+    };
+    print::result(global, excitation::SCHEMA, &found, text)?;
     Ok(DONE)
 }
 
@@ -230,10 +229,7 @@ fn run_comparison(problem: &Problem, request: &Request, global: &Global, go_on: 
         go_on()
     })?;
     bar.finish_and_clear();
-    if global.json {
-        println!("{}", serde_json::to_string_pretty(&comparison).expect("plain numbers and text"));
-    } else if !global.quiet {
-        println!("{}", excitation::comparison(problem, &comparison));
-    }
+    let text = || excitation::comparison(problem, &comparison);
+    print::result(global, excitation::COMPARISON_SCHEMA, &comparison, text)?;
     Ok(DONE)
 }

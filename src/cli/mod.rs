@@ -1,11 +1,16 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod effects;
 mod excite;
+mod identify;
+mod paper;
+mod print;
 mod progress;
 mod run;
 mod simulate;
 
 use clap::{Args, Parser, Subcommand};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -62,10 +67,16 @@ impl Global {
 enum Command {
     /// Simulate, measure, identify and score a scenario: the main job.
     Run(run::Arguments),
+    /// Fit an arm's parameters, and named effects, to logs.
+    Identify(Box<identify::Arguments>),
+    /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
+    Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
     /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
     Excite(excite::Arguments),
+    /// List the physical effects there are, or tell all about one.
+    Effects(effects::Arguments),
 }
 
 /// Parses the command line and does what it says.
@@ -74,13 +85,17 @@ pub fn main() -> ExitCode {
     let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
+        Command::Identify(arguments) => identify::run(&arguments, &cli.global),
+        Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
         Command::Excite(arguments) => excite::run(&arguments, &cli.global),
+        Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("tauscope: {error}");
+            // If nobody can be told, the exit code still says it.
+            let _ = writeln!(std::io::stderr(), "tauscope: {error}");
             ExitCode::from(BAD_INPUT)
         }
     }

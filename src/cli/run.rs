@@ -1,12 +1,9 @@
 //! `tauscope run`: simulate, measure, identify, score.
 
-use super::{DONE, Global, progress};
+use super::{DONE, Global, print, progress, simulate};
 use crate::error::Result;
 use crate::identification::model::Model;
-use crate::identification::paper78::tables::PRINTED_TABLE_3;
-use crate::output::ResultFolder;
 use crate::report::{console, results};
-use crate::scenario::Setup;
 use crate::study::testbed::{self, Variant};
 use std::path::PathBuf;
 
@@ -26,25 +23,23 @@ impl Default for Arguments {
 
 /// Runs the scenario and writes its results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
-    let setup = Setup::load(&arguments.scenario, global.seed)?;
-    let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;
-    let bar = progress::bar(global, "simulating", testbed::samples(&setup));
-    let runs = testbed::record(&setup, &mut |done| bar.set_position(done as u64))?;
-    bar.finish_and_clear();
+    let (setup, folder, runs) = simulate::simulated(&arguments.scenario, global)?;
 
     let bar = progress::bar(global, "identifying", Variant::ALL.len());
     let model = Model::new(&setup.known);
-    let mut scored = Vec::new();
-    for variant in Variant::ALL {
-        scored.push(testbed::identify(&setup, &model, &runs, variant)?);
+    let identified = |variant| {
+        let scored = testbed::identify(&setup, &model, &runs, variant);
         bar.inc(1);
-    }
+        scored
+    };
+    let scored = [identified(Variant::Exact)?, identified(Variant::Raw)?, identified(Variant::SavitzkyGolay)?];
     bar.finish_and_clear();
 
-    let printed: Vec<f64> = PRINTED_TABLE_3.iter().map(|[alone, smoothed]| smoothed / alone).collect();
-    let gain = results::smoothing_gain(&scored[1], &scored[2], &printed);
-    let scores = results::scores(&setup, &model, &scored, gain.clone());
-    super::simulate::write_recordings(&folder, &setup, &runs)?;
+    let [_, raw, smoothed] = &scored;
+    let gain = results::smoothing_gain(raw, smoothed);
+    let limited = results::AtEffortLimit::new(&setup, &runs);
+    let scores = results::scores(&setup, &model, &scored, gain.clone(), limited.clone());
+    simulate::write_recordings(&folder, &setup, &runs)?;
     folder.write_json(
         "identification.json",
         results::IDENTIFICATION_SCHEMA,
@@ -52,10 +47,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     )?;
     folder.write_json("score.json", results::SCORE_SCHEMA, &scores)?;
     let path = folder.finish()?;
-    if global.json {
-        println!("{}", serde_json::to_string_pretty(&scores).expect("scores are plain numbers and text"));
-    } else if !global.quiet {
-        println!("{}\n\nResults in {}", console::scores(&setup, &scored, &gain, model.base().len()), path.display());
-    }
+    print::result(global, results::SCORE_SCHEMA, &scores, || {
+        let tables = console::scores(&setup, &scored, &gain, model.base().len());
+        format!("{tables}\n{}\nResults in {}", console::at_effort_limit(&setup, &limited), path.display())
+    })?;
     Ok(DONE)
 }

@@ -1,12 +1,22 @@
 //! `tauscope simulate`: simulate and measure, without identifying.
 
-use super::{DONE, Global, progress};
-use crate::error::Result;
+use super::{DONE, Global, print, progress};
+use crate::error::{Error, Result};
 use crate::output::ResultFolder;
 use crate::recording;
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Runs};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Schema of what `--json` prints.
+const SCHEMA: &str = "tauscope.simulated/1";
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Simulated<'a> {
+    scenario: &'a str,
+    folder: &'a Path,
+}
 
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
@@ -18,24 +28,34 @@ pub struct Arguments {
 
 /// Simulates both motions of the scenario and writes their recordings.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
-    let setup = Setup::load(&arguments.scenario, global.seed)?;
+    let (setup, folder, runs) = simulated(&arguments.scenario, global)?;
+    write_recordings(&folder, &setup, &runs)?;
+    let path = folder.finish()?;
+    let told = Simulated { scenario: &setup.scenario.name, folder: &path };
+    print::result(global, SCHEMA, &told, || format!("Recordings in {}", path.display()))?;
+    Ok(DONE)
+}
+
+/// Loads a scenario, makes sure that its results can be written, and simulates and measures both motions.
+pub(super) fn simulated(scenario: &Path, global: &Global) -> Result<(Setup, ResultFolder, Runs)> {
+    let setup = Setup::load(scenario, global.seed)?;
     let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;
     let bar = progress::bar(global, "simulating", testbed::samples(&setup));
     let runs = testbed::record(&setup, &mut |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
-    write_recordings(&folder, &setup, &runs)?;
-    let path = folder.finish()?;
-    if !global.quiet {
-        println!("Recordings in {}", path.display());
-    }
-    Ok(DONE)
+    Ok((setup, folder, runs))
 }
 
-/// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario.
+/// Writes the training and held-out recordings as CSV and Parquet, and the merged scenario with the files it refers to.
 pub(super) fn write_recordings(folder: &ResultFolder, setup: &Setup, runs: &Runs) -> Result<()> {
     for (name, run) in [("recording", &runs.training), ("held_out", &runs.held_out)] {
-        recording::csv::write(&folder.file(&format!("{name}.csv"))?, &run.recording)?;
-        recording::parquet::write(&folder.file(&format!("{name}.parquet"))?, &run.recording)?;
+        folder.write_with(&format!("{name}.csv"), |path| recording::csv::write(path, &run.recording))?;
+        folder.write_with(&format!("{name}.parquet"), |path| recording::parquet::write(path, &run.recording))?;
+    }
+    for (name, source) in setup.inputs() {
+        let text =
+            std::fs::read_to_string(source).map_err(|e| Error::io(source, "read what the scenario refers to", e))?;
+        folder.write_text(name, &text)?;
     }
     folder.write_text("scenario.toml", &setup.merged()?)
 }

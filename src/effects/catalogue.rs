@@ -1,10 +1,45 @@
 //! The library: every effect there is.
 
-use super::{CoulombFriction, Effect, ViscousFriction};
+use super::{
+    Backlash, BaseTilt, CoulombFriction, Effect, EncoderEccentricity, EncoderOffset, ExternalContact,
+    FrictionAsymmetry, FrictionWarmUp, GravityBalancer, IntegrationError, JointCoupling, JointElasticity, JointSpring,
+    LinkInertiaError, LoadDependentFriction, NonlinearViscousFriction, Payload, PositionDependentFriction,
+    PreslidingHysteresis, RotorInertia, StribeckFriction, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple,
+    TorqueSaturation, ViscousFriction,
+};
 use crate::error::{Error, Result};
 
-/// All effects. Adding one takes its file, its line here and its scenario.
-pub static LIBRARY: &[&dyn Effect] = &[&CoulombFriction, &ViscousFriction];
+/// All effects, by name. Adding one takes its file, its line here and its scenario.
+pub static LIBRARY: &[&dyn Effect] = &[
+    &Backlash,
+    &BaseTilt,
+    &CoulombFriction,
+    &EncoderEccentricity,
+    &EncoderOffset,
+    &ExternalContact,
+    &FrictionAsymmetry,
+    &FrictionWarmUp,
+    &GravityBalancer,
+    &IntegrationError,
+    &JointCoupling,
+    &JointElasticity,
+    &JointSpring,
+    &LinkInertiaError,
+    &LoadDependentFriction,
+    &NonlinearViscousFriction,
+    &Payload,
+    &PositionDependentFriction,
+    &PreslidingHysteresis,
+    &RotorInertia,
+    &StribeckFriction,
+    &TimeDelay,
+    &TorqueGain,
+    &TorqueLag,
+    &TorqueOffset,
+    &TorqueRipple,
+    &TorqueSaturation,
+    &ViscousFriction,
+];
 
 /// The effect called `name`.
 ///

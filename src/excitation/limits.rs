@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Reference;
 use super::peaks::{Extreme, Peaks};
 use crate::error::{Error, Result};
+use crate::robot::JointKind;
 
 /// The share of a limit by which rounding may pass it.
 const ROUNDING: f64 = 1e-12;
@@ -48,10 +49,10 @@ impl JointLimits {
     /// Every peak of a motion with the limit that it must keep.
     fn judge(&self, peaks: &Peaks) -> [Judged; 4] {
         [
-            Judged { limit: "lower position", unit: "rad", bound: self.lower, peak: peaks.lowest },
-            Judged { limit: "upper position", unit: "rad", bound: self.upper, peak: peaks.highest },
-            Judged { limit: "velocity", unit: "rad/s", bound: self.velocity, peak: peaks.velocity },
-            Judged { limit: "acceleration", unit: "rad/s^2", bound: self.acceleration, peak: peaks.acceleration },
+            Judged { limit: "lower position", per: "", bound: self.lower, peak: peaks.lowest },
+            Judged { limit: "upper position", per: "", bound: self.upper, peak: peaks.highest },
+            Judged { limit: "velocity", per: "/s", bound: self.velocity, peak: peaks.velocity },
+            Judged { limit: "acceleration", per: "/s^2", bound: self.acceleration, peak: peaks.acceleration },
         ]
     }
 
@@ -64,7 +65,8 @@ impl JointLimits {
 /// A peak held against its limit; position limits count on their own side of zero.
 struct Judged {
     limit: &'static str,
-    unit: &'static str,
+    /// What stands behind rad or m in the unit.
+    per: &'static str,
     bound: f64,
     peak: Extreme,
 }
@@ -84,13 +86,14 @@ impl Judged {
         !kept
     }
 
-    fn describe(&self) -> String {
-        let Judged { limit, unit, bound, peak: Extreme { value, time_s } } = self;
+    fn describe(&self, kind: JointKind) -> String {
+        let Judged { limit, per, bound, peak: Extreme { value, time_s } } = self;
+        let unit = if kind == JointKind::Revolute { format!("rad{per}") } else { format!("m{per}") };
         let degrees = |value: f64| {
-            if *unit == "rad/s^2" {
+            if kind == JointKind::Prismatic || *per == "/s^2" {
                 String::new()
             } else {
-                format!(" ({:.2} {})", value.to_degrees(), unit.replace("rad", "deg"))
+                format!(" ({:.2} deg{per})", value.to_degrees())
             }
         };
         format!(
@@ -123,20 +126,34 @@ pub struct JointReport {
     pub used: f64,
 }
 
-/// Checks that `reference` keeps inside `limits` (one entry per joint), at all times where its law tells, else on samples
-/// at `rate_hz`.
+/// [`check_kinds`] for an arm whose joints all turn.
 ///
 /// # Errors
-/// Names the joint that passes a limit by the largest factor, the time, the limit and the excess, and lists the other
-/// limits passed. Refuses limits or names for another number of joints, and a rate that is not above zero.
+/// Those of [`check_kinds`].
 pub fn check<S: AsRef<str>>(
     reference: &dyn Reference,
     limits: &[JointLimits],
     rate_hz: f64,
     joint_names: &[S],
 ) -> Result<Report> {
+    check_kinds(reference, limits, rate_hz, joint_names, &vec![JointKind::Revolute; joint_names.len()])
+}
+
+/// Checks that `reference` keeps inside `limits` (one entry per joint), at all times where its law tells, else on samples
+/// at `rate_hz`.
+///
+/// # Errors
+/// Names the joint that passes a limit by the largest factor, the time, the limit and the excess, and lists the other
+/// limits passed, in the units of `kinds`. Refuses limits, names or kinds for another number of joints, and a rate that is not above zero.
+pub fn check_kinds<S: AsRef<str>>(
+    reference: &dyn Reference,
+    limits: &[JointLimits],
+    rate_hz: f64,
+    joint_names: &[S],
+    kinds: &[JointKind],
+) -> Result<Report> {
     let joints = reference.joints();
-    for (what, count) in [("limits", limits.len()), ("joint names", joint_names.len())] {
+    for (what, count) in [("limits", limits.len()), ("joint names", joint_names.len()), ("kinds", kinds.len())] {
         if count != joints {
             return Err(Error::request(what, format!("the motion has {joints} joints, but there are {count} {what}")));
         }
@@ -146,21 +163,21 @@ pub fn check<S: AsRef<str>>(
     let at_all_times = known.is_some();
     let peaks = known.unwrap_or_else(|| sampled_peaks(reference, rate_hz));
     let mut report = Report { joints: Vec::with_capacity(joints) };
-    let mut passed: Vec<(&str, Judged)> = Vec::new();
-    for ((limits, peaks), name) in limits.iter().zip(peaks).zip(joint_names) {
+    let mut passed: Vec<(&str, JointKind, Judged)> = Vec::new();
+    for (((limits, peaks), name), &kind) in limits.iter().zip(peaks).zip(joint_names).zip(kinds) {
         let name = name.as_ref();
         limits.validate(name)?;
-        passed.extend(limits.judge(&peaks).into_iter().filter(Judged::passed).map(|judged| (name, judged)));
+        passed.extend(limits.judge(&peaks).into_iter().filter(Judged::passed).map(|judged| (name, kind, judged)));
         report.joints.push(JointReport { name: name.to_owned(), peaks, at_all_times, used: limits.used(&peaks) });
     }
-    let Some((joint, worst)) = passed.iter().max_by(|a, b| a.1.used().total_cmp(&b.1.used())) else {
+    let Some((joint, kind, worst)) = passed.iter().max_by(|a, b| a.2.used().total_cmp(&b.2.used())) else {
         return Ok(report);
     };
-    let mut problem = worst.describe();
+    let mut problem = worst.describe(*kind);
     let others: Vec<String> = passed
         .iter()
-        .filter(|(name, judged)| (name, judged.limit) != (joint, worst.limit))
-        .map(|(name, judged)| format!("{name} {}", judged.limit))
+        .filter(|(name, _, judged)| (name, judged.limit) != (joint, worst.limit))
+        .map(|(name, _, judged)| format!("{name} {}", judged.limit))
         .collect();
     if !others.is_empty() {
         problem += &format!("; also passed: {}", others.join(", "));
@@ -226,6 +243,14 @@ mod tests {
                 assert!(message.contains(word), "{message} lacks {word}");
             }
         }
+    }
+
+    #[test]
+    fn sliding_joints_have_no_degrees() {
+        let kinds = [JointKind::Revolute, JointKind::Prismatic];
+        let limits = [WIDE, JointLimits { upper: 0.75, ..WIDE }];
+        let message = check_kinds(&out_and_back(1.0), &limits, 100.0, &NAMES, &kinds).unwrap_err().to_string();
+        assert!(message.contains("0.75000 m by 2.500e-1 m;") && !message.contains("deg"), "{message}");
     }
 
     #[test]

@@ -31,7 +31,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::{Motion, Reference};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, line_at};
 
 /// Version of the format, the value of `schema`.
 pub const SCHEMA: &str = "tauscope.motion/1";
@@ -118,7 +118,7 @@ impl MotionFile {
         let header: Header = from_toml(path, text)?;
         if header.schema.get_ref() != SCHEMA {
             let problem = format!("must be \"{SCHEMA}\", found \"{}\"", header.schema.get_ref());
-            return Err(Error::input(path, Some(line_of(text, header.schema.span().start)), "schema", problem));
+            return Err(Error::input(path, Some(line_at(text, header.schema.span().start)), "schema", problem));
         }
         match header.kind.get_ref().as_str() {
             "freudenstein" => Self::parse_kind(path, text, Motion::Freudenstein),
@@ -127,7 +127,7 @@ impl MotionFile {
             "bspline" => Self::parse_kind(path, text, Motion::Bspline),
             other => {
                 let problem = format!("must be one of {}, found \"{other}\"", Motion::KINDS.join(", "));
-                Err(Error::input(path, Some(line_of(text, header.kind.span().start)), "kind", problem))
+                Err(Error::input(path, Some(line_at(text, header.kind.span().start)), "kind", problem))
             }
         }
     }
@@ -179,26 +179,7 @@ impl MotionFile {
 }
 
 fn from_toml<D: DeserializeOwned>(path: &Path, text: &str) -> Result<D> {
-    toml::from_str(text).map_err(|error| {
-        let line = error.span().map(|span| line_of(text, span.start));
-        let field = line.and_then(|line| key_on_line(text, line)).unwrap_or("motion");
-        Error::input(path, line, field, error.message())
-    })
-}
-
-/// Line, from 1, of a byte offset.
-fn line_of(text: &str, offset: usize) -> usize {
-    1 + text.bytes().take(offset).filter(|byte| *byte == b'\n').count()
-}
-
-/// The key or the table header on a line, if there is one.
-fn key_on_line(text: &str, line: usize) -> Option<&str> {
-    let line = text.lines().nth(line - 1)?.trim();
-    let key = match line.strip_prefix('[') {
-        Some(header) => header.trim_matches(['[', ']', ' ']),
-        None => line.split_once('=')?.0.trim(),
-    };
-    Some(key).filter(|key| !key.is_empty())
+    toml::from_str(text).map_err(|error| Error::toml(path, text, &error))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ const BIAS_ROUNDS: u64 = 2;
 const BIAS_DRAWS: u64 = 10;
 
 /// Times the weights are taken anew from the residual.
-const REWEIGHTINGS: usize = 3;
+pub const REWEIGHTINGS: usize = 3;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts as identifiable.
 const SINGULAR: f64 = 1e-13;
@@ -37,6 +37,45 @@ pub struct JointRegression {
 }
 
 impl JointRegression {
+    /// Several logs of one joint one after the other, with `separation` rows without weight between them.
+    pub fn joined(parts: Vec<JointRegression>, separation: usize) -> Self {
+        let mut parameters: Vec<usize> = parts.iter().flat_map(|part| part.parameters.clone()).collect();
+        parameters.sort_unstable();
+        parameters.dedup();
+        let samples: usize = parts.iter().map(|part| part.columns.samples() + separation).sum();
+        let mut joined = JointRegression {
+            columns: Channels::zeros(parameters.len(), samples),
+            torque: vec![0.0; samples],
+            valid: vec![false; samples],
+            parameters,
+        };
+        let mut start = 0;
+        for part in parts {
+            let rows = start..start + part.columns.samples();
+            joined.torque[rows.clone()].copy_from_slice(&part.torque);
+            joined.valid[rows.clone()].copy_from_slice(&part.valid);
+            for (parameter, column) in part.parameters.iter().zip(part.columns.iter()) {
+                let place = joined.parameters.iter().position(|p| p == parameter);
+                // A parameter can have several columns of one joint only by summing them.
+                if let Some(place) = place {
+                    let target = &mut joined.columns.channel_mut(place)[rows.clone()];
+                    target.iter_mut().zip(column).for_each(|(t, c)| *t += c);
+                }
+            }
+            start = rows.end + separation;
+        }
+        joined
+    }
+
+    /// Adds the column of one more parameter, whose present `value` is already part of the prediction.
+    pub(super) fn append(&mut self, parameter: usize, column: &[f64], value: f64) {
+        let mut columns: Vec<Vec<f64>> = self.columns.iter().map(<[f64]>::to_vec).collect();
+        columns.push(column.to_vec());
+        self.columns = Channels::from_vectors(&columns);
+        self.parameters.push(parameter);
+        self.torque.iter_mut().zip(column).for_each(|(torque, x)| *torque += value * x);
+    }
+
     /// Number of rows that count.
     pub fn rows(&self) -> usize {
         self.valid.iter().filter(|&&ok| ok).count()
@@ -152,6 +191,15 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
     })
 }
 
+/// The solution for given joint standard deviations.
+///
+/// # Errors
+/// Names the parameters that the motion cannot tell apart.
+pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
+    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
+    Ok(solve(joints, sigma, &torques, names)?.0.as_slice().to_vec())
+}
+
 /// The weighted solution and the factored normal matrix for given joint standard deviations.
 fn solve(
     joints: &[JointRegression],
@@ -165,8 +213,8 @@ fn solve(
 }
 
 /// Standard deviation of each joint's residual. A residual without noise would give an infinite weight, so it is kept
-/// above rounding.
-fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
+/// above rounding. Every joint needs more rows that count than parameters.
+pub fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
     joints
         .iter()
         .map(|joint| {
@@ -240,20 +288,29 @@ fn residual_noise(
     noises
 }
 
+/// The first few of many names.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 4;
+    match names.len().checked_sub(MOST) {
+        None | Some(0) => names.join("; "),
+        Some(more) => format!("{}; and {more} more", names[..MOST].join("; ")),
+    }
+}
+
 /// Normal matrix with unit diagonal, factored; the square root of its condition number is the regressor's.
-struct ScaledNormal {
+pub(super) struct ScaledNormal {
     scale: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
     condition_number: f64,
 }
 
 impl ScaledNormal {
-    fn new(normal: &DMatrix<f64>, names: &[String]) -> Result<Self> {
+    pub(super) fn new(normal: &DMatrix<f64>, names: &[String]) -> Result<Self> {
         let scale = normal.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
         let still: Vec<&str> =
             scale.iter().zip(names).filter(|(s, _)| **s == 0.0).map(|(_, name)| name.as_str()).collect();
         if !still.is_empty() {
-            return Err(Error::request(still.join("; "), "the motion does not excite this at all; move that joint"));
+            return Err(Error::request(listed(&still), "the motion does not excite this at all; move that joint"));
         }
         let mut unit = DMatrix::from_fn(normal.nrows(), normal.ncols(), |r, c| normal[(r, c)] * scale[r] * scale[c]);
         unit.fill_upper_triangle_with_lower_triangle();
@@ -269,7 +326,7 @@ impl ScaledNormal {
                 .map(|&i| names[i].as_str())
                 .collect();
             return Err(Error::request(
-                tied.join("; "),
+                listed(&tied),
                 "the motion cannot tell these parameters apart; use a richer motion (each joint with durations of its own)",
             ));
         }
@@ -278,7 +335,7 @@ impl ScaledNormal {
         Ok(ScaledNormal { scale, factor, condition_number: (high / low).sqrt() })
     }
 
-    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
         self.factor.solve(&right.component_mul(&self.scale)).component_mul(&self.scale)
     }
 

@@ -1,6 +1,6 @@
 //! The weighted linear regression as a problem for Levenberg-Marquardt, equations (11)-(12) of the paper on the spatial model.
 
-use super::least_squares::JointRegression;
+use super::least_squares::{JointRegression, ScaledNormal};
 use super::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
@@ -36,6 +36,14 @@ impl<'a> LinearProblem<'a> {
             }
         }
         right
+    }
+
+    /// (J'WJ)^-1 of a right side.
+    ///
+    /// # Errors
+    /// Names the parameters that the motion cannot tell apart.
+    pub(super) fn solve(&self, right: &DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
+        Ok(ScaledNormal::new(&self.normal, names)?.solve(right))
     }
 
     fn residuals(&self, p: &[f64]) -> Vec<Vec<f64>> {

@@ -1,9 +1,13 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
+pub mod effect_model;
+pub mod fit;
 pub mod least_squares;
 pub mod levenberg_marquardt;
+pub mod linear_model;
 pub mod linear_problem;
 pub mod model;
 pub mod noise;
 pub mod paper78;
 pub mod prepare;
+pub mod separable;

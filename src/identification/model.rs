@@ -1,10 +1,11 @@
 //! The torque model that is identified: rigid bodies, rotor inertia, viscous and Coulomb friction of every joint.
 
+use super::linear_model::LinearModel;
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Motion, block_row, regressor};
 use crate::effects::{Along, CoulombFriction, Effect, Placed, ViscousFriction, contributions};
 use crate::random;
-use crate::robot::{PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::robot::{JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
 use nalgebra::DMatrix;
 use rand::RngExt;
 
@@ -48,6 +49,32 @@ impl Model {
         &self.base
     }
 
+    /// The arm the model is of.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Its geometry and gravity.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// Joint and kind (rotor inertia 0, viscous 1, Coulomb friction 2) of a base parameter that belongs to a drive alone.
+    pub fn drive_of(&self, base: usize) -> Option<(usize, usize)> {
+        let standard = self.base.kept()[base];
+        (standard % STANDARD).checked_sub(PARAMETERS).map(|which| (standard / STANDARD, which))
+    }
+
+    /// Whether a base parameter is viscous or Coulomb friction.
+    pub fn is_friction(&self, base: usize) -> bool {
+        self.base.kept()[base] % STANDARD > PARAMETERS
+    }
+
+    /// Whether the rotor inertia of `joint` is a base parameter of its own (and not part of a link's).
+    pub fn rotor_stands_alone(&self, joint: usize) -> bool {
+        self.base.kept().contains(&(joint * STANDARD + PARAMETERS))
+    }
+
     /// Unit of a standard parameter on a revolute joint.
     pub fn unit(standard: usize) -> &'static str {
         match standard % STANDARD {
@@ -55,6 +82,16 @@ impl Model {
             PARAMETERS => "kg m2",
             11 => ViscousFriction.parameters()[0].unit,
             _ => CoulombFriction.parameters()[0].unit,
+        }
+    }
+
+    /// Unit of a standard parameter on the joint it belongs to.
+    pub fn unit_on_joint(&self, standard: usize) -> &'static str {
+        match (self.robot.joints[standard / STANDARD].kind, standard % STANDARD) {
+            (JointKind::Prismatic, PARAMETERS) => "kg",
+            (JointKind::Prismatic, 11) => "N s/m",
+            (JointKind::Prismatic, 12) => "N",
+            _ => Self::unit(standard),
         }
     }
 
@@ -72,13 +109,19 @@ impl Model {
     /// The columns of all base parameters along a motion: for every joint a table `[active base parameter][time]` in the
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
     pub fn columns(&self, motion: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
-        let source = Source::new(&self.robot, &self.chain, motion, time, width);
+        self.columns_behind_gears(motion, motion, time, width)
+    }
+
+    /// [`Model::columns`] where motors and links move differently: inertial columns along `link`, rotor and friction
+    /// columns along `motor`.
+    pub fn columns_behind_gears(&self, motor: &Motion, link: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
+        let source = Source::new(&self.robot, &self.chain, motor, link, time, width);
         (0..self.dof())
             .map(|joint| {
                 let columns: Vec<Vec<f64>> = self
                     .active(joint)
                     .into_iter()
-                    .map(|b| source.column(self.base.kept()[b], joint).unwrap_or_else(|| vec![0.0; motion.samples()]))
+                    .map(|b| source.column(self.base.kept()[b], joint).unwrap_or_else(|| vec![0.0; motor.samples()]))
                     .collect();
                 Channels::from_vectors(&columns)
             })
@@ -95,6 +138,17 @@ impl Model {
                 joint.inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
             })
             .collect()
+    }
+}
+
+/// Linear in the base parameters; friction changes sign without a width.
+impl LinearModel for Model {
+    fn active(&self, joint: usize) -> Vec<usize> {
+        Model::active(self, joint)
+    }
+
+    fn columns(&self, motion: &Motion, time: &[f64]) -> Vec<Channels> {
+        Model::columns(self, motion, time, 0.0)
     }
 }
 
@@ -118,14 +172,14 @@ struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    fn new(robot: &Robot, chain: &Chain, motion: &'a Motion, time: &[f64], width: f64) -> Self {
+    fn new(robot: &Robot, chain: &Chain, motion: &'a Motion, link: &Motion, time: &[f64], width: f64) -> Self {
         let along = Along::new(robot, chain, time, motion, width);
         let unit = |effect: &'static dyn Effect, joint| Placed { effect, joint, parameters: vec![1.0] };
         let placed: Vec<Placed> =
             (0..chain.dof()).flat_map(|joint| [unit(&ViscousFriction, joint), unit(&CoulombFriction, joint)]).collect();
         let mut torques = contributions(&placed, &along).into_iter();
         let friction = std::iter::from_fn(|| Some([torques.next()?, torques.next()?])).collect();
-        Source { rows: regressor(chain, motion), motion, friction }
+        Source { rows: regressor(chain, link), motion, friction }
     }
 
     /// Torque on `joint` per unit of a standard parameter; None where it cannot act.
@@ -151,7 +205,7 @@ fn probe(robot: &Robot, chain: &Chain) -> DMatrix<f64> {
         signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
     }
     let time = vec![0.0; samples];
-    let source = Source::new(robot, chain, &motion, &time, 0.0);
+    let source = Source::new(robot, chain, &motion, &motion, &time, 0.0);
     let mut observation = DMatrix::zeros(samples * dof, dof * STANDARD);
     for standard in 0..dof * STANDARD {
         for joint in 0..dof {

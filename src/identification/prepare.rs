@@ -2,15 +2,15 @@
 //! to leave out.
 
 use super::least_squares::JointRegression;
-use super::model::Model;
+use super::linear_model::LinearModel;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Signals};
-use crate::signal::{Edge, Filter, SavitzkyGolay, downsample, first_derivative, second_derivative};
+use crate::signal::{Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative};
 
 /// How measured signals are smoothed before they enter the regression.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Smoothing {
     /// Not at all: measured positions, velocities and accelerations (or central differences) as they are.
     None,
@@ -24,7 +24,22 @@ pub enum Smoothing {
         /// Every n-th row is used.
         decimation: usize,
     },
+    /// Zero-phase Butterworth low-pass of fourth order for torque and columns alike; positions through a wider one,
+    /// differences for velocity and acceleration. The choice where a gear or a controller rings above the motion.
+    LowPass {
+        /// Cut-off frequency, Hz.
+        cutoff_hz: f64,
+        /// Every n-th row is used.
+        decimation: usize,
+    },
 }
+
+/// Positions pass up to this multiple of the cut-off: what torque and columns go through must be the narrower filter,
+/// else accelerations would be filtered twice where the torque is filtered once.
+const POSITION_MARGIN: f64 = 4.0;
+
+/// Order of the low-pass of [`Smoothing::LowPass`], in each direction.
+const LOW_PASS_ORDER: usize = 4;
 
 /// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count.
 #[derive(Debug, Clone)]
@@ -36,6 +51,8 @@ pub struct Prepared {
     /// Torque, unfiltered.
     pub torque: Channels,
     filter: Filter,
+    /// The filter that positions went through.
+    position_filter: Filter,
     decimation: usize,
     /// Samples on either side whose values enter a filtered sample.
     reach: usize,
@@ -50,14 +67,14 @@ pub struct Prepared {
 pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Result<Prepared> {
     let period = 1.0 / recording.rate_hz();
     let q = &recording.q;
-    let (motion, filter, decimation, reach) = match smoothing {
+    let (motion, filter, position_filter, decimation, reach) = match smoothing {
         Smoothing::None => {
             let motion = Motion {
                 q: q.clone(),
                 qd: or_derivative(recording.qd.as_ref(), q, |x, out| first_derivative(x, period, out))?,
                 qdd: or_derivative(recording.qdd.as_ref(), q, |x, out| second_derivative(x, period, out))?,
             };
-            (motion, Filter::None, 1, 1)
+            (motion, Filter::None, Filter::None, 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
             let derivative = |degree| -> Result<Channels> {
@@ -66,11 +83,25 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             };
             let motion = Motion { q: derivative(0)?, qd: derivative(1)?, qdd: derivative(2)? };
             let filter = Filter::SavitzkyGolay(SavitzkyGolay::new(window, order, 0, period, Edge::Polynomial)?);
-            (motion, filter, decimation, window / 2)
+            (motion, filter.clone(), filter, decimation, window / 2)
+        }
+        Smoothing::LowPass { cutoff_hz, decimation } => {
+            let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
+            let wide = (POSITION_MARGIN * cutoff_hz).min(0.45 * recording.rate_hz());
+            let wide = ZeroPhaseLowPass::new(LOW_PASS_ORDER, wide, recording.rate_hz())?;
+            let smooth = filtered(q, |x, out| wide.apply(x, out))?;
+            let motion = Motion {
+                qd: filtered(&smooth, |x, out| first_derivative(x, period, out))?,
+                qdd: filtered(&smooth, |x, out| second_derivative(x, period, out))?,
+                q: smooth,
+            };
+            // The response has died away after about one period of the cut-off.
+            let reach = (recording.rate_hz() / cutoff_hz).ceil() as usize;
+            (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
         }
     };
     let (time, torque) = (recording.time.clone(), recording.tau.clone());
-    Ok(Prepared { time, motion, torque, filter, decimation, reach, band })
+    Ok(Prepared { time, motion, torque, filter, position_filter, decimation, reach, band })
 }
 
 /// Makes exact signals ready: what identification could do with perfect sensors.
@@ -81,6 +112,7 @@ pub fn exact(time: &[f64], signals: &Signals, band: f64) -> Prepared {
         motion: Motion { q, qd, qdd },
         torque: tau,
         filter: Filter::None,
+        position_filter: Filter::None,
         decimation: 1,
         reach: 0,
         band,
@@ -92,32 +124,47 @@ impl Prepared {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub fn regression(&self, model: &Model) -> Result<Vec<JointRegression>> {
-        let columns = model.columns(&self.motion, &self.time, 0.0);
-        let thinned = |signal: &[f64]| -> Result<Vec<f64>> {
-            let mut out = vec![0.0; signal.len()];
-            self.filter.apply(signal, &mut out)?;
-            downsample(&out, self.decimation)
-        };
+    pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
+        let columns = model.columns(&self.motion, &self.time);
         columns
             .iter()
             .enumerate()
             .map(|(joint, table)| {
-                let table: Vec<Vec<f64>> = table.iter().map(&thinned).collect::<Result<_>>()?;
+                let table: Vec<Vec<f64>> = table.iter().map(|column| self.thinned(column)).collect::<Result<_>>()?;
                 Ok(JointRegression {
                     parameters: model.active(joint),
                     columns: Channels::from_vectors(&table),
-                    torque: thinned(self.torque.channel(joint))?,
+                    torque: self.thinned(self.torque.channel(joint))?,
                     valid: self.rows_to_use(joint),
                 })
             })
             .collect()
     }
 
-    /// Torque of every joint that base parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
-    pub fn predict(&self, model: &Model, beta: &[f64]) -> Channels {
+    /// The torque of a joint through the filter that positions went through, so that both lose the same noise.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub(super) fn torque_like_positions(&self, joint: usize) -> Result<Vec<f64>> {
+        let mut out = vec![0.0; self.motion.samples()];
+        self.position_filter.apply(self.torque.channel(joint), &mut out)?;
+        Ok(out)
+    }
+
+    /// A signal of the log as regression rows: filtered, every n-th sample.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub(super) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
+        let mut out = vec![0.0; signal.len()];
+        self.filter.apply(signal, &mut out)?;
+        downsample(&out, self.decimation)
+    }
+
+    /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
+    pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
         let torque: Vec<Vec<f64>> = model
-            .columns(&self.motion, &self.time, 0.0)
+            .columns(&self.motion, &self.time)
             .iter()
             .enumerate()
             .map(|(joint, table)| {
@@ -133,13 +180,21 @@ impl Prepared {
         Channels::from_vectors(&torque)
     }
 
+    /// The torque through the filter that regression rows go through, at the rate of the log.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub fn filtered_torque(&self) -> Result<Channels> {
+        filtered(&self.torque, |signal, out| self.filter.apply(signal, out))
+    }
+
     /// Samples at which the direction of `joint` is certain.
     pub fn moving(&self, joint: usize) -> Vec<bool> {
         self.motion.qd.channel(joint).iter().map(|v| v.abs() > self.band).collect()
     }
 
     /// Rows after decimation all of whose inputs are inside the log and away from reversals.
-    fn rows_to_use(&self, joint: usize) -> Vec<bool> {
+    pub(super) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
         let moving = self.moving(joint);
         let mut uncertain_before = vec![0usize; moving.len() + 1];
         for (sample, &ok) in moving.iter().enumerate() {

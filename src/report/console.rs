@@ -1,6 +1,7 @@
 //! Tables for people.
 
-use super::results::SmoothingGain;
+use super::results::{AtEffortLimit, SmoothingGain};
+use crate::robot::JointKind;
 use crate::scenario::Setup;
 use crate::study::testbed::{Scored, Variant};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -22,32 +23,35 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
     let (Some(raw), Some(smoothed)) = (find(Variant::Raw), find(Variant::SavitzkyGolay)) else {
         return String::new();
     };
-    let header = [
-        "torque error, std in N m",
-        "raw",
-        "Savitzky-Golay",
-        "ratio",
-        "paper's ratio",
-        "held-out raw",
-        "held-out S-G",
-        "ratio",
-    ];
+    let mut header = vec!["torque error, std in N m", "raw", "Savitzky-Golay", "ratio"];
+    if !gain.paper_table_3.is_empty() {
+        header.push("paper's ratio");
+    }
+    header.extend(["held-out raw", "held-out S-G", "ratio"]);
     let rows = setup
         .plant
         .joints
         .iter()
         .enumerate()
         .map(|(j, joint)| {
-            vec![
-                joint.name.clone(),
-                significant(raw.score.torque_std_training_nm[j]),
-                significant(smoothed.score.torque_std_training_nm[j]),
+            let name = match joint.kind {
+                JointKind::Revolute => joint.name.clone(),
+                JointKind::Prismatic => format!("{} (slides, in N)", joint.name),
+            };
+            let [raw, smoothed] = [&raw.score, &smoothed.score];
+            let mut row = vec![
+                name,
+                significant(raw.torque_std_training_nm[j]),
+                significant(smoothed.torque_std_training_nm[j]),
                 format!("{:.3}", gain.training[j]),
-                gain.paper_table_3.get(j).map_or("-".to_owned(), |ratio| format!("{ratio:.2}")),
-                significant(raw.score.torque_std_held_out_nm[j]),
-                significant(smoothed.score.torque_std_held_out_nm[j]),
+            ];
+            row.extend(gain.paper_table_3.get(j).map(|ratio| format!("{ratio:.2}")));
+            row.extend([
+                significant(raw.torque_std_held_out_nm[j]),
+                significant(smoothed.torque_std_held_out_nm[j]),
                 format!("{:.3}", gain.held_out[j]),
-            ]
+            ]);
+            row
         })
         .collect();
     let per_joint = table(&header, rows);
@@ -68,13 +72,28 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
         .collect();
     let per_variant = table(&header, rows);
     format!(
-        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{per_joint}\n\n{per_variant}",
+        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{}\n\n{}",
         setup.scenario.name,
         parameters,
         setup.plant.dof(),
         crate::excitation::Reference::duration_s(&setup.motion),
         crate::excitation::Reference::duration_s(&setup.held_out),
+        per_joint.trim_fmt(),
+        per_variant.trim_fmt(),
     )
+}
+
+/// A line for every joint whose drive was at its limit; nothing where none was.
+pub fn at_effort_limit(setup: &Setup, limited: &AtEffortLimit) -> String {
+    let mut text = String::new();
+    for (motion, shares) in [("training", &limited.training), ("held-out", &limited.held_out)] {
+        for (joint, share) in setup.plant.joints.iter().zip(shares).filter(|(_, share)| **share > 0.0) {
+            let limit = format!("{} {}", joint.limits.effort, joint.effort_unit());
+            let percent = significant(100.0 * share);
+            text += &format!("{} was at its limit of {limit} for {percent} % of the {motion} motion\n", joint.name);
+        }
+    }
+    text
 }
 
 /// Root mean square over the joints of residual over torque noise; a dash without noise.
@@ -90,11 +109,15 @@ fn noise_ratio(residual: &[f64], noise: &[f64]) -> String {
 fn median_size(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).copied().unwrap_or(f64::NAN)
+    match sizes.len() {
+        0 => f64::NAN,
+        n if n.is_multiple_of(2) => 0.5 * (sizes[n / 2 - 1] + sizes[n / 2]),
+        n => sizes[n / 2],
+    }
 }
 
 /// Three significant digits.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -109,6 +132,12 @@ fn significant(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn median_of_an_odd_and_an_even_number() {
+        assert_eq!(median_size(&[-3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median_size(&[-3.0, 1.0, 2.0, 5.0]), 2.5);
+    }
 
     #[test]
     fn three_digits() {

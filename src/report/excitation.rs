@@ -9,12 +9,14 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Schema of what a search found, as JSON.
-const SCHEMA: &str = "tauscope.excitation/1";
+pub const SCHEMA: &str = "tauscope.excitation/1";
+
+/// Schema of a comparison, as JSON.
+pub const COMPARISON_SCHEMA: &str = "tauscope.excitation_comparison/1";
 
 /// What a search found.
 #[derive(Debug, Serialize)]
 pub struct Found {
-    schema: &'static str,
     file: PathBuf,
     robot: String,
     kind: &'static str,
@@ -39,7 +41,6 @@ pub fn found(
     random_median: Option<&Row>,
 ) -> Found {
     Found {
-        schema: SCHEMA,
         file: path.to_owned(),
         robot: problem.envelope.robot().name.clone(),
         kind: request.family.name(),

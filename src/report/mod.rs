@@ -2,4 +2,8 @@
 
 pub mod console;
 pub mod excitation;
+pub mod fit;
+mod markdown;
+pub mod paper;
 pub mod results;
+pub mod svg;

@@ -1,8 +1,10 @@
 //! The JSON results of a scenario run.
 
 use crate::identification::model::Model;
+use crate::identification::paper78::tables::PRINTED_TABLE_3;
+use crate::robot::Joint;
 use crate::scenario::Setup;
-use crate::study::testbed::{Score, Scored};
+use crate::study::testbed::{self, Runs, Score, Scored};
 use serde::Serialize;
 
 /// Schema of `identification.json`.
@@ -17,6 +19,8 @@ pub struct Identification {
     scenario: String,
     robot: String,
     joints: Vec<String>,
+    /// Of the quantities per joint whose names end in `_nm`: N for joints that slide.
+    effort_units: Vec<&'static str>,
     seed: u64,
     estimator: &'static str,
     standard_parameters: usize,
@@ -51,8 +55,11 @@ pub struct Scores {
     scenario: String,
     robot: String,
     joints: Vec<String>,
+    /// Of the quantities per joint whose names end in `_nm`: N for joints that slide.
+    effort_units: Vec<&'static str>,
     seed: u64,
     definitions: Definitions,
+    at_effort_limit: AtEffortLimit,
     variants: Vec<VariantScore>,
     smoothing_gain: SmoothingGain,
 }
@@ -60,7 +67,28 @@ pub struct Scores {
 #[derive(Debug, Serialize)]
 struct Definitions {
     d_beta: &'static str,
+    relative_errors: &'static str,
     torque_std: &'static str,
+    at_effort_limit: &'static str,
+}
+
+/// How often the drives gave all they can, per joint.
+#[derive(Debug, Clone, Serialize)]
+pub struct AtEffortLimit {
+    /// On the training motion.
+    pub training: Vec<f64>,
+    /// On the held-out motion.
+    pub held_out: Vec<f64>,
+}
+
+impl AtEffortLimit {
+    /// Of both runs of a scenario.
+    pub fn new(setup: &Setup, runs: &Runs) -> Self {
+        AtEffortLimit {
+            training: testbed::at_effort_limit(setup, &runs.training),
+            held_out: testbed::at_effort_limit(setup, &runs.held_out),
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -81,7 +109,7 @@ pub struct SmoothingGain {
     pub training: Vec<f64>,
     /// On the held-out motion.
     pub held_out: Vec<f64>,
-    /// From the paper's Table 3, for six joints.
+    /// From the paper's Table 3; empty for an arm that does not have the six joints of the paper's.
     pub paper_table_3: Vec<f64>,
 }
 
@@ -93,7 +121,7 @@ fn parameters(setup: &Setup, model: &Model) -> Vec<(String, &'static str, f64)> 
         .groupings()
         .iter()
         .zip(truth)
-        .map(|(grouping, value)| (grouping.name.clone(), Model::unit(grouping.leader), value))
+        .map(|(grouping, value)| (grouping.name.clone(), model.unit_on_joint(grouping.leader), value))
         .collect()
 }
 
@@ -130,6 +158,7 @@ pub fn identification(setup: &Setup, model: &Model, scored: &[Scored]) -> Identi
         scenario: setup.scenario.name.clone(),
         robot: setup.plant.name.clone(),
         joints: setup.plant.joint_names(),
+        effort_units: setup.plant.joints.iter().map(Joint::effort_unit).collect(),
         seed: setup.scenario.seed,
         estimator: "weighted_least_squares",
         standard_parameters: model.names().len(),
@@ -139,18 +168,29 @@ pub fn identification(setup: &Setup, model: &Model, scored: &[Scored]) -> Identi
 }
 
 /// The content of `score.json`. `gain` is [`smoothing_gain`]'s.
-pub fn scores(setup: &Setup, model: &Model, scored: &[Scored], gain: SmoothingGain) -> Scores {
+pub fn scores(
+    setup: &Setup,
+    model: &Model,
+    scored: &[Scored],
+    gain: SmoothingGain,
+    at_effort_limit: AtEffortLimit,
+) -> Scores {
     let names: Vec<String> = parameters(setup, model).into_iter().map(|(name, _, _)| name).collect();
     Scores {
         scenario: setup.scenario.name.clone(),
         robot: setup.plant.name.clone(),
         joints: setup.plant.joint_names(),
+        effort_units: setup.plant.joints.iter().map(Joint::effort_unit).collect(),
         seed: setup.scenario.seed,
         definitions: Definitions {
-            d_beta: "(2 / p) sum |beta - est| / (|beta| + |est|) over the base parameters; 0 is perfect, 2 the worst",
+            d_beta: "(2 / p) sum |beta - est| / (|beta| + |est|) over the base parameters; 0 is perfect, 2 the worst; \
+                     zero to rounding in both counts as right",
+            relative_errors: "(estimate - truth) / |truth|; null where the truth is zero and the estimate is not",
             torque_std: "standard deviation of predicted minus noise-free motor torque, over the samples at which the \
                          joint is faster than the reversal band",
+            at_effort_limit: "share of the samples at which the drive gave its largest torque",
         },
+        at_effort_limit,
         variants: scored
             .iter()
             .map(|result| VariantScore {
@@ -166,12 +206,14 @@ pub fn scores(setup: &Setup, model: &Model, scored: &[Scored], gain: SmoothingGa
     }
 }
 
-/// Ratio of the torque standard deviations of two variants, smoothed over raw.
-pub fn smoothing_gain(raw: &Scored, smoothed: &Scored, paper_table_3: &[f64]) -> SmoothingGain {
+/// Ratio of the torque standard deviations of two variants, smoothed over raw, beside the paper's.
+pub fn smoothing_gain(raw: &Scored, smoothed: &Scored) -> SmoothingGain {
+    let printed = PRINTED_TABLE_3.iter().map(|[alone, smoothed]| smoothed / alone);
+    let comparable = raw.residual_rms.len() == PRINTED_TABLE_3.len();
     let ratio = |with: &[f64], without: &[f64]| with.iter().zip(without).map(|(a, b)| a / b).collect();
     SmoothingGain {
         training: ratio(&smoothed.score.torque_std_training_nm, &raw.score.torque_std_training_nm),
         held_out: ratio(&smoothed.score.torque_std_held_out_nm, &raw.score.torque_std_held_out_nm),
-        paper_table_3: paper_table_3.to_vec(),
+        paper_table_3: if comparable { printed.collect() } else { Vec::new() },
     }
 }

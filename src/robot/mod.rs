@@ -2,6 +2,7 @@
 
 mod inertia;
 mod urdf;
+mod urdf_numbers;
 
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use urdf::{InertiaCheck, load};

@@ -1,5 +1,6 @@
 //! URDF to [`Robot`]: any serial arm of revolute and prismatic joints; links behind fixed joints are merged.
 
+use super::urdf_numbers;
 use super::{Drive, GRAVITY, Inertia, Joint, JointKind, Limits, Pose, Robot};
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -32,6 +33,7 @@ pub fn load(path: impl AsRef<Path>, inertias: InertiaCheck) -> Result<Robot> {
     let document = roxmltree::Document::parse(&text)
         .map_err(|e| Error::input(path, Some(e.pos().row as usize), "XML", format!("not well-formed: {e}")))?;
     let lines = Lines { path, document: &document };
+    urdf_numbers::check(path, &document)?;
     let urdf = urdf_rs::read_from_string(&text)
         .map_err(|e| Error::input(path, None, "<robot>", format!("not a URDF that can be read: {e}")))?;
     let chain = Chain { urdf: &urdf, lines: &lines };
@@ -89,7 +91,11 @@ impl<'a> Chain<'a> {
                 return Err(self.lines.error("link", &link.name, "two links have this name; rename one"));
             }
         }
-        for joint in &self.urdf.joints {
+        let mut joints: HashMap<&str, usize> = HashMap::new();
+        for (index, joint) in self.urdf.joints.iter().enumerate() {
+            if joints.insert(&joint.name, index).is_some() {
+                return Err(self.lines.error("joint", &joint.name, "two joints have this name; rename one"));
+            }
             for end in [&joint.parent.link, &joint.child.link] {
                 if !links.contains_key(end.as_str()) {
                     return Err(self.lines.error("joint", &joint.name, format!("there is no link `{end}`")));
@@ -102,6 +108,9 @@ impl<'a> Chain<'a> {
                     format!("link `{}` already hangs on joint `{other}`: a closed loop; cut it open", joint.child.link),
                 ));
             }
+        }
+        if links.is_empty() {
+            return Err(Error::input(self.lines.path, None, "<robot>", "there is no link; is this a URDF?"));
         }
         let roots: Vec<&str> =
             self.urdf.links.iter().map(|l| l.name.as_str()).filter(|name| !parent.contains_key(name)).collect();
@@ -223,7 +232,14 @@ impl<'a> Chain<'a> {
     fn limits(&self, joint: &urdf_rs::Joint) -> Result<Limits> {
         let given = &joint.limit;
         let or_infinite = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
-        let unlimited = joint.joint_type == urdf_rs::JointType::Continuous || given.lower == given.upper;
+        if given.velocity < 0.0 || given.effort < 0.0 {
+            let problem =
+                format!("limits velocity {} and effort {} must not be negative", given.velocity, given.effort);
+            return Err(self.lines.error("joint", &joint.name, problem));
+        }
+        // URDF has no way to say "none": left out, both read as zero.
+        let absent = given.lower == 0.0 && given.upper == 0.0;
+        let unlimited = joint.joint_type == urdf_rs::JointType::Continuous || absent;
         let (lower, upper) = if unlimited { (f64::NEG_INFINITY, f64::INFINITY) } else { (given.lower, given.upper) };
         if [lower, upper, given.velocity, given.effort].iter().any(|v| v.is_nan()) || lower > upper {
             let problem = format!("limits {lower}..{upper}: lower must not exceed upper, and none may be NaN");

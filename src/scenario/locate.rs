@@ -1,6 +1,6 @@
 //! Lines of keys in a TOML file, for error messages.
 
-use crate::error::Error;
+use crate::error::{Error, line_at};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
@@ -20,6 +20,22 @@ impl<'a> Located<'a> {
         Error::input(self.path, self.line(key), key, problem)
     }
 
+    /// An error about the table number `index` (from 0) of the list of tables `[[list]]`.
+    pub(super) fn item_error(&self, list: &str, index: usize, problem: impl Into<String>) -> Error {
+        let document = DeTable::parse(self.text).ok();
+        let item = document.as_ref().and_then(|document| match document.get_ref().get(list)?.get_ref() {
+            DeValue::Array(items) => items.get(index),
+            _ => None,
+        });
+        let line = item.map(|item| line_at(self.text, item.span().start));
+        Error::input(self.path, line, format!("{list} {}", index + 1), problem)
+    }
+
+    /// What went wrong inside, said of the dotted key `key`.
+    pub(super) fn wrap(&self, key: &str, problem: &Error) -> Error {
+        self.error(key, problem.to_string())
+    }
+
     fn line(&self, key: &str) -> Option<usize> {
         let document = DeTable::parse(self.text).ok()?;
         let mut table = document.get_ref();
@@ -32,22 +48,6 @@ impl<'a> Located<'a> {
                 _ => break,
             }
         }
-        position.map(|at| line_of(self.text, at))
+        position.map(|at| line_at(self.text, at))
     }
-}
-
-/// The error of a TOML file that does not parse or does not have the wanted keys.
-pub(super) fn parse_error(path: &Path, text: &str, error: &toml::de::Error) -> Error {
-    let line = error.span().map(|span| line_of(text, span.start));
-    let field = error
-        .span()
-        .and_then(|span| text.get(span))
-        .and_then(|found| found.lines().next())
-        .filter(|found| !found.is_empty() && found.len() < 60)
-        .map_or("scenario".to_owned(), |found| format!("`{found}`"));
-    Error::input(path, line, field, error.message())
-}
-
-fn line_of(text: &str, position: usize) -> usize {
-    1 + text[..position.min(text.len())].matches('\n').count()
 }

@@ -1,13 +1,16 @@
 //! Scenarios: one TOML file that says everything a run depends on. Unknown keys are refused, and everything is checked
 //! before anything runs. Units are in the key names; inside the program all is SI.
 
+mod arm;
 mod effects;
 mod locate;
+mod motions;
 mod setup;
 mod validate;
 
+pub use arm::Arm;
 pub use effects::{EffectSpec, joint as effect_joint};
-pub use setup::{Arm, Setup};
+pub use setup::Setup;
 
 use crate::design::Workspace;
 use crate::error::{Error, Result};
@@ -65,7 +68,7 @@ pub struct RobotSpec {
 
 /// One value for all joints, or one per joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "give a number, or a list with one number per joint")]
 pub enum PerJoint {
     /// The same for every joint.
     All(f64),
@@ -177,6 +180,9 @@ pub struct IdentificationSpec {
     pub smoothing_order: usize,
     /// After smoothing, every n-th sample is used.
     pub decimation: usize,
+    /// Cut-off of the zero-phase low-pass that `tauscope identify` uses instead of Savitzky-Golay, Hz; where given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low_pass_hz: Option<f64>,
     /// Samples of a joint slower than this are left out: the sign of its velocity is not certain there, rad/s.
     pub reversal_band_rad_s: f64,
 }
@@ -188,21 +194,29 @@ impl Scenario {
     /// Names file, line and key for anything unreadable, unknown, missing or impossible.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))?;
-        let mut scenario: Scenario = toml::from_str(&text).map_err(|e| locate::parse_error(path, &text, &e))?;
+        Self::parse(path, &read(path)?)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self> {
+        let mut scenario: Scenario = toml::from_str(text).map_err(|e| Error::toml(path, text, &e))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let resolve = |file: &mut PathBuf| *file = folder.join(&*file);
         resolve(&mut scenario.robot.urdf);
         for motion in [&mut scenario.motion, &mut scenario.held_out] {
             motion.file.iter_mut().for_each(resolve);
         }
-        validate::validate(&scenario, &Located::new(path, &text))?;
+        validate::validate(&scenario, &Located::new(path, text))?;
         Ok(scenario)
     }
 
     /// Plant steps in one sample of the log.
     pub fn steps_per_sample(&self) -> usize {
         (1.0 / (self.sensors.rate_hz * self.plant.step_s)).round() as usize
+    }
+
+    /// Samples that a motion of `duration_s` seconds leaves in the log, both ends included.
+    pub fn samples(&self, duration_s: f64) -> usize {
+        ((duration_s * self.sensors.rate_hz + 1e-9).floor() as usize).saturating_add(1)
     }
 
     /// All values that may be given per joint and are given, with their keys.
@@ -223,4 +237,8 @@ impl Scenario {
         .filter_map(|(key, value)| Some((key, value?)))
         .collect()
     }
+}
+
+fn read(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))
 }

@@ -19,6 +19,9 @@ use integrator::Run;
 use plant::{Plant, State};
 use std::collections::BTreeMap;
 
+/// Speed (rad/s or m/s) that no joint reaches unless the simulation runs away.
+const RUNAWAY_SPEED: f64 = 1e4;
+
 /// The exact log of a run: what really happened at every sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
@@ -33,12 +36,12 @@ pub struct Truth {
 /// Drives the plant of `setup` along `reference` and logs what happens. `tick` is told the number of samples done.
 ///
 /// # Errors
-/// If the plant cannot be built, or the motion runs away (numbers no longer finite).
+/// If the plant cannot be built, or the motion runs away (speeds beyond any joint's, numbers no longer finite).
 pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(usize)) -> Result<Truth> {
     let scenario = &setup.scenario;
     let dof = setup.plant.dof();
     let per_sample = scenario.steps_per_sample();
-    let samples = (reference.duration_s() * scenario.sensors.rate_hz + 1e-9).floor() as usize + 1;
+    let samples = scenario.samples(reference.duration_s());
     let controller = ComputedTorque::new(
         &setup.nominal,
         reference,
@@ -63,9 +66,13 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
         truth.signals.qdd.set(sample, &response.qdd);
         truth.signals.tau.set(sample, &response.tau);
         truth.friction.set(sample, &response.friction);
-        if let Some(joint) = (0..dof).find(|&j| !(run.state().q[j].is_finite() && response.qdd[j].is_finite())) {
+        let sane = |j: usize| {
+            let numbers = [run.state().q[j], response.qdd[j], response.tau[j]];
+            numbers.iter().all(|v| v.is_finite()) && run.state().qd[j].abs() < RUNAWAY_SPEED
+        };
+        if let Some(joint) = (0..dof).find(|&j| !sane(j)) {
             let problem = format!(
-                "the simulation ran away at t = {:.3} s; lower plant.step_s or controller.bandwidth_hz",
+                "the simulation ran away at t = {:.3} s; lower controller.bandwidth_hz or plant.step_s",
                 truth.time[sample]
             );
             return Err(Error::request(&setup.plant.joints[joint].name, problem));

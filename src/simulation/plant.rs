@@ -5,7 +5,7 @@
 
 use super::rapier_arm::RapierArm;
 use crate::dynamics::{Chain, inverse_dynamics_at};
-use crate::effects::{Gear, Instant, Placed};
+use crate::effects::{Gear, Instant, Placed, Site};
 use crate::error::{Error, Result};
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector};
@@ -87,7 +87,9 @@ impl Plant {
     ///
     /// # Errors
     /// As [`RapierArm::new`]; and for an elastic gear without rotor inertia.
-    pub fn new(robot: &Robot, effects: Vec<Placed>) -> Result<Self> {
+    pub fn new(robot: &Robot, mut effects: Vec<Placed>) -> Result<Self> {
+        // What the integrator gets wrong comes of itself.
+        effects.retain(|placed| placed.effect.about().site != Site::Integrator);
         let mut dry = vec![false; robot.dof()];
         let mut gears: Vec<Option<Gear>> = vec![None; robot.dof()];
         for placed in &effects {

@@ -1,4 +1,5 @@
 //! Studies on simulated arms, where the truth is known.
 
+pub mod paper;
 pub mod score;
 pub mod testbed;

@@ -3,14 +3,16 @@
 use crate::channels::Channels;
 
 /// Distance of estimated from true parameters, d_beta = (2 / p) sum |beta - est| / (|beta| + |est|): 0 is perfect, 2 the
-/// worst. Parameters that are zero in both count as right.
+/// worst. Parameters that are zero in both count as right; zero to rounding, a share of 1e-9 of the largest true one, is
+/// zero.
 pub fn parameter_distance(truth: &[f64], estimate: &[f64]) -> f64 {
+    let rounding = 1e-9 * truth.iter().fold(0.0f64, |most, b| most.max(b.abs()));
     let sum: f64 = truth
         .iter()
         .zip(estimate)
         .map(|(b, e)| {
             let size = b.abs() + e.abs();
-            if size > 0.0 { (b - e).abs() / size } else { 0.0 }
+            if size > rounding { (b - e).abs() / size } else { 0.0 }
         })
         .sum();
     2.0 * sum / truth.len() as f64
@@ -54,6 +56,9 @@ mod tests {
         // |1-3|/4 = .5, |2-2| = 0, 0 and 0: 0; sum .5, times 2/3.
         assert!((parameter_distance(&[1.0, 2.0, 0.0], &[3.0, 2.0, 0.0]) - 1.0 / 3.0).abs() < 1e-15);
         assert_eq!(parameter_distance(&[1.0], &[-1.0]), 2.0);
+        // A true zero found to rounding is found; one found otherwise is not.
+        assert_eq!(parameter_distance(&[5.0, 0.0], &[5.0, 1e-13]), 0.0);
+        assert_eq!(parameter_distance(&[5.0, 0.0], &[5.0, 1e-3]), 1.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The testbed: simulate a training and a held-out motion, measure them, identify, and score against the truth.
 
 use super::score::{parameter_distance, relative_errors, torque_std};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::identification::least_squares::{Estimate, JointRegression, weighted_least_squares};
 use crate::identification::model::Model;
@@ -104,10 +104,20 @@ pub fn record(setup: &Setup, tick: &mut dyn FnMut(usize)) -> Result<Runs> {
 
 /// Samples that both motions of a scenario have in the log.
 pub fn samples(setup: &Setup) -> usize {
-    [&setup.motion, &setup.held_out]
-        .map(|motion| (motion.duration_s() * setup.scenario.sensors.rate_hz + 1e-9).floor() as usize + 1)
-        .iter()
-        .sum()
+    [&setup.motion, &setup.held_out].map(|motion| setup.scenario.samples(motion.duration_s())).iter().sum()
+}
+
+/// Share of the samples of a run at which the drive of each joint gave all it can: the arm did not follow its controller
+/// there.
+pub fn at_effort_limit(setup: &Setup, run: &Run) -> Vec<f64> {
+    let torque = &run.truth.signals.tau;
+    let joints = setup.known.joints.iter().zip(torque.iter());
+    joints
+        .map(|(joint, tau)| {
+            let cut = tau.iter().filter(|value| value.abs() >= joint.limits.effort).count();
+            cut as f64 / tau.len().max(1) as f64
+        })
+        .collect()
 }
 
 /// The signals of a run as a variant sees them.
@@ -137,7 +147,9 @@ pub fn identify(setup: &Setup, model: &Model, runs: &Runs, variant: Variant) -> 
     let training = prepared(setup, &runs.training, variant)?;
     let regression = training.regression(model)?;
     let names: Vec<String> = model.base().groupings().iter().map(|g| g.name.clone()).collect();
-    let estimate = weighted_least_squares(&regression, &names)?;
+    let estimate = weighted_least_squares(&regression, &names).map_err(|problem| {
+        Error::request(format!("identification from {} signals", variant.name()), problem.to_string())
+    })?;
     let seconds = started.elapsed().as_secs_f64();
 
     let truth = model.base().values(&Model::standard_values(&setup.plant));

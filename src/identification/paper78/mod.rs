@@ -13,7 +13,8 @@
 //! - The equations are those of a planar chain: every joint turns in one vertical plane and only differences of two
 //!   angles occur. The IRB 1600 is a spatial arm (joint 1 turns about the vertical, where gravity does no work).
 //! - The cosine and gravity terms hold for angles measured from the fixed horizontal, the sums of moments of inertia
-//!   in C for angles measured from the link before. The paper puts the joint angles in both; so does this code.
+//!   in C for angles measured from the link before. The paper puts the joint angles in both; so does this code,
+//!   with those of Table 1. [`AbsoluteAngles`] is the other reading, for comparison.
 //! - X occur in sums: only 48 (as printed) or 44 (mended) combinations show in the torques, whatever the motion; see
 //!   [`structure`].
 //! - Friction has a column each for sgn and velocity; sgn(0) is 0.
@@ -31,6 +32,7 @@
 //! | (8) theta6'', (9) theta5'' | m6 cos() X71 | cos() X71 | all | m6 is no known number and X71 holds it already |
 //! | (4)-(9) all sine terms | d/dt dT/dtheta' only | less dT/dtheta | E | Euler-Lagrange has both |
 //! | (4)-(9) g | no value | 9.81 m/s^2 | all | |
+//! | (13), (14), alpha, (17) | see [`crate::excitation::freudenstein`] | | all | |
 //! | Table A1, 2 | kg/s for friction, kg m^2 for gravity | N m, N m s/rad; kg m | all | the equations |
 //! | Table A1 | friction symbols repeat joint numbers | the joint of the row | all | the equations |
 //! | Table A1 | X13, X18 as X7; X22 with links 2, 3 | links 3..6, 4..6, 5..6 | all | the pattern X1, X7, X25 |
@@ -45,11 +47,13 @@
 
 mod departures;
 mod equations;
+mod linear;
 pub mod structure;
 pub mod tables;
 
 pub use departures::{DEPARTURES, Departure, Place};
 pub use equations::VelocityForm;
+pub use linear::AbsoluteAngles;
 
 use equations::{Factor, terms};
 
@@ -73,6 +77,20 @@ pub enum Variant {
     /// As [`Variant::Consistent`], with dT/dtheta subtracted: the sine terms become B_ij sin(theta_i - theta_j)
     /// theta_j'^2, and the power of the torques without friction and gravity is the change of kinetic energy.
     EulerLagrange,
+}
+
+impl Variant {
+    /// All variants, from the print outwards.
+    pub const ALL: [Variant; 3] = [Variant::AsPrinted, Variant::Consistent, Variant::EulerLagrange];
+
+    /// Name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Variant::AsPrinted => "as_printed",
+            Variant::Consistent => "consistent",
+            Variant::EulerLagrange => "euler_lagrange",
+        }
+    }
 }
 
 /// The regressor Y at one instant: tau_i = sum_k Y\[i\]\[k\] X_(k+1).

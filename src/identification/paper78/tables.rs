@@ -243,6 +243,13 @@ pub const CORRECTED_TABLE_1: [DenavitHartenberg; 6] = [
     dh(6, 0.0, 0.0, 65.0, 6, 0.0),
 ];
 
+/// The angles theta of [`CORRECTED_TABLE_1`] for joint positions `q` (rad) that are zero with the upper arm upright and
+/// the forearm ahead, as the URDF has them. Axes and directions are the same; joint 2 differs by a quarter turn, which
+/// makes cos(theta2) the lever of gravity on the upper arm.
+pub fn joint_angles(q: [f64; 6]) -> [f64; 6] {
+    std::array::from_fn(|joint| q[joint] + CORRECTED_TABLE_1[joint].offset_deg.to_radians())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

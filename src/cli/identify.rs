@@ -1,0 +1,162 @@
+//! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
+
+use super::{DONE, Global, print, progress};
+use crate::effects::{self, Placed, Scope};
+use crate::error::{Error, Result};
+use crate::identification::effect_model::{Preparation, Trust};
+use crate::identification::fit::{Logs, fit_effects};
+use crate::identification::model::Model;
+use crate::identification::prepare::Smoothing;
+use crate::output::ResultFolder;
+use crate::recording::{self, Recording};
+use crate::report::fit::{self as report, SCHEMA};
+use crate::robot::{self, InertiaCheck, Robot};
+use crate::scenario::{Setup, effect_joint};
+use crate::study::testbed;
+use std::path::PathBuf;
+
+/// Arguments of `tauscope identify`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// URDF of the arm; that of the scenario where absent.
+    #[arg(long, value_name = "URDF")]
+    robot: Option<PathBuf>,
+    /// Log to identify from; repeat for more. Without any, the scenario's two motions are simulated.
+    #[arg(long, value_name = "LOG")]
+    train: Vec<PathBuf>,
+    /// Log of another motion to judge the fit by; repeat for more.
+    #[arg(long, value_name = "LOG")]
+    test: Vec<PathBuf>,
+    /// Scenario whose arm, sensors and identification settings are used.
+    #[arg(long, value_name = "SCENARIO")]
+    scenario: Option<PathBuf>,
+    /// Effect to fit beside the arm's parameters, `NAME` or `NAME:JOINT`; without a joint, on every joint. Repeat for more.
+    #[arg(long, value_name = "EFFECT")]
+    effect: Vec<String>,
+    /// Whether the URDF's inertias are believed, or re-identified.
+    #[arg(long, value_enum, default_value = "structure")]
+    trust: Trust,
+    /// Gravity in the base frame, m/s2.
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true)]
+    gravity: Option<Vec<f64>>,
+    /// Savitzky-Golay window, samples, odd; that of the scenario, or a tenth of a second.
+    #[arg(long, value_name = "SAMPLES")]
+    window: Option<usize>,
+    /// Savitzky-Golay polynomial order.
+    #[arg(long)]
+    order: Option<usize>,
+    /// Zero-phase low-pass at this cut-off instead of Savitzky-Golay, Hz.
+    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order"])]
+    low_pass_hz: Option<f64>,
+    /// Use every n-th sample after smoothing.
+    #[arg(long)]
+    decimation: Option<usize>,
+    /// Leave out samples of a joint slower than this, rad/s.
+    #[arg(long, value_name = "RAD_S")]
+    band: Option<f64>,
+}
+
+/// Time that the default smoothing window spans, s.
+const DEFAULT_WINDOW_S: f64 = 0.12;
+
+/// Fits and writes the results folder.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+    let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
+    let robot = arm(arguments, setup.as_ref())?;
+    let (train, test) = logs(arguments, setup.as_ref(), &robot, global)?;
+    let placed = place(&arguments.effect, &robot)?;
+    let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
+    let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
+
+    let model = Model::new(&robot);
+    let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
+    let logs = Logs { train: &train, test: &test };
+    let bar = progress::bar(global, "identifying", 2);
+    let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
+    bar.inc(1);
+    let extended = match placed.is_empty() {
+        true => None,
+        false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
+    };
+    bar.finish_and_clear();
+
+    let result = report::result(&robot, arguments.trust, &plain, extended.as_ref());
+    folder.write_json("identification.json", SCHEMA, &result)?;
+    let path = folder.finish()?;
+    print::result(global, SCHEMA, &result, || {
+        format!("{}\n\nResults in {}", report::tables(&robot, &plain, extended.as_ref()), path.display())
+    })?;
+    Ok(DONE)
+}
+
+fn arm(arguments: &Arguments, setup: Option<&Setup>) -> Result<Robot> {
+    let check = match arguments.trust {
+        Trust::Nominal => InertiaCheck::Required,
+        Trust::Structure => InertiaCheck::Ignored,
+    };
+    let mut robot = match (&arguments.robot, setup) {
+        (Some(path), _) => robot::load(path, check)?,
+        (None, Some(setup)) => setup.known.clone(),
+        (None, None) => return Err(Error::request("--robot", "give the arm's URDF, or a --scenario that names one")),
+    };
+    if let Some(gravity) = &arguments.gravity {
+        robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
+    }
+    Ok(robot)
+}
+
+fn logs(
+    arguments: &Arguments,
+    setup: Option<&Setup>,
+    robot: &Robot,
+    global: &Global,
+) -> Result<(Vec<Recording>, Vec<Recording>)> {
+    let names = robot.joint_names();
+    let load = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
+        paths.iter().map(|path| recording::load(path, Some(&names))).collect()
+    };
+    if !arguments.train.is_empty() {
+        return Ok((load(&arguments.train)?, load(&arguments.test)?));
+    }
+    let Some(setup) = setup else {
+        return Err(Error::request("--train", "give at least one log, or a --scenario to simulate"));
+    };
+    let bar = progress::bar(global, "simulating", testbed::samples(setup));
+    let runs = testbed::record(setup, &mut |done| bar.set_position(done as u64))?;
+    bar.finish_and_clear();
+    Ok((vec![runs.training.recording], vec![runs.held_out.recording]))
+}
+
+/// The effects asked for, on their joints.
+fn place(wanted: &[String], robot: &Robot) -> Result<Vec<Placed>> {
+    let mut placed = Vec::new();
+    for text in wanted {
+        let (name, joint) = text.split_once(':').map_or((text.as_str(), None), |(name, joint)| (name, Some(joint)));
+        let effect = effects::find(name)?;
+        let spots = match (effect.about().scope, joint) {
+            (Scope::Joint, None) => (0..robot.dof()).collect(),
+            (Scope::Pair, None) => (0..robot.dof().saturating_sub(1)).collect(),
+            _ => vec![effect_joint(effect, joint, robot).map_err(|problem| Error::request(text.as_str(), problem))?],
+        };
+        placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
+    }
+    Ok(placed)
+}
+
+fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
+    let spec = setup.map(|setup| &setup.scenario.identification);
+    let default_window = (DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1;
+    let window = arguments.window.or(spec.map(|s| s.smoothing_window)).unwrap_or(default_window.max(9));
+    let order = arguments.order.or(spec.map(|s| s.smoothing_order)).unwrap_or(6);
+    let decimation = arguments.decimation.or(spec.map(|s| s.decimation)).unwrap_or((window / 12).max(1));
+    if decimation == 0 {
+        return Err(Error::request("--decimation", "must be 1 or more"));
+    }
+    let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).unwrap_or(0.03);
+    let low_pass = arguments.low_pass_hz.or(spec.and_then(|s| s.low_pass_hz).filter(|_| arguments.window.is_none()));
+    let smoothing = match low_pass {
+        Some(cutoff_hz) => Smoothing::LowPass { cutoff_hz, decimation },
+        None => Smoothing::SavitzkyGolay { window, order, decimation },
+    };
+    Ok(Preparation { smoothing, band })
+}

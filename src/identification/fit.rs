@@ -1,0 +1,58 @@
+//! Fits on demand: the arm's parameters and named effects from training logs, judged on held-out logs.
+
+use super::effect_model::{EffectModel, Preparation, Trust};
+use super::model::Model;
+use super::separable::{EffectFit, fit};
+use crate::effects::Placed;
+use crate::error::Result;
+use crate::recording::Recording;
+
+/// Logs to fit and logs to judge by.
+#[derive(Debug, Clone, Copy)]
+pub struct Logs<'a> {
+    /// Logs that are identified from.
+    pub train: &'a [&'a Recording],
+    /// Logs of other motions, which the fit does not see.
+    pub test: &'a [&'a Recording],
+}
+
+/// A fit and what it leaves on both kinds of logs, root mean square of the residual per joint in N m.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Parameters with their covariance.
+    pub fit: EffectFit,
+    /// The effects with the parameters found.
+    pub placed: Vec<Placed>,
+    /// Residual on the training logs.
+    pub train_rms: Vec<f64>,
+    /// Residual on the held-out logs; empty where there are none.
+    pub test_rms: Vec<f64>,
+}
+
+/// Fits the arm and `placed` effects to the training logs.
+///
+/// # Errors
+/// If a log is too short, or the motion cannot tell the parameters apart (named).
+pub fn fit_effects(
+    model: &Model,
+    trust: Trust,
+    logs: Logs,
+    preparation: Preparation,
+    placed: Vec<Placed>,
+) -> Result<Fitted> {
+    let mut training = EffectModel::new(model, trust, logs.train, preparation, placed)?;
+    let found = fit(&mut training)?;
+    let placed = training.placed().to_vec();
+    let test_rms = match logs.test {
+        [] => Vec::new(),
+        test => residual(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
+    };
+    Ok(Fitted { train_rms: found.residual_rms.clone(), fit: found, placed, test_rms })
+}
+
+/// Residual of a fit on the logs of `model`.
+fn residual(mut model: EffectModel, fit: &EffectFit) -> Result<Vec<f64>> {
+    let linear = &fit.estimate.beta[..model.baseline_len() + model.amplitudes().len()];
+    model.set_baseline(linear);
+    Ok(model.regression()?.iter().map(|joint| joint.residual_rms(linear)).collect())
+}

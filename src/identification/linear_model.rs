@@ -1,0 +1,14 @@
+//! What a torque model must offer to be identified by linear regression.
+
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+
+/// A model whose torque is linear in its parameters: tau_joint = columns * parameters.
+pub trait LinearModel {
+    /// Parameters that can act on `joint`, ascending.
+    fn active(&self, joint: usize) -> Vec<usize>;
+
+    /// The regressor along a motion at the times `time` (s): for every joint a table `[active parameter][time]` in the
+    /// order of [`LinearModel::active`].
+    fn columns(&self, motion: &Motion, time: &[f64]) -> Vec<Channels>;
+}

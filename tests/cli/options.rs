@@ -1,0 +1,144 @@
+//! Options, output and exit codes.
+
+use super::{Case, ROOT, assert_done, assert_refusal, names, text};
+use std::process::Command;
+
+const FILES: [&str; 9] = [
+    "held_out.csv",
+    "held_out.parquet",
+    "identification.json",
+    "manifest.json",
+    "recording.csv",
+    "recording.parquet",
+    "robot.urdf",
+    "scenario.toml",
+    "score.json",
+];
+
+#[test]
+fn json_is_one_object_with_its_schema() {
+    let case = Case::new(&[]);
+    for (command, schema) in [("run", "tauscope.score/1"), ("simulate", "tauscope.simulated/1")] {
+        let output = case.tauscope(&[command, "s.toml", "--json"]);
+        assert_done(&output);
+        let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(value["schema"], schema);
+        assert_eq!(value["scenario"], "short");
+        assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+    }
+    assert!(!case.path("results/short/score.json").exists(), "simulate replaces what run wrote there");
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let case = Case::new(&[]);
+    for arguments in
+        [&["run", "s.toml", "--quiet"][..], &["simulate", "-q", "s.toml"], &["-q", "--json", "run", "s.toml"]]
+    {
+        let output = case.tauscope(arguments);
+        assert_done(&output);
+        assert!(output.stdout.is_empty() && output.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_table_has_a_line_per_joint_and_variant() {
+    let case = Case::new(&[]);
+    let output = case.tauscope(&["run", "s.toml"]);
+    assert_done(&output);
+    let printed = text(&output.stdout);
+    for word in
+        ["52 base parameters", "joint_1", "joint_6", "paper's ratio", "exact", "raw", "savitzky_golay", "Results in"]
+    {
+        assert!(printed.contains(word), "{printed}");
+    }
+    assert_eq!(names(&case.path("results/short")), FILES);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_gives_others() {
+    let case = Case::new(&[]);
+    for (out, seed) in [("a", "5"), ("b", "5"), ("c", "6")] {
+        assert_done(&case.tauscope(&["run", "s.toml", "--out", out, "--seed", seed]));
+    }
+    let bytes = |folder: &str, file: &str| std::fs::read(case.path(folder).join(file)).unwrap();
+    for file in ["recording.csv", "recording.parquet", "held_out.csv", "held_out.parquet", "identification.json"] {
+        assert_eq!(bytes("a", file), bytes("b", file), "{file}");
+        assert_ne!(bytes("a", file), bytes("c", file), "{file}");
+    }
+    assert!(case.read("a/scenario.toml").contains("seed = 5"));
+}
+
+/// The merged scenario stands on its own: run from its folder it gives the recording again.
+#[test]
+fn the_merged_scenario_can_be_run_again() {
+    let case = Case::new(&[]);
+    assert_done(&case.tauscope(&["simulate", "s.toml", "--seed", "18446744073709551615", "--out", "deep/out"]));
+    let merged = case.read("deep/out/scenario.toml");
+    for word in ["# The scenario as it was run", "rapier3d 0.36", "seed = 18446744073709551615", "\"robot.urdf\""] {
+        assert!(merged.contains(word), "{merged}");
+    }
+    std::fs::remove_file(case.path("arm.urdf")).unwrap();
+    assert_done(&case.tauscope(&["simulate", "deep/out/scenario.toml", "--out", "again"]));
+    assert_eq!(case.read("deep/out/recording.csv"), case.read("again/recording.csv"));
+}
+
+/// Without a command it runs `scenarios/irb1600.toml`.
+#[test]
+fn the_default_command_is_the_main_job() {
+    let case = Case::new(&[]);
+    std::fs::create_dir(case.path("scenarios")).unwrap();
+    std::fs::rename(case.path("s.toml"), case.path("scenarios/irb1600.toml")).unwrap();
+    std::fs::rename(case.path("arm.urdf"), case.path("scenarios/arm.urdf")).unwrap();
+    assert_done(&case.tauscope(&["--quiet", "--out", "default"]));
+    assert_done(&case.tauscope(&["run", "scenarios/irb1600.toml", "--quiet", "--out", "named"]));
+    assert_eq!(names(&case.path("default")), FILES);
+    assert_eq!(case.read("default/recording.csv"), case.read("named/recording.csv"));
+}
+
+#[test]
+fn the_shipped_scenario_is_the_default() {
+    let output = Command::new(env!("CARGO_BIN_EXE_tauscope")).arg("--help").current_dir(ROOT).output().unwrap();
+    assert!(text(&output.stdout).contains("tauscope run scenarios/irb1600.toml"));
+    tauscope::scenario::Setup::load(format!("{ROOT}/scenarios/irb1600.toml"), None).unwrap();
+}
+
+#[test]
+fn help_explains_and_wrong_usage_is_refused() {
+    let case = Case::new(&[]);
+    let help = case.tauscope(&["--help"]);
+    assert_done(&help);
+    for word in ["run", "simulate", "--json", "--seed", "--out", "--quiet", "Exit codes", "scenarios/irb1600.toml"] {
+        assert!(text(&help.stdout).contains(word), "{word}");
+    }
+    for wrong in [
+        &["bogus"][..],
+        &["run", "--bogus"],
+        &["run", "a", "b"],
+        &["run", "--seed", "x"],
+        &["run", "--seed", "-1"],
+        &["run", "--seed", "1e3"],
+        &["run", "--seed", "18446744073709551616"],
+    ] {
+        let output = case.tauscope(wrong);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(!output.stderr.is_empty());
+    }
+}
+
+/// A reader that has had enough (`tauscope | head`) is no error; one that cannot be written to is.
+#[cfg(unix)]
+#[test]
+fn output_that_nobody_reads() {
+    let case = Case::new(&[]);
+    for flag in ["", "--json"] {
+        let output = case.bash(&format!("\"$TAUSCOPE\" run s.toml {flag} | true; exit ${{PIPESTATUS[0]}}"));
+        assert_done(&output);
+        assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+    }
+    if std::path::Path::new("/dev/full").exists() {
+        assert_refusal(&case.bash("exec \"$TAUSCOPE\" run s.toml > /dev/full"), &["standard output", "space"]);
+        let output = case.bash("exec \"$TAUSCOPE\" run none.toml 2> /dev/full");
+        assert_eq!(output.status.code(), Some(2));
+    }
+}

@@ -161,7 +161,7 @@ fn interrupt() -> Result<Arc<AtomicBool>> {
 fn path(global: &Global, scenario: &str) -> PathBuf {
     match &global.out {
         Some(file) if file.extension().is_some_and(|extension| extension == "toml") => file.clone(),
-        _ => global.folder(scenario).join("motion.toml"),
+        _ => global.folder(&format!("{scenario}_excitation")).join("motion.toml"),
     }
 }
 

@@ -52,7 +52,7 @@ pub use encoder_offset::EncoderOffset;
 pub use external_contact::ExternalContact;
 pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_warm_up::FrictionWarmUp;
-pub use gear::Gear;
+pub use gear::{DAMPING_TIME_S, Gear};
 pub use gravity_balancer::GravityBalancer;
 pub use integration_error::IntegrationError;
 pub use joint_coupling::JointCoupling;

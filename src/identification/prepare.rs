@@ -51,8 +51,6 @@ pub struct Prepared {
     /// Torque, unfiltered.
     pub torque: Channels,
     filter: Filter,
-    /// The filter that positions went through.
-    position_filter: Filter,
     decimation: usize,
     /// Samples on either side whose values enter a filtered sample.
     reach: usize,
@@ -67,14 +65,14 @@ pub struct Prepared {
 pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Result<Prepared> {
     let period = 1.0 / recording.rate_hz();
     let q = &recording.q;
-    let (motion, filter, position_filter, decimation, reach) = match smoothing {
+    let (motion, filter, decimation, reach) = match smoothing {
         Smoothing::None => {
             let motion = Motion {
                 q: q.clone(),
                 qd: or_derivative(recording.qd.as_ref(), q, |x, out| first_derivative(x, period, out))?,
                 qdd: or_derivative(recording.qdd.as_ref(), q, |x, out| second_derivative(x, period, out))?,
             };
-            (motion, Filter::None, Filter::None, 1, 1)
+            (motion, Filter::None, 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
             let derivative = |degree| -> Result<Channels> {
@@ -83,7 +81,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             };
             let motion = Motion { q: derivative(0)?, qd: derivative(1)?, qdd: derivative(2)? };
             let filter = Filter::SavitzkyGolay(SavitzkyGolay::new(window, order, 0, period, Edge::Polynomial)?);
-            (motion, filter.clone(), filter, decimation, window / 2)
+            (motion, filter, decimation, window / 2)
         }
         Smoothing::LowPass { cutoff_hz, decimation } => {
             let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
@@ -97,11 +95,11 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             };
             // The response has died away after about one period of the cut-off.
             let reach = (recording.rate_hz() / cutoff_hz).ceil() as usize;
-            (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
+            (motion, Filter::LowPass(low_pass), decimation, reach)
         }
     };
     let (time, torque) = (recording.time.clone(), recording.tau.clone());
-    Ok(Prepared { time, motion, torque, filter, position_filter, decimation, reach, band })
+    Ok(Prepared { time, motion, torque, filter, decimation, reach, band })
 }
 
 /// Makes exact signals ready: what identification could do with perfect sensors.
@@ -112,7 +110,6 @@ pub fn exact(time: &[f64], signals: &Signals, band: f64) -> Prepared {
         motion: Motion { q, qd, qdd },
         torque: tau,
         filter: Filter::None,
-        position_filter: Filter::None,
         decimation: 1,
         reach: 0,
         band,
@@ -141,13 +138,13 @@ impl Prepared {
             .collect()
     }
 
-    /// The torque of a joint through the filter that positions went through, so that both lose the same noise.
+    /// A signal through the filter of torque and columns, at the rate of the log.
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(super) fn torque_like_positions(&self, joint: usize) -> Result<Vec<f64>> {
-        let mut out = vec![0.0; self.motion.samples()];
-        self.position_filter.apply(self.torque.channel(joint), &mut out)?;
+    pub(super) fn filtered(&self, signal: &[f64]) -> Result<Vec<f64>> {
+        let mut out = vec![0.0; signal.len()];
+        self.filter.apply(signal, &mut out)?;
         Ok(out)
     }
 
@@ -156,9 +153,7 @@ impl Prepared {
     /// # Errors
     /// If the log is too short for the filter.
     pub(super) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
-        let mut out = vec![0.0; signal.len()];
-        self.filter.apply(signal, &mut out)?;
-        downsample(&out, self.decimation)
+        downsample(&self.filtered(signal)?, self.decimation)
     }
 
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.

@@ -19,7 +19,7 @@ const SHAPE_STARTS: usize = 24;
 const DEPARTURE_STARTS: [f64; 7] = [0.0, 0.25, 1.0, 2.0, -0.25, -1.0, -2.0];
 
 /// Step of differences, as a share of a parameter's typical size.
-const DIFFERENCE: f64 = 1e-4;
+const DIFFERENCE: f64 = 1e-3;
 
 /// Solutions of the linear problem in which gears and clipping sensors settle.
 const SETTLING: usize = 3;
@@ -104,9 +104,12 @@ fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) ->
     }
     for &place in nonlinear {
         let parameter = parameter(model, place);
+        // Each candidate starts from the same arm: what one of them made of it must not lead the next astray.
+        let arm = model.baseline().to_vec();
         let mut best = (f64::INFINITY, model.get(&[place])[0]);
         for candidate in grid(&parameter) {
             model.set(&[place], &[candidate]);
+            model.set_baseline(&arm);
             // A shape at which the data cannot tell the amplitudes apart is no start.
             let Ok((regression, linear)) = solve_linear(model, sigma) else { continue };
             let chi2 = weighted_sum(&regression, &linear, sigma);
@@ -115,6 +118,8 @@ fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) ->
             }
         }
         model.set(&[place], &[best.1]);
+        model.set_baseline(&arm);
+        solve_linear(model, sigma)?;
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use crate::scenario::Setup;
 use crate::signal;
 use controller::ComputedTorque;
 use integrator::Run;
-use plant::{Plant, State};
+use plant::Plant;
 use std::collections::BTreeMap;
 
 /// Speed (rad/s or m/s) that no joint reaches unless the simulation runs away.
@@ -49,7 +49,7 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
         scenario.controller.damping_ratio,
     );
     let mut plant = Plant::new(&setup.plant, setup.effects.clone())?;
-    let start = start_state(reference);
+    let start = plant.resting(start_position(reference));
     let mut run = Run::new(&mut plant, &controller, start);
     let zeros = || Channels::zeros(dof, samples);
     let mut truth = Truth {
@@ -91,11 +91,12 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
     Ok(truth)
 }
 
-fn start_state(reference: &dyn Reference) -> State {
+/// Where a motion starts, from rest.
+fn start_position(reference: &dyn Reference) -> Vec<f64> {
     let zeros = || vec![0.0; reference.joints()];
     let (mut q, mut qd, mut qdd) = (zeros(), zeros(), zeros());
     reference.at(0.0, &mut q, &mut qd, &mut qdd);
-    State::new(q, qd)
+    q
 }
 
 /// Positions and torques as the effects in the sensors leave them, before noise.

@@ -134,6 +134,17 @@ impl Plant {
         self.gears[joint].is_none()
     }
 
+    /// Motors at rest at `q` with the links where their gears hold them against gravity.
+    pub fn resting(&self, q: Vec<f64>) -> State {
+        let still = vec![0.0; self.dof()];
+        let mut state = State::new(q, still.clone());
+        let load = inverse_dynamics_at(&self.chain, &self.inertial, &state.q, &still, &still);
+        for (joint, gear) in self.gears.iter().enumerate() {
+            state.link_q[joint] -= gear.map_or(0.0, |gear| gear.twist(load[joint]));
+        }
+        state
+    }
+
     /// What the effects remember before anything has happened.
     pub fn fresh_memory(&self) -> Memory {
         self.effects.iter().map(|placed| vec![0.0; placed.effect.memory()]).collect()

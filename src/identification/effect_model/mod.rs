@@ -1,0 +1,333 @@
+//! The torque model extended by effects: base parameters and amplitudes are linear, shapes and departures are not.
+//!
+//! For given nonlinear parameters the model is a linear regression. Its rows are made the way the log was made: positions
+//! as the encoders would have had to read without their errors, links behind their gears, torques at the joints, and then
+//! what the torque sensors make of them; every column goes through the same sensors and filter as the torque.
+
+mod parts;
+mod sensing;
+
+use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, stands_for};
+use sensing::Sensing;
+
+use super::least_squares::JointRegression;
+use super::model::Model;
+use super::prepare::{self, Prepared, Smoothing};
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+use crate::effects::{DAMPING_TIME_S, Gear, Placed, Role, Scope};
+use crate::error::Result;
+use crate::recording::Recording;
+use crate::signal::{first_derivative, second_derivative};
+
+/// Rounds in which encoder errors are taken back out of the measured positions.
+const UNDO_ROUNDS: usize = 4;
+
+/// Rounds in which links are put behind their gears.
+const GEAR_ROUNDS: usize = 4;
+
+/// Rows without weight between two logs, so that the noise of one is not carried into the next.
+const SEPARATION: usize = 32;
+
+/// Which parameters of the arm are believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Trust {
+    /// The URDF's inertias are believed; friction and rotor inertia of every joint are fitted.
+    Nominal,
+    /// Only the geometry is believed; all base parameters are fitted.
+    Structure,
+}
+
+/// How measured logs are made ready.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preparation {
+    /// Smoothing, differentiation and the filter of torque and columns.
+    pub smoothing: Smoothing,
+    /// Velocity below which a joint's direction is not certain, rad/s.
+    pub band: f64,
+}
+
+/// A model with effects on a set of logs.
+pub struct EffectModel<'a> {
+    model: &'a Model,
+    trust: Trust,
+    logs: Vec<(&'a Recording, Prepared)>,
+    preparation: Preparation,
+    placed: Vec<Placed>,
+    /// The arm's own parameters that are fitted.
+    arm: Vec<ArmParameter>,
+    /// Those that are believed because an effect stands for what differs from them, with their values.
+    believed: Vec<(ArmParameter, f64)>,
+    /// The arm's parameters as last solved for.
+    baseline: Vec<f64>,
+}
+
+/// Where a parameter of an effect is: index of the effect, index of the parameter.
+pub type Place = (usize, usize);
+
+impl<'a> EffectModel<'a> {
+    /// The model with `placed` effects on `logs`.
+    ///
+    /// # Errors
+    /// If a log is too short for its preparation.
+    pub fn new(
+        model: &'a Model,
+        trust: Trust,
+        logs: &[&'a Recording],
+        preparation: Preparation,
+        placed: Vec<Placed>,
+    ) -> Result<Self> {
+        let logs = logs
+            .iter()
+            .map(|&log| Ok((log, prepare::measured(log, preparation.smoothing, preparation.band)?)))
+            .collect::<Result<_>>()?;
+        let stood_for = |parameter: ArmParameter| {
+            drive_of(model, parameter).is_some_and(|drive| placed.iter().any(|placed| stands_for(placed, drive)))
+        };
+        let (believed, arm): (Vec<_>, Vec<_>) =
+            arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
+        let (arm, baseline) = arm.into_iter().unzip();
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline })
+    }
+
+    /// The effects with their present parameters.
+    pub fn placed(&self) -> &[Placed] {
+        &self.placed
+    }
+
+    /// Names of the linear parameters: those of the arm, then the amplitudes.
+    pub fn linear_names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.arm.iter().map(|&parameter| arm_name(self.model, parameter)).collect();
+        names.extend(self.amplitudes().into_iter().map(|place| self.parameter_name(place)));
+        names
+    }
+
+    /// Number of linear parameters that belong to the arm.
+    pub fn baseline_len(&self) -> usize {
+        self.baseline.len()
+    }
+
+    /// Name of an effect's parameter with its joints: "stribeck_friction:joint_2 rise".
+    pub fn parameter_name(&self, (effect, parameter): Place) -> String {
+        let placed = &self.placed[effect];
+        let joints: Vec<&str> = placed.joints().iter().map(|&j| self.model.robot().joints[j].name.as_str()).collect();
+        let at = if joints.is_empty() { String::new() } else { format!(":{}", joints.join("+")) };
+        format!("{}{at} {}", placed.effect.about().name, placed.effect.parameters()[parameter].name)
+    }
+
+    /// The amplitudes of all effects.
+    pub fn amplitudes(&self) -> Vec<Place> {
+        self.places(|role| role == Role::Amplitude)
+    }
+
+    /// The shapes and departures of all effects.
+    pub fn nonlinear(&self) -> Vec<Place> {
+        self.places(|role| matches!(role, Role::Shape | Role::Departure))
+    }
+
+    fn places(&self, wanted: impl Fn(Role) -> bool) -> Vec<Place> {
+        let of = |(index, placed): (usize, &Placed)| -> Vec<Place> {
+            let parameters = placed.effect.parameters().iter().enumerate();
+            parameters.filter(|(_, p)| wanted(p.role)).map(|(k, _)| (index, k)).collect()
+        };
+        self.placed.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// Sets parameters of effects.
+    pub fn set(&mut self, places: &[Place], values: &[f64]) {
+        for (&(effect, parameter), &value) in places.iter().zip(values) {
+            self.placed[effect].parameters[parameter] = value;
+        }
+    }
+
+    /// Values of parameters of effects.
+    pub fn get(&self, places: &[Place]) -> Vec<f64> {
+        places.iter().map(|&(effect, parameter)| self.placed[effect].parameters[parameter]).collect()
+    }
+
+    /// Whether the regression itself depends on the linear parameters (under elastic gears and clipping sensors), so that
+    /// solving takes more than one round.
+    pub fn settles(&self) -> bool {
+        (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
+    }
+
+    /// The arm's linear parameters as last solved for.
+    pub fn baseline(&self) -> &[f64] {
+        &self.baseline
+    }
+
+    /// Takes over the arm's linear parameters, under which gears twist.
+    pub fn set_baseline(&mut self, values: &[f64]) {
+        let arm = self.baseline.len();
+        self.baseline.copy_from_slice(&values[..arm]);
+    }
+
+    /// The linear regression at the present nonlinear parameters, all logs one after the other: torque less what has no
+    /// free parameter, columns of the arm's parameters and of the amplitudes.
+    ///
+    /// # Errors
+    /// If a log is too short for its preparation.
+    pub fn regression(&self) -> Result<Vec<JointRegression>> {
+        let mut joints: Vec<Vec<JointRegression>> = (0..self.model.dof()).map(|_| Vec::new()).collect();
+        for (recording, prepared) in &self.logs {
+            for (all, one) in joints.iter_mut().zip(self.rows(recording, prepared)?) {
+                all.push(one);
+            }
+        }
+        Ok(joints.into_iter().map(|parts| JointRegression::joined(parts, SEPARATION)).collect())
+    }
+
+    /// The regression rows of one log.
+    fn rows(&self, recording: &Recording, prepared: &Prepared) -> Result<Vec<JointRegression>> {
+        let corrected;
+        let prepared = match self.without_encoder_errors(recording) {
+            Some(log) => {
+                corrected = prepare::measured(&log, self.preparation.smoothing, self.preparation.band)?;
+                &corrected
+            }
+            None => prepared,
+        };
+        let period = 1.0 / recording.rate_hz();
+        let link = self.link_motion(prepared, period)?;
+        let parts = Parts::new(self, prepared, &link);
+        (0..self.model.dof())
+            .map(|joint| {
+                let sensing = Sensing::new(self.sensors(joint).collect(), period);
+                let mut columns: Vec<(usize, Vec<f64>)> = parts.columns(joint);
+                columns.iter_mut().for_each(|(_, column)| *column = sensing.small_signal(column));
+                for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
+                    if let Some(column) = sensing.amplitude(&self.placed[effect], k, recording.samples()) {
+                        columns.push((self.baseline.len() + index, column));
+                    }
+                }
+                let mut known = sensing.small_signal(&parts.known[joint]);
+                if sensing.acts() {
+                    let total = parts.predicted(joint, &self.all_linear());
+                    sensing.clip(&total, &mut known, &mut columns);
+                }
+                let torque = prepared.torque.channel(joint);
+                let rest: Vec<f64> = torque.iter().zip(known).map(|(measured, known)| measured - known).collect();
+                let parameters = columns.iter().map(|(parameter, _)| *parameter).collect();
+                let columns: Vec<Vec<f64>> =
+                    columns.iter().map(|(_, column)| prepared.thinned(column)).collect::<Result<_>>()?;
+                Ok(JointRegression {
+                    parameters,
+                    columns: Channels::from_vectors(&columns),
+                    torque: prepared.thinned(&rest)?,
+                    valid: prepared.rows_to_use(joint),
+                })
+            })
+            .collect()
+    }
+
+    /// Present values of all linear parameters.
+    fn all_linear(&self) -> Vec<f64> {
+        let mut values = self.baseline.clone();
+        values.extend(self.get(&self.amplitudes()));
+        values
+    }
+
+    /// The effects that distort the torque log of a joint.
+    fn sensors(&self, joint: usize) -> impl Iterator<Item = &Placed> {
+        self.placed.iter().filter(move |placed| {
+            let about = placed.effect.about();
+            about.site == crate::effects::Site::Sensor && (about.scope == Scope::Arm || placed.joint == joint)
+        })
+    }
+
+    /// The recording with the encoders' errors taken out of its positions, if effects put any in.
+    fn without_encoder_errors(&self, recording: &Recording) -> Option<Recording> {
+        let mut q = recording.q.clone();
+        for joint in 0..self.model.dof() {
+            let distorted = |signal: &[f64]| -> Vec<f64> {
+                let mut read = signal.to_vec();
+                for placed in self.sensors(joint) {
+                    placed.effect.distort_position(&placed.parameters, &mut read);
+                }
+                read
+            };
+            let measured = recording.q.channel(joint);
+            for _ in 0..UNDO_ROUNDS {
+                let read = distorted(q.channel(joint));
+                for ((value, measured), read) in q.channel_mut(joint).iter_mut().zip(measured).zip(read) {
+                    *value += measured - read;
+                }
+            }
+        }
+        (q != recording.q).then(|| Recording { q, ..recording.clone() })
+    }
+
+    /// Rotor inertia of a joint that is fitted as part of its link's.
+    fn lumped_rotor(&self, joint: usize) -> f64 {
+        let lumped = self.trust == Trust::Structure && !self.model.rotor_stands_alone(joint);
+        if lumped { self.model.robot().joints[joint].drive.armature } else { 0.0 }
+    }
+
+    /// The gear of a joint, if it is not rigid.
+    fn gear(&self, joint: usize) -> Option<Gear> {
+        let gears = self.placed.iter().filter(|placed| placed.joint == joint);
+        let gear = gears.filter_map(|placed| placed.effect.gear(&placed.parameters)).reduce(Gear::in_series)?;
+        (!gear.is_rigid()).then_some(gear)
+    }
+
+    /// Motion of the links: that of the motors less the twist of the gears under the torque that the model says they
+    /// carry. (The measured torque would bring its noise into the columns, and with it a bias larger than what most gears
+    /// yield.) Twists pass the filter of torque and columns: above the frequency at which the link swings on its gear the
+    /// rounds would amplify every error.
+    fn link_motion(&self, prepared: &Prepared, period: f64) -> Result<Motion> {
+        let mut link = prepared.motion.clone();
+        if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
+            return Ok(link);
+        }
+        for _ in 0..GEAR_ROUNDS {
+            let parts = Parts::new(self, prepared, &link);
+            let mut next = prepared.motion.clone();
+            for joint in 0..self.model.dof() {
+                let Some(gear) = self.gear(joint) else { continue };
+                let gear = gear.completed(self.model.robot().joints[joint].drive.armature);
+                let path = match gear.half_gap > 0.0 {
+                    true => self.play(gear, joint, prepared, period),
+                    false => {
+                        let carried = parts.carried(joint, link.qdd.channel(joint));
+                        let steady: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
+                        let [steady, rate, _] = derivatives(prepared.filtered(&steady)?, period)?;
+                        let twist = steady.iter().zip(rate).map(|(twist, rate)| twist - DAMPING_TIME_S * rate);
+                        derivatives(twist.collect(), period)?
+                    }
+                };
+                let channels = [&mut next.q, &mut next.qd, &mut next.qdd];
+                for (channel, change) in channels.into_iter().zip(path) {
+                    channel.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
+                }
+            }
+            link = next;
+        }
+        Ok(link)
+    }
+
+    /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is
+    /// followed in time. (Far above the motion band, where such a gear swings, nothing excites it in the model.)
+    fn play(&self, gear: Gear, joint: usize, prepared: &Prepared, period: f64) -> [Vec<f64>; 3] {
+        let carried = |motion: &Motion| Parts::new(self, prepared, motion).carried(joint, motion.qdd.channel(joint));
+        let load = carried(&prepared.motion);
+        let mut pushed = prepared.motion.clone();
+        pushed.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
+        let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
+        gear.follow(&load, &inertia, period)
+    }
+}
+
+/// A signal with its first and second derivative.
+fn derivatives(signal: Vec<f64>, period: f64) -> Result<[Vec<f64>; 3]> {
+    let (mut rate, mut second) = (vec![0.0; signal.len()], vec![0.0; signal.len()]);
+    first_derivative(&signal, period, &mut rate)?;
+    second_derivative(&signal, period, &mut second)?;
+    Ok([signal, rate, second])
+}
+
+/// Parameters of an effect with its amplitudes at zero.
+fn without_amplitudes(placed: &Placed) -> Vec<f64> {
+    let parameters = placed.effect.parameters().iter().zip(&placed.parameters);
+    parameters.map(|(p, &value)| if p.role == Role::Amplitude { 0.0 } else { value }).collect()
+}

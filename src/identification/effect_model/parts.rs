@@ -1,0 +1,196 @@
+//! Torque of the arm and of its effects along one motion, before sensors and filter.
+
+use super::{EffectModel, Trust, without_amplitudes};
+use crate::channels::Channels;
+use crate::dynamics::{Motion, inverse_dynamics};
+use crate::effects::{Along, Placed, contributions};
+use crate::identification::model::Model;
+use crate::identification::prepare::Prepared;
+
+/// A linear parameter of the arm itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ArmParameter {
+    /// A base parameter, by its index.
+    Base(usize),
+    /// Rotor inertia (0), viscous (1) or Coulomb friction (2) of a joint whose link is believed.
+    Drive(usize, usize),
+}
+
+/// Torque of all parts along one motion, before sensors and filter.
+pub(super) struct Parts<'a> {
+    owner: &'a EffectModel<'a>,
+    base: Vec<Channels>,
+    /// Per amplitude: torque per unit.
+    amplitudes: Vec<Channels>,
+    /// Torque without free parameter: of believed bodies and drives, and of effects through their departures.
+    pub known: Vec<Vec<f64>>,
+    /// The share of bodies in that.
+    bodies: Vec<Vec<f64>>,
+    motor: &'a Motion,
+}
+
+impl<'a> Parts<'a> {
+    pub fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
+        let model = owner.model;
+        let along = Along::new(model.robot(), model.chain(), &prepared.time, &prepared.motion, 0.0);
+        let silent: Vec<Placed> = owner
+            .placed
+            .iter()
+            .map(|placed| Placed { parameters: without_amplitudes(placed), ..placed.clone() })
+            .collect();
+        let mut all = silent.clone();
+        for (effect, k) in owner.amplitudes() {
+            let mut unit = silent[effect].clone();
+            unit.parameters[k] = 1.0;
+            all.push(unit);
+        }
+        let mut torques = contributions(&all, &along);
+        let mut units = torques.split_off(silent.len());
+        for (unit, (effect, _)) in units.iter_mut().zip(owner.amplitudes()) {
+            let base = torques[effect].as_slice();
+            unit.as_mut_slice().iter_mut().zip(base).for_each(|(value, b)| *value -= b);
+        }
+        let bodies = Self::bodies(owner, prepared, link);
+        let mut parts = Parts {
+            owner,
+            base: model.columns_behind_gears(&prepared.motion, link, &prepared.time, 0.0),
+            amplitudes: units,
+            known: bodies.clone(),
+            bodies,
+            motor: &prepared.motion,
+        };
+        for joint in 0..model.dof() {
+            let departures = torques.iter().map(|torque| (1.0, torque.channel(joint).to_vec()));
+            let believed = owner.believed.iter();
+            let believed = believed.filter_map(|&(parameter, value)| Some((value, parts.column(parameter, joint)?)));
+            let sum: Vec<(f64, Vec<f64>)> = departures.chain(believed).collect();
+            for (scale, column) in sum {
+                parts.known[joint].iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
+            }
+        }
+        parts
+    }
+
+    /// Torque of bodies that is not fitted.
+    fn bodies(owner: &EffectModel, prepared: &Prepared, link: &Motion) -> Vec<Vec<f64>> {
+        let model = owner.model;
+        let joints = 0..model.dof();
+        match owner.trust {
+            Trust::Nominal => {
+                let torque = inverse_dynamics(model.chain(), &model.robot().inertial_parameters(), link);
+                joints.map(|joint| torque.channel(joint).to_vec()).collect()
+            }
+            // A rotor that is lumped with its link moves apart from it behind a gear.
+            Trust::Structure => joints
+                .map(|joint| {
+                    let rotor = owner.lumped_rotor(joint);
+                    let motor = prepared.motion.qdd.channel(joint);
+                    motor.iter().zip(link.qdd.channel(joint)).map(|(m, l)| rotor * (m - l)).collect()
+                })
+                .collect(),
+        }
+    }
+
+    /// Torque on a joint per unit of a parameter of the arm; None where it cannot act.
+    fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Vec<f64>> {
+        let model = self.owner.model;
+        match parameter {
+            ArmParameter::Base(base) => {
+                let place = model.active(joint).iter().position(|&b| b == base)?;
+                Some(self.base[joint].channel(place).to_vec())
+            }
+            ArmParameter::Drive(own, _) if own != joint => None,
+            ArmParameter::Drive(_, 0) => Some(self.motor.qdd.channel(joint).to_vec()),
+            ArmParameter::Drive(_, which) => {
+                // Viscous and Coulomb friction are base parameters of their own on every arm, in this order.
+                let friction = model.active(joint).into_iter().enumerate().filter(|(_, b)| model.is_friction(*b));
+                let (place, _) = friction.into_iter().nth(which - 1)?;
+                Some(self.base[joint].channel(place).to_vec())
+            }
+        }
+    }
+
+    /// All columns that can act on a joint, with the index of their linear parameter.
+    pub fn columns(&self, joint: usize) -> Vec<(usize, Vec<f64>)> {
+        let arm = self.owner.arm.iter().enumerate();
+        let mut columns: Vec<(usize, Vec<f64>)> =
+            arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?))).collect();
+        let offset = self.owner.baseline.len();
+        for (index, torque) in self.amplitudes.iter().enumerate() {
+            let column = torque.channel(joint);
+            if column.iter().any(|&v| v != 0.0) {
+                columns.push((offset + index, column.to_vec()));
+            }
+        }
+        columns
+    }
+
+    /// Torque on a joint that the present parameters predict, before sensors.
+    pub fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
+        let mut torque = self.known[joint].clone();
+        for (parameter, column) in self.columns(joint) {
+            torque.iter_mut().zip(column).for_each(|(value, x)| *value += linear[parameter] * x);
+        }
+        torque
+    }
+
+    /// Torque that the gear of a joint carries: that of the bodies, without rotor and friction.
+    pub fn carried(&self, joint: usize, link_qdd: &[f64]) -> Vec<f64> {
+        let owner = self.owner;
+        if owner.trust == Trust::Nominal {
+            return self.bodies[joint].clone();
+        }
+        let rotor = owner.lumped_rotor(joint);
+        let mut torque: Vec<f64> = link_qdd.iter().map(|a| -rotor * a).collect();
+        for (&parameter, &value) in owner.arm.iter().zip(&owner.baseline) {
+            if drive_of(owner.model, parameter).is_none()
+                && let Some(column) = self.column(parameter, joint)
+            {
+                torque.iter_mut().zip(column).for_each(|(sum, x)| *sum += value * x);
+            }
+        }
+        torque
+    }
+}
+
+/// The effects that stand for what differs from the arm's own rotor inertia, viscous and Coulomb friction.
+const DRIVE_EFFECTS: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
+
+/// Joint and kind (an index of [`DRIVE_EFFECTS`]) of a parameter that belongs to a drive alone.
+pub(super) fn drive_of(model: &Model, parameter: ArmParameter) -> Option<(usize, usize)> {
+    match parameter {
+        ArmParameter::Drive(joint, which) => Some((joint, which)),
+        ArmParameter::Base(base) => model.drive_of(base),
+    }
+}
+
+/// Whether an effect stands for what differs from a parameter of a drive ([`drive_of`]).
+pub(super) fn stands_for(placed: &Placed, (joint, which): (usize, usize)) -> bool {
+    placed.joint == joint && placed.effect.about().name == DRIVE_EFFECTS[which]
+}
+
+/// The arm's linear parameters with their values according to its URDF: where fits start.
+pub(super) fn arm_parameters(model: &Model, trust: Trust) -> Vec<(ArmParameter, f64)> {
+    match trust {
+        Trust::Structure => {
+            let values = model.base().values(&Model::standard_values(model.robot()));
+            values.into_iter().enumerate().map(|(base, value)| (ArmParameter::Base(base), value)).collect()
+        }
+        Trust::Nominal => {
+            let joints = model.robot().joints.iter().enumerate();
+            joints
+                .flat_map(|(joint, spec)| {
+                    let drive = [spec.drive.armature, spec.drive.viscous, spec.drive.coulomb];
+                    drive.into_iter().enumerate().map(move |(k, value)| (ArmParameter::Drive(joint, k), value))
+                })
+                .collect()
+        }
+    }
+}
+
+pub(super) fn arm_name(model: &Model, parameter: ArmParameter) -> String {
+    match parameter {
+        ArmParameter::Base(base) => model.base().groupings()[base].name.clone(),
+        ArmParameter::Drive(joint, which) => format!("{}{}", ["Ia", "Fv", "Fc"][which], joint + 1),
+    }
+}

@@ -21,6 +21,8 @@ pub mod study;
 
 pub mod scenario;
 
+pub mod design;
+
 pub mod simulation;
 
 pub mod identification;

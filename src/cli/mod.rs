@@ -1,6 +1,7 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
 mod effects;
+mod excite;
 mod identify;
 mod paper;
 mod print;
@@ -72,6 +73,8 @@ enum Command {
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
+    /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
+    Excite(excite::Arguments),
     /// List the physical effects there are, or tell all about one.
     Effects(effects::Arguments),
 }
@@ -85,6 +88,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &cli.global),
         Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
+        Command::Excite(arguments) => excite::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {

@@ -21,6 +21,7 @@ pub mod bspline;
 pub mod encoding;
 pub mod fourier;
 pub mod freudenstein;
+mod joined;
 pub mod limits;
 pub mod motion_file;
 pub mod peaks;

@@ -1,15 +1,18 @@
 //! Scenarios: one TOML file that says everything a run depends on. Unknown keys are refused, and everything is checked
 //! before anything runs. Units are in the key names; inside the program all is SI.
 
+mod arm;
 mod effects;
 mod locate;
 mod motions;
 mod setup;
 mod validate;
 
+pub use arm::Arm;
 pub use effects::{EffectSpec, joint as effect_joint};
 pub use setup::Setup;
 
+use crate::design::Workspace;
 use crate::error::{Error, Result};
 use crate::simulation::integrator::Integrator;
 use locate::Located;
@@ -121,6 +124,9 @@ pub struct ControllerSpec {
 pub struct LimitSpec {
     /// Largest acceleration, rad/s2 (m/s2 for a prismatic joint).
     pub acceleration_rad_s2: PerJoint,
+    /// The space that excitation motions may use; all of it where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub workspace: Option<Workspace>,
 }
 
 /// Where a motion comes from: exactly one of the keys.

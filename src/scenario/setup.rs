@@ -1,12 +1,12 @@
 //! A scenario brought to life: the arm, the plant, the controller's belief, motions and sensors.
 
 use super::locate::Located;
-use super::{PerJoint, Scenario, motions};
+use super::{Arm, Scenario, motions};
 use crate::effects::{CoulombFriction, Placed, Site, ViscousFriction};
 use crate::error::{Error, Result};
 use crate::excitation::{JointLimits, Motion};
 use crate::random;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::Robot;
 use crate::simulation::integrator::Integrator;
 use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
@@ -87,18 +87,8 @@ impl Setup {
         Ok(text + "\n" + &scenario)
     }
 
-    fn new(mut scenario: Scenario, at: &Located) -> Result<Self> {
-        let mut known = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
-        if known.name != scenario.robot.name {
-            let (wanted, file, found) = (&scenario.robot.name, known.source.display(), &known.name);
-            return Err(at.error("robot.name", format!("the scenario is for `{wanted}`, but {file} is `{found}`")));
-        }
-        if let Some(gravity) = scenario.robot.gravity_m_s2 {
-            known.gravity = gravity.into();
-        }
-        check_lengths(&scenario, known.dof(), at)?;
-        override_drives(&scenario, &mut known);
-        let limits = motions::limits(&scenario, &known);
+    fn new(scenario: Scenario, at: &Located) -> Result<Self> {
+        let Arm { mut scenario, known, sensors, limits } = Arm::new(scenario, at)?;
         let motion = motions::motion(&scenario, "motion", &known, &limits, at)?;
         let held_out = motions::motion(&scenario, "held_out", &known, &limits, at)?;
         let mut effects = drive_friction(&known);
@@ -125,7 +115,7 @@ impl Setup {
         }
         Ok(Setup {
             nominal: misjudged(&known, scenario.controller.model_error, scenario.seed),
-            sensors: sensors(&scenario, known.dof()),
+            sensors,
             scenario,
             known,
             plant,
@@ -134,40 +124,6 @@ impl Setup {
             motion,
             held_out,
         })
-    }
-}
-
-/// Refuses lists whose length is not the number of joints.
-fn check_lengths(scenario: &Scenario, dof: usize, at: &Located) -> Result<()> {
-    let wrong = scenario.per_joint().into_iter().find_map(|(key, value)| match value {
-        PerJoint::Each(values) if values.len() != dof => Some((key, values.len())),
-        _ => None,
-    });
-    match wrong {
-        Some((key, length)) => {
-            Err(at.error(key, format!("{length} values for {dof} joints; give one value, or one per joint")))
-        }
-        None => Ok(()),
-    }
-}
-
-fn override_drives(scenario: &Scenario, plant: &mut Robot) {
-    let dof = plant.dof();
-    let values = |spec: &Option<PerJoint>| spec.as_ref().map(|per_joint| per_joint.values(dof));
-    let (viscous, coulomb, armature) = (
-        values(&scenario.plant.viscous_nms_rad),
-        values(&scenario.plant.coulomb_nm),
-        values(&scenario.plant.armature_kg_m2),
-    );
-    for (index, joint) in plant.joints.iter_mut().enumerate() {
-        let drive = &mut joint.drive;
-        for (target, given) in
-            [(&mut drive.viscous, &viscous), (&mut drive.coulomb, &coulomb), (&mut drive.armature, &armature)]
-        {
-            if let Some(values) = given {
-                *target = values[index];
-            }
-        }
     }
 }
 
@@ -184,24 +140,6 @@ fn drive_friction(plant: &Robot) -> Vec<Placed> {
             ]
         })
         .filter(|placed| placed.parameters[0] > 0.0)
-        .collect()
-}
-
-fn sensors(scenario: &Scenario, dof: usize) -> Vec<JointSensors> {
-    let spec = &scenario.sensors;
-    let resolution = spec.encoder_resolution_rad.values(dof);
-    let encoder = spec.encoder_noise_rad.values(dof);
-    let tachometer = spec.tachometer_noise_rad_s.as_ref().map(|noise| noise.values(dof));
-    let torque = spec.torque_noise_nm.values(dof);
-    let correlation = spec.torque_noise_correlation_s.values(dof);
-    (0..dof)
-        .map(|joint| JointSensors {
-            encoder_resolution: resolution[joint],
-            encoder_noise: encoder[joint],
-            tachometer_noise: tachometer.as_ref().map(|noise| noise[joint]),
-            torque_noise: torque[joint],
-            torque_correlation_s: correlation[joint],
-        })
         .collect()
 }
 

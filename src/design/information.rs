@@ -1,0 +1,300 @@
+//! What a torque log along a motion tells about the base parameters: their information matrix.
+//!
+//! A log has one row per joint and sample, tau = y beta + noise, with white noise of a known standard deviation sigma per
+//! joint. The information matrix is G = sum y' y / sigma^2 over all rows; its inverse is the covariance of the
+//! weighted least-squares estimate (Swevers et al. 1997; Gautier and Khalil 1992). The base columns are those of
+//! [`Model`]: proximal first. kappa depends on that choice and on the weights, differences of D do not.
+//!
+//! A search evaluates thousands of motions, so the rows are never stored: blocks of samples go straight into one Gram
+//! matrix per joint, of the columns that can act on that joint. A grid coarser than the log stands for it, with G scaled
+//! up by the ratio of the rates.
+
+use crate::channels::Channels;
+use crate::dynamics::{Chain, Motion, block_row, regressor};
+use crate::effects::direction;
+use crate::error::{Error, Result};
+use crate::excitation::Reference;
+use crate::identification::model::{Model, STANDARD};
+use crate::robot::{PARAMETERS, Robot};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatRef, Par};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Samples that go into the Gram matrices at once: regressor and columns then stay in the cache.
+const BLOCK: usize = 64;
+
+/// Eigenvalues of the normalised information matrix below this share of the largest are rounding.
+pub(super) const SINGULAR: f64 = 1e-12;
+
+/// Information about the base parameters from some rows; adding two of them joins the logs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Information {
+    /// G, symmetric, one row per base parameter.
+    matrix: DMatrix<f64>,
+    /// Rows it comes from, over all joints.
+    rows: f64,
+}
+
+impl Information {
+    /// From a matrix G that is known.
+    #[cfg(test)]
+    pub(super) fn of(matrix: DMatrix<f64>, rows: f64) -> Self {
+        Information { matrix, rows }
+    }
+
+    /// No rows at all, for `parameters` base parameters.
+    pub fn none(parameters: usize) -> Self {
+        Information { matrix: DMatrix::zeros(parameters, parameters), rows: 0.0 }
+    }
+
+    /// The information matrix G.
+    pub fn matrix(&self) -> &DMatrix<f64> {
+        &self.matrix
+    }
+
+    /// Number of base parameters.
+    pub fn parameters(&self) -> usize {
+        self.matrix.nrows()
+    }
+
+    /// What both logs together tell.
+    pub fn joined(mut self, other: &Information) -> Information {
+        self.matrix += &other.matrix;
+        self.rows += other.rows;
+        self
+    }
+
+    /// Sum of ln G_ii: the logarithm of the squared product of the column lengths.
+    pub fn log_diagonal(&self) -> f64 {
+        self.matrix.diagonal().iter().map(|d| d.ln()).sum()
+    }
+
+    /// Eigenvalues of G scaled to a unit diagonal, ascending: the squared singular values of the weighted regressor with
+    /// columns of unit length. A column of zeros counts as an eigenvalue of zero.
+    pub fn normalised_eigenvalues(&self) -> Vec<f64> {
+        let scale = self.matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+        let unit =
+            DMatrix::from_fn(self.parameters(), self.parameters(), |r, c| self.matrix[(r, c)] * scale[r] * scale[c]);
+        let mut values: Vec<f64> = unit.symmetric_eigenvalues().iter().copied().collect();
+        values.sort_by(f64::total_cmp);
+        values
+    }
+
+    /// Number of base parameters, or combinations of them, that the rows tell apart.
+    pub fn rank(&self) -> usize {
+        let values = self.normalised_eigenvalues();
+        let largest = values.last().copied().unwrap_or(0.0);
+        values.iter().filter(|&&value| value > SINGULAR * largest).count()
+    }
+
+    /// ln det G; minus infinity when a parameter is not excited.
+    pub fn log_determinant(&self) -> f64 {
+        self.factor()
+            .map_or(f64::NEG_INFINITY, |factor| 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>())
+    }
+
+    /// Standard deviation of every base parameter; infinite when one is not excited.
+    pub fn standard_deviations(&self) -> Vec<f64> {
+        match self.factor() {
+            Some(factor) => factor.inverse().diagonal().iter().map(|v| v.sqrt()).collect(),
+            None => vec![f64::INFINITY; self.parameters()],
+        }
+    }
+
+    /// Root mean square over the rows of `other` of the standard deviation of predicted torque, in sigma, when the
+    /// parameters come from these rows: sqrt(trace(G^-1 G_other) / rows).
+    pub fn prediction_error(&self, other: &Information) -> f64 {
+        self.factor().map_or(f64::INFINITY, |factor| (factor.solve(&other.matrix).trace() / other.rows).sqrt())
+    }
+
+    /// Cholesky factor of G; none when a pivot says that G is singular to rounding.
+    fn factor(&self) -> Option<Cholesky<f64, Dyn>> {
+        let factor = Cholesky::new(self.matrix.clone())?;
+        let pivots = factor.l_dirty().diagonal();
+        let regular = pivots.iter().zip(&self.matrix.diagonal()).all(|(pivot, d)| pivot * pivot > SINGULAR * d);
+        regular.then_some(factor)
+    }
+}
+
+/// Samples of a motion with the torque it takes, as [`Experiment::scan`] hands them out.
+#[derive(Debug)]
+pub struct Samples {
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// Positions, velocities and accelerations.
+    pub motion: Motion,
+    /// Torque of the motors, `[joint][time]`.
+    pub torque: Channels,
+}
+
+/// Which column of the regressor a base parameter scales on a joint.
+#[derive(Debug, Clone, Copy)]
+enum Column {
+    /// Channel of the rigid-body regressor.
+    Rigid(usize),
+    /// The joint's own acceleration.
+    Rotor,
+    /// The joint's own velocity, for viscous friction.
+    Viscous,
+    /// The direction of the joint's motion, for Coulomb friction.
+    Coulomb,
+}
+
+/// One joint's share of the regressor.
+#[derive(Debug, Clone)]
+struct JointColumns {
+    /// Base parameters that can act on the joint.
+    parameters: Vec<usize>,
+    /// Where their columns come from.
+    columns: Vec<Column>,
+    /// Standard deviation of the torque noise, N m.
+    sigma: f64,
+}
+
+/// An arm with its torque sensors: what turns a motion into information.
+#[derive(Debug, Clone)]
+pub struct Experiment {
+    chain: Chain,
+    model: Model,
+    /// Values of the base parameters, for torque and relative deviations.
+    beta: DVector<f64>,
+    joints: Vec<JointColumns>,
+    rate_hz: f64,
+}
+
+impl Experiment {
+    /// Torque of `robot` logged at `rate_hz` under white noise of `torque_noise` (N m, one entry per joint).
+    ///
+    /// # Errors
+    /// Names the joint whose torque noise is not above zero, or the wrong number of them.
+    pub fn new(robot: &Robot, torque_noise: &[f64], rate_hz: f64) -> Result<Self> {
+        if torque_noise.len() != robot.dof() {
+            let problem = format!("{} values for {} joints; give one per joint", torque_noise.len(), robot.dof());
+            return Err(Error::request("torque noise", problem));
+        }
+        for (joint, sigma) in robot.joints.iter().zip(torque_noise) {
+            if !(sigma.is_finite() && *sigma > 0.0) {
+                let problem = format!("its torque noise weighs its rows and must be above zero, found {sigma} N m");
+                return Err(Error::request(&joint.name, problem));
+            }
+        }
+        let model = Model::new(robot);
+        let joints =
+            torque_noise.iter().enumerate().map(|(joint, &sigma)| joint_columns(&model, joint, sigma)).collect();
+        let beta = DVector::from_vec(model.base().values(&Model::standard_values(robot)));
+        Ok(Experiment { chain: Chain::new(robot), model, beta, joints, rate_hz })
+    }
+
+    /// The torque model with its base parameters.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Values of the base parameters of the arm.
+    pub fn beta(&self) -> &[f64] {
+        self.beta.as_slice()
+    }
+
+    /// Rate of the log, Hz.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// What the log along `motion` tells, from samples at `grid_hz`.
+    pub fn information(&self, motion: &dyn Reference, grid_hz: f64) -> Information {
+        self.scan(motion, grid_hz, &mut |_| {})
+    }
+
+    /// [`Experiment::information`], and shows `visit` the samples with their torque.
+    pub fn scan(&self, motion: &dyn Reference, grid_hz: f64, visit: &mut dyn FnMut(&Samples)) -> Information {
+        let total = (motion.duration_s() * grid_hz + 1e-9).floor() as usize + 1;
+        let mut grams: Vec<Mat<f64>> =
+            self.joints.iter().map(|joint| Mat::zeros(joint.parameters.len(), joint.parameters.len())).collect();
+        let mut table = Vec::new();
+        for first in (0..total).step_by(BLOCK) {
+            let mut samples = self.sample(motion, first..total.min(first + BLOCK), grid_hz);
+            let rigid = regressor(&self.chain, &samples.motion);
+            for (joint, (share, gram)) in self.joints.iter().zip(&mut grams).enumerate() {
+                share.fill(joint, &rigid, &samples, &mut table);
+                let rows = samples.time.len();
+                let block = MatRef::from_column_major_slice(&table, rows, share.parameters.len());
+                let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+                matmul(gram.as_mut(), lower, Accum::Add, block.transpose(), full, block, full, 1.0, Par::Seq);
+                let torque = samples.torque.channel_mut(joint);
+                for (column, &parameter) in table.chunks(rows).zip(&share.parameters) {
+                    let beta = self.beta[parameter];
+                    torque.iter_mut().zip(column).for_each(|(tau, y)| *tau += beta * y);
+                }
+            }
+            visit(&samples);
+        }
+        self.weighted(&grams, total as f64, self.rate_hz / grid_hz)
+    }
+
+    fn sample(&self, motion: &dyn Reference, range: std::ops::Range<usize>, grid_hz: f64) -> Samples {
+        let dof = self.joints.len();
+        let mut block = Motion::zeros(dof, range.len());
+        let [mut q, mut qd, mut qdd] = [(); 3].map(|()| vec![0.0; dof]);
+        let time: Vec<f64> = range.map(|k| k as f64 / grid_hz).collect();
+        for (sample, &t) in time.iter().enumerate() {
+            motion.at(t, &mut q, &mut qd, &mut qdd);
+            block.q.set(sample, &q);
+            block.qd.set(sample, &qd);
+            block.qdd.set(sample, &qdd);
+        }
+        let torque = Channels::zeros(dof, time.len());
+        Samples { time, motion: block, torque }
+    }
+
+    /// The joints' Gram matrices, weighted and put together; `scale` log rows stand behind every row.
+    fn weighted(&self, grams: &[Mat<f64>], samples: f64, scale: f64) -> Information {
+        let mut information = Information::none(self.beta.len());
+        information.rows = samples * scale * self.joints.len() as f64;
+        for (share, gram) in self.joints.iter().zip(grams) {
+            let weight = scale / (share.sigma * share.sigma);
+            for (c, &column) in share.parameters.iter().enumerate() {
+                for (r, &row) in share.parameters.iter().enumerate().skip(c) {
+                    information.matrix[(row, column)] += weight * gram[(r, c)];
+                }
+            }
+        }
+        information.matrix.fill_upper_triangle_with_lower_triangle();
+        information
+    }
+}
+
+fn joint_columns(model: &Model, joint: usize, sigma: f64) -> JointColumns {
+    let parameters = model.active(joint);
+    let columns = parameters
+        .iter()
+        .map(|&b| {
+            let standard = model.base().kept()[b];
+            match standard % STANDARD {
+                inertial if inertial < PARAMETERS => {
+                    Column::Rigid(block_row(model.dof(), standard / STANDARD, inertial, joint))
+                }
+                PARAMETERS => Column::Rotor,
+                11 => Column::Viscous,
+                _ => Column::Coulomb,
+            }
+        })
+        .collect();
+    JointColumns { parameters, columns, sigma }
+}
+
+impl JointColumns {
+    /// Writes the columns of `joint` one after the other into `table`.
+    fn fill(&self, joint: usize, rigid: &Channels, samples: &Samples, table: &mut Vec<f64>) {
+        table.clear();
+        for column in &self.columns {
+            match column {
+                Column::Rigid(channel) => table.extend_from_slice(rigid.channel(*channel)),
+                Column::Rotor => table.extend_from_slice(samples.motion.qdd.channel(joint)),
+                Column::Viscous => table.extend_from_slice(samples.motion.qd.channel(joint)),
+                Column::Coulomb => {
+                    table.extend(samples.motion.qd.channel(joint).iter().map(|&velocity| direction(velocity, 0.0)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Experiment design: which motion tells most about the parameters of an arm, inside all of its limits; problem (16)-(17)
+//! of the paper behind [`crate::excitation::freudenstein`].
+//!
+//! | file | what |
+//! |---|---|
+//! | [`information`] | what a torque log along a motion tells: the information matrix of the base parameters |
+//! | [`criterion`] | one number from it: condition number, D, Hadamard's ratio, worst standard deviation |
+//! | [`envelope`] | limits beyond the joints' own: torque, floor, the column around the base |
+//! | [`problem`] | criterion and limits together, as a function of a motion |
+//! | [`search`] | CMA-ES with several starts, stoppable at any time |
+//! | [`families`] | the parametrisations at a given length, as encodings to search in |
+//! | [`excite`] | the whole job: checks, search, long motions put together from blocks |
+//! | [`comparison`] | all of them side by side, with random motions and a single move |
+//!
+//! Position, velocity and acceleration limits are kept by construction, through [`crate::excitation::encoding`]. The
+//! others enter the search as penalties on a coarse grid with a margin; what is returned was checked at 10 kHz.
+
+pub mod comparison;
+pub mod criterion;
+pub mod envelope;
+pub mod excite;
+pub mod families;
+pub mod information;
+pub mod problem;
+pub mod search;
+#[cfg(test)]
+mod tests;
+
+pub use criterion::Criterion;
+pub use envelope::{Envelope, Workspace};
+pub use information::{Experiment, Information};
+pub use problem::Problem;

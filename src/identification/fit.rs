@@ -1,6 +1,7 @@
 //! Fits on demand: the arm's parameters and named effects from training logs, judged on held-out logs.
 
 use super::effect_model::{EffectModel, Preparation, Trust};
+use super::least_squares::JointRegression;
 use super::model::Model;
 use super::separable::{EffectFit, fit};
 use crate::effects::Placed;
@@ -27,6 +28,8 @@ pub struct Fitted {
     pub train_rms: Vec<f64>,
     /// Residual on the held-out logs; empty where there are none.
     pub test_rms: Vec<f64>,
+    /// That residual row by row, for each joint; None where a row does not count.
+    pub test_residual: Vec<Vec<Option<f64>>>,
 }
 
 /// Fits the arm and `placed` effects to the training logs.
@@ -43,16 +46,25 @@ pub fn fit_effects(
     let mut training = EffectModel::new(model, trust, logs.train, preparation, placed)?;
     let found = fit(&mut training)?;
     let placed = training.placed().to_vec();
-    let test_rms = match logs.test {
+    let judged = match logs.test {
         [] => Vec::new(),
-        test => residual(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
+        test => rows(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
     };
-    Ok(Fitted { train_rms: found.residual_rms.clone(), fit: found, placed, test_rms })
+    let linear = &found.estimate.beta;
+    Ok(Fitted {
+        train_rms: found.residual_rms.clone(),
+        placed,
+        test_rms: judged.iter().map(|joint| joint.residual_rms(linear)).collect(),
+        test_residual: judged
+            .iter()
+            .map(|joint| joint.residual(linear).into_iter().zip(&joint.valid).map(|(r, ok)| ok.then_some(r)).collect())
+            .collect(),
+        fit: found,
+    })
 }
 
-/// Residual of a fit on the logs of `model`.
-fn residual(mut model: EffectModel, fit: &EffectFit) -> Result<Vec<f64>> {
-    let linear = &fit.estimate.beta[..model.baseline_len() + model.amplitudes().len()];
-    model.set_baseline(linear);
-    Ok(model.regression()?.iter().map(|joint| joint.residual_rms(linear)).collect())
+/// Regression rows of the logs of `model` with the arm's parameters as a fit found them.
+fn rows(mut model: EffectModel, fit: &EffectFit) -> Result<Vec<JointRegression>> {
+    model.set_baseline(&fit.estimate.beta);
+    model.regression()
 }

@@ -282,26 +282,27 @@ impl<'a> EffectModel<'a> {
         if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
             return Ok(link);
         }
-        for _ in 0..GEAR_ROUNDS {
+        let gears: Vec<(usize, Gear)> = (0..self.model.dof())
+            .filter_map(|joint| {
+                let rotor = self.model.robot().joints[joint].drive.armature;
+                Some((joint, self.gear(joint)?.completed(rotor)))
+            })
+            .collect();
+        let (with_play, springs): (Vec<_>, Vec<_>) = gears.into_iter().partition(|(_, gear)| gear.half_gap > 0.0);
+        let mut played = prepared.motion.clone();
+        for (joint, gear) in with_play {
+            put_behind(&mut played, joint, self.play(gear, joint, log, prepared)?);
+        }
+        link.clone_from(&played);
+        for _ in 0..if springs.is_empty() { 0 } else { GEAR_ROUNDS } {
             let parts = Parts::new(self, prepared, &link);
-            let mut next = prepared.motion.clone();
-            for joint in 0..self.model.dof() {
-                let Some(gear) = self.gear(joint) else { continue };
-                let gear = gear.completed(self.model.robot().joints[joint].drive.armature);
-                let path = match gear.half_gap > 0.0 {
-                    true => self.play(gear, joint, log, prepared)?,
-                    false => {
-                        let carried = parts.carried(joint, link.qdd.channel(joint));
-                        let steady: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
-                        let [steady, rate, _] = derivatives(prepared.filtered(&steady)?, period)?;
-                        let twist = steady.iter().zip(rate).map(|(twist, rate)| twist - DAMPING_TIME_S * rate);
-                        derivatives(twist.collect(), period)?
-                    }
-                };
-                let channels = [&mut next.q, &mut next.qd, &mut next.qdd];
-                for (channel, change) in channels.into_iter().zip(path) {
-                    channel.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
-                }
+            let mut next = played.clone();
+            for &(joint, gear) in &springs {
+                let carried = parts.carried(joint, link.qdd.channel(joint));
+                let steady: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
+                let [steady, rate, _] = derivatives(prepared.filtered(&steady)?, period)?;
+                let twist = steady.iter().zip(rate).map(|(twist, rate)| twist - DAMPING_TIME_S * rate);
+                put_behind(&mut next, joint, derivatives(twist.collect(), period)?);
             }
             link = next;
         }
@@ -321,6 +322,13 @@ impl<'a> EffectModel<'a> {
         let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
         let [twist, ..] = gear.follow(&load, &inertia, period);
         derivatives(prepared.filtered_like_positions(&twist)?, period)
+    }
+}
+
+/// Takes a twist, its rate and its acceleration off the motion of a joint.
+fn put_behind(motion: &mut Motion, joint: usize, twist: [Vec<f64>; 3]) {
+    for (channels, change) in [&mut motion.q, &mut motion.qd, &mut motion.qdd].into_iter().zip(twist) {
+        channels.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
     }
 }
 

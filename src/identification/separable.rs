@@ -31,6 +31,8 @@ pub struct EffectFit {
     pub estimate: Estimate,
     /// Names, in the same order.
     pub names: Vec<String>,
+    /// Units of the arm's linear parameters, which come first.
+    pub arm_units: Vec<&'static str>,
     /// Where each parameter that belongs to an effect is; None for the arm's.
     pub places: Vec<Option<Place>>,
     /// Residual root mean square of each joint, N m.
@@ -246,5 +248,5 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     places.extend(model.amplitudes().into_iter().chain(nonlinear.iter().copied()).map(Some));
     let estimate = weighted_least_squares(&regression, &names)?;
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();
-    Ok(EffectFit { estimate, names, places, residual_rms })
+    Ok(EffectFit { arm_units: model.baseline_units(), estimate, names, places, residual_rms })
 }

@@ -86,7 +86,9 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
         rows: estimate.rows.clone(),
         train_rms_nm: fitted.train_rms.clone(),
         test_rms_nm: fitted.test_rms.clone(),
-        parameters: arm.map(|(index, _)| value(index, fitted.fit.names[index].clone(), "SI".to_owned())).collect(),
+        parameters: arm
+            .map(|(index, _)| value(index, fitted.fit.names[index].clone(), fitted.fit.arm_units[index].to_owned()))
+            .collect(),
         effects: effects.collect(),
     }
 }

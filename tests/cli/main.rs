@@ -2,6 +2,7 @@
 
 mod arms;
 mod disk;
+mod effects;
 mod inputs;
 mod options;
 

@@ -7,7 +7,7 @@
 mod parts;
 mod sensing;
 
-use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, stands_for};
+use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, leader, stands_for};
 use sensing::Sensing;
 
 use super::least_squares::JointRegression;
@@ -101,6 +101,11 @@ impl<'a> EffectModel<'a> {
         let mut names: Vec<String> = self.arm.iter().map(|&parameter| arm_name(self.model, parameter)).collect();
         names.extend(self.amplitudes().into_iter().map(|place| self.parameter_name(place)));
         names
+    }
+
+    /// Units of the arm's linear parameters.
+    pub fn baseline_units(&self) -> Vec<&'static str> {
+        self.arm.iter().map(|&parameter| self.model.unit_on_joint(leader(self.model, parameter))).collect()
     }
 
     /// Number of linear parameters that belong to the arm.

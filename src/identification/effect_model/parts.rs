@@ -4,8 +4,9 @@ use super::{EffectModel, Trust, without_amplitudes};
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Placed, contributions};
-use crate::identification::model::Model;
+use crate::identification::model::{Model, STANDARD};
 use crate::identification::prepare::Prepared;
+use crate::robot::PARAMETERS;
 
 /// A linear parameter of the arm itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -192,5 +193,13 @@ pub(super) fn arm_name(model: &Model, parameter: ArmParameter) -> String {
     match parameter {
         ArmParameter::Base(base) => model.base().groupings()[base].name.clone(),
         ArmParameter::Drive(joint, which) => format!("{}{}", ["Ia", "Fv", "Fc"][which], joint + 1),
+    }
+}
+
+/// The standard parameter that a parameter of the arm is, or that leads it.
+pub(super) fn leader(model: &Model, parameter: ArmParameter) -> usize {
+    match parameter {
+        ArmParameter::Base(base) => model.base().kept()[base],
+        ArmParameter::Drive(joint, which) => joint * STANDARD + PARAMETERS + which,
     }
 }

@@ -4,5 +4,6 @@ pub mod console;
 pub mod fit;
 mod markdown;
 pub mod paper;
+pub mod quality;
 pub mod results;
 pub mod svg;

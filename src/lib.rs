@@ -19,6 +19,8 @@ pub mod report;
 
 pub mod study;
 
+pub mod dataset;
+
 pub mod quality;
 
 pub mod scenario;

@@ -201,13 +201,18 @@ impl Rows {
     }
 }
 
+/// One in so many values, and one at least, may be absurd. A joint may rest for most of a log: what is usual is not a
+/// median.
+const RARE: usize = 500;
+
 /// Size above which a value of a column is absurd.
 fn absurd_above(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).map(f64::abs).collect();
-    if sizes.is_empty() {
+    let rare = 1 + sizes.len() / RARE;
+    if sizes.len() < 5 * rare {
         return ABSURD;
     }
-    let place = (sizes.len() - 1) * 9 / 10;
+    let place = sizes.len() - 1 - rare;
     let (_, &mut common, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
     (ABSURD_RATIO * common.max(1.0)).min(ABSURD)
 }

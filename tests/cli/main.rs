@@ -3,6 +3,7 @@
 mod arms;
 mod disk;
 mod inputs;
+mod inspect;
 mod options;
 
 use std::path::{Path, PathBuf};

@@ -23,7 +23,10 @@ fn the_identified_urdf_reproduces_the_identified_torque() {
     let logs = Logs { train: &train, test: &test };
     let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
     let found = consistent(&model, logs, preparation, &fitted).unwrap();
-    println!("exact {}, cost {:.3}, train {:.3?} for {:.3?}", found.exact, found.cost, found.train_rms, fitted.train_rms);
+    println!(
+        "exact {}, cost {:.3}, train {:.3?} for {:.3?}",
+        found.exact, found.cost, found.train_rms, fitted.train_rms
+    );
     println!("held out {:.3?} for {:.3?}", found.test_rms, fitted.test_rms);
 
     let folder = tempfile::tempdir().unwrap();

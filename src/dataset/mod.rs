@@ -194,7 +194,7 @@ impl Dataset {
     pub fn mount(&self, robot: &mut Robot) -> Result<()> {
         if let Some(gravity) = self.spec.mounting.gravity_m_s2 {
             let gravity = Vector3::from(gravity);
-            if !(gravity.norm() <= LARGEST_GRAVITY) {
+            if !gravity.norm().is_finite() || gravity.norm() > LARGEST_GRAVITY {
                 let problem = format!("{:?} is no gravity in m/s2", gravity.as_slice());
                 return Err(self.error("mounting.gravity_m_s2", problem));
             }

@@ -125,7 +125,10 @@ fn mistakes_are_named_by_line_and_key() {
         (format!("{train}[units]\nposition = \"grad\"\n"), ["d.toml:5: ", "unknown variant `grad`"]),
         (format!("{train}[units]\ntorque = \"A\"\n"), ["motors.torque_constant_nm_a", "current"]),
         (format!("{train}[motors]\nposition_at = \"motor\"\n"), ["motors.gear_ratio", "at the motors"]),
-        (format!("{train}[motors]\ngear_ratio = [1, 2, 3]\n"), ["d.toml:5: motors.gear_ratio", "3 values for 2 joints"]),
+        (
+            format!("{train}[motors]\ngear_ratio = [1, 2, 3]\n"),
+            ["d.toml:5: motors.gear_ratio", "3 values for 2 joints"],
+        ),
         (format!("{train}[motors]\ngear_ratio = 0\n"), ["d.toml:5: motors.gear_ratio", "other than zero"]),
         (format!("{train}[motors]\nsign = 2\n"), ["d.toml:5: motors.sign", "2 is no sign"]),
         (format!("{train}[motors]\nsign = \"x\"\n"), ["d.toml:5: sign", "one number per joint"]),

@@ -47,8 +47,7 @@ fn log(robot: &Robot, rate_hz: f64, seconds: f64) -> Sieved {
             qd.channel_mut(j)[i] += 0.005 * speed * normal();
         }
     }
-    let recording =
-        Recording { joints: robot.joint_names(), time, q, qd: Some(qd), tau, ..Recording::default() };
+    let recording = Recording { joints: robot.joint_names(), time, q, qd: Some(qd), tau, ..Recording::default() };
     Sieved { lines: (2..samples + 2).collect(), rejected: Vec::new(), notes: Vec::new(), recording }
 }
 
@@ -156,7 +155,8 @@ fn position_and_velocity_faults() {
             log.qd.as_mut().unwrap().channel_mut(0).iter_mut().for_each(|v| *v *= 30.0 / std::f64::consts::PI);
         });
         assert_found(Kind::Swapped, "qd1", known, |log| {
-            let (first, third) = (log.qd.as_ref().unwrap().channel(0).to_vec(), log.qd.as_ref().unwrap().channel(2).to_vec());
+            let (first, third) =
+                (log.qd.as_ref().unwrap().channel(0).to_vec(), log.qd.as_ref().unwrap().channel(2).to_vec());
             log.qd.as_mut().unwrap().channel_mut(0).copy_from_slice(&third);
             log.qd.as_mut().unwrap().channel_mut(2).copy_from_slice(&first);
         });

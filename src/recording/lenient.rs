@@ -340,8 +340,7 @@ mod tests {
     fn columns_under_other_names() {
         let text = "stamp,q1,angle,tau1,amps,qd1\n0,1,2,3,4,5\n1,1,2,3,4,5\n";
         let list = |name: &str| Some(vec![name.to_owned()]);
-        let map =
-            ColumnMap { time: Some("stamp".into()), q: list("angle"), tau: list("amps"), ..ColumnMap::default() };
+        let map = ColumnMap { time: Some("stamp".into()), q: list("angle"), tau: list("amps"), ..ColumnMap::default() };
         let sieved = read(text, &map).unwrap();
         assert_eq!(sieved.recording.q.channel(0), [2.0, 2.0]);
         assert_eq!(sieved.recording.tau.channel(0), [4.0, 4.0]);

@@ -246,7 +246,7 @@ impl Dataset {
                 let path = self.beside(&part.file);
                 let mut sieved = self.read(&path, robot)?;
                 sieved = part.of(sieved);
-                let recordings = ready(&path, &sieved, robot, &mut logs.notes)?;
+                let recordings = ready(&path, sieved, robot, &mut logs.notes)?;
                 if test { logs.test.extend(recordings) } else { logs.train.extend(recordings) }
             }
         }
@@ -291,12 +291,12 @@ impl Part {
 /// # Errors
 /// Those of [`lenient::load`], and a log that cannot be used, with the reason.
 pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    ready(path, &lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot, notes)
+    ready(path, lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot, notes)
 }
 
 /// Examines a log, refuses it where it cannot be used, and cuts it into pieces at even steps.
-fn ready(path: &Path, sieved: &Sieved, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    let report = quality::examine(sieved, Some(robot))?;
+fn ready(path: &Path, sieved: Sieved, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
+    let report = quality::examine(&sieved, Some(robot))?;
     if let Some(finding) = report.fatal() {
         let problem = format!("the log cannot be used: {}", finding.text);
         return Err(Error::input(path, None, finding.place.as_str(), problem));
@@ -308,7 +308,7 @@ fn ready(path: &Path, sieved: &Sieved, robot: &Robot, notes: &mut Vec<String>) -
     notes.extend(rows);
     let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
     notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
-    let pieces = resample::pieces(sieved.recording.clone());
+    let pieces = resample::pieces(sieved.recording);
     if pieces.is_empty() {
         return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
     }

@@ -183,12 +183,12 @@ fn position_and_velocity_faults() {
         let top = log.q.channel(1).iter().fold(f64::MIN, |m, v| m.max(*v));
         log.q.channel_mut(1).iter_mut().for_each(|v| *v += upper - top + 0.05);
         // The torque is that of the true positions.
-        log.tau = log_of_positions(log);
+        log.tau = torque_of_bodies(log);
     });
 }
 
-/// Torque of the bodies at rest velocity of a log's own positions, with the log's friction left out.
-fn log_of_positions(log: &Recording) -> Channels {
+/// Torque of the bodies along a log's own positions, without friction.
+fn torque_of_bodies(log: &Recording) -> Channels {
     let view = View::new(log).unwrap();
     let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
     inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion)

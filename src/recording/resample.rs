@@ -97,9 +97,22 @@ const TORN: f64 = 10.0;
 /// A piece with fewer samples is not worth keeping.
 const SHORTEST: usize = 50;
 
+/// Longer logs are cut, so that the columns of a model need memory for one piece at a time.
+const LONGEST: usize = 60_000;
+
 /// The log ready for filters that need even steps: cut where the clock leaves out more than ten steps, and at the median
-/// rate where it is irregular. A log with a regular clock comes back as it is.
+/// rate where it is irregular. No piece has more than sixty thousand samples. A short log with a regular clock comes back
+/// as it is.
 pub fn pieces(recording: Recording) -> Vec<Recording> {
+    if recording.samples() <= LONGEST {
+        return even_pieces(recording);
+    }
+    let count = recording.samples().div_ceil(LONGEST);
+    let start = |piece: usize| piece * recording.samples() / count;
+    (0..count).flat_map(|piece| even_pieces(recording.slice(start(piece)..start(piece + 1)))).collect()
+}
+
+fn even_pieces(recording: Recording) -> Vec<Recording> {
     let clock = Clock::new(&recording);
     if !clock.is_irregular() {
         return vec![recording];
@@ -156,6 +169,16 @@ mod tests {
         for (t, q) in even.time.iter().zip(even.q.channel(0)).skip(2).take(290) {
             assert!((q - law(*t)).abs() < 1e-5, "{t}: {q} {}", law(*t));
         }
+    }
+
+    #[test]
+    fn long_logs_are_cut_without_a_loss() {
+        let recording = samples::full(1, 2 * LONGEST + 2);
+        let pieces = pieces(recording.clone());
+        assert_eq!(pieces.len(), 3);
+        assert!(pieces.iter().all(|piece| piece.samples() <= LONGEST));
+        let joined: Vec<f64> = pieces.iter().flat_map(|piece| piece.tau.channel(0)).copied().collect();
+        assert_eq!(joined, recording.tau.channel(0));
     }
 
     #[test]

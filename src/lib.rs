@@ -19,6 +19,10 @@ pub mod report;
 
 pub mod study;
 
+pub mod dataset;
+
+pub mod quality;
+
 pub mod scenario;
 
 pub mod design;

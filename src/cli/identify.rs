@@ -1,14 +1,16 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
 use super::{DONE, Global, print, progress};
+use crate::dataset::{self, Dataset, Logs};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
+use crate::identification::consistent;
 use crate::identification::effect_model::{Preparation, Trust};
-use crate::identification::fit::{Logs, fit_effects};
+use crate::identification::fit::{self, fit_effects};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::output::ResultFolder;
-use crate::recording::{self, Recording};
+use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Setup, effect_joint};
@@ -27,6 +29,9 @@ pub struct Arguments {
     /// Log of another motion to judge the fit by; repeat for more.
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
+    /// Description of logs: columns, units, motors, payload, mounting, which of them train and which are held out.
+    #[arg(long, value_name = "TOML", conflicts_with_all = ["train", "test"])]
+    dataset: Option<PathBuf>,
     /// Scenario whose arm, sensors and identification settings are used.
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<PathBuf>,
@@ -62,15 +67,16 @@ const DEFAULT_WINDOW_S: f64 = 0.12;
 /// Fits and writes the results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
-    let robot = arm(arguments, setup.as_ref())?;
-    let (train, test) = logs(arguments, setup.as_ref(), &robot, global)?;
+    let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
+    let robot = arm(arguments, setup.as_ref(), dataset.as_ref())?;
+    let Logs { train, test, notes } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
     let placed = place(&arguments.effect, &robot)?;
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
 
     let model = Model::new(&robot);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
-    let logs = Logs { train: &train, test: &test };
+    let logs = fit::Logs { train: &train, test: &test };
     let bar = progress::bar(global, "identifying", 2);
     let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
     bar.inc(1);
@@ -78,27 +84,44 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         true => None,
         false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
     };
+    // Believed inertias are consistent already; with effects in the fit, the bodies are those of the fit without.
+    let consistent = match arguments.trust {
+        Trust::Structure => Some(consistent::consistent(&model, logs, preparation, &plain)?),
+        Trust::Nominal => None,
+    };
     bar.finish_and_clear();
 
-    let result = report::result(&robot, arguments.trust, &plain, extended.as_ref());
+    if let Some(found) = &consistent {
+        folder.write_text("identified.urdf", &robot::with_parameters(&found.robot(&robot))?)?;
+    }
+    let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
+    let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
     let path = folder.finish()?;
     print::result(global, SCHEMA, &result, || {
-        format!("{}\n\nResults in {}", report::tables(&robot, &plain, extended.as_ref()), path.display())
+        let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");
+        format!("{notes}{}\n\nResults in {}", report::tables(&robot, found), path.display())
     })?;
     Ok(DONE)
 }
 
-fn arm(arguments: &Arguments, setup: Option<&Setup>) -> Result<Robot> {
+fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Robot> {
     let check = match arguments.trust {
         Trust::Nominal => InertiaCheck::Required,
         Trust::Structure => InertiaCheck::Ignored,
     };
-    let mut robot = match (&arguments.robot, setup) {
+    let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
+    let mut robot = match (named, setup) {
         (Some(path), _) => robot::load(path, check)?,
         (None, Some(setup)) => setup.known.clone(),
-        (None, None) => return Err(Error::request("--robot", "give the arm's URDF, or a --scenario that names one")),
+        (None, None) => {
+            let problem = "give the arm's URDF, or a --dataset or --scenario that names one";
+            return Err(Error::request("--robot", problem));
+        }
     };
+    if let Some(dataset) = dataset {
+        dataset.mount(&mut robot)?;
+    }
     if let Some(gravity) = &arguments.gravity {
         robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
     }
@@ -108,23 +131,30 @@ fn arm(arguments: &Arguments, setup: Option<&Setup>) -> Result<Robot> {
 fn logs(
     arguments: &Arguments,
     setup: Option<&Setup>,
+    dataset: Option<&Dataset>,
     robot: &Robot,
     global: &Global,
-) -> Result<(Vec<Recording>, Vec<Recording>)> {
-    let names = robot.joint_names();
-    let load = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
-        paths.iter().map(|path| recording::load(path, Some(&names))).collect()
-    };
+) -> Result<Logs> {
+    if let Some(dataset) = dataset {
+        return dataset.logs(robot);
+    }
     if !arguments.train.is_empty() {
-        return Ok((load(&arguments.train)?, load(&arguments.test)?));
+        let mut logs = Logs::default();
+        for path in &arguments.train {
+            logs.train.extend(dataset::plain(path, robot, &mut logs.notes)?);
+        }
+        for path in &arguments.test {
+            logs.test.extend(dataset::plain(path, robot, &mut logs.notes)?);
+        }
+        return Ok(logs);
     }
     let Some(setup) = setup else {
-        return Err(Error::request("--train", "give at least one log, or a --scenario to simulate"));
+        return Err(Error::request("--train", "give at least one log, a --dataset, or a --scenario to simulate"));
     };
     let bar = progress::bar(global, "simulating", testbed::samples(setup));
     let runs = testbed::record(setup, &mut |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
-    Ok((vec![runs.training.recording], vec![runs.held_out.recording]))
+    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], notes: Vec::new() })
 }
 
 /// The effects asked for, on their joints.

@@ -3,6 +3,7 @@
 mod effects;
 mod excite;
 mod identify;
+mod inspect;
 mod paper;
 mod print;
 mod progress;
@@ -69,6 +70,8 @@ enum Command {
     Run(run::Arguments),
     /// Fit an arm's parameters, and named effects, to logs.
     Identify(Box<identify::Arguments>),
+    /// Say what a measured log is worth: clock, bad rows, channels, units, signs, range, dead time.
+    Inspect(inspect::Arguments),
     /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
@@ -86,6 +89,7 @@ pub fn main() -> ExitCode {
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
         Command::Identify(arguments) => identify::run(&arguments, &cli.global),
+        Command::Inspect(arguments) => inspect::run(&arguments, &cli.global),
         Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
         Command::Excite(arguments) => excite::run(&arguments, &cli.global),

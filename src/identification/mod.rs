@@ -1,5 +1,6 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
+pub mod consistent;
 pub mod effect_model;
 pub mod fit;
 pub mod least_squares;

@@ -171,6 +171,11 @@ impl Layout {
         used
     }
 
+    /// Index of the column of time.
+    pub fn time(&self) -> usize {
+        self.time
+    }
+
     /// The first row with a value that is not finite or a time that does not increase. `columns` is indexed as the
     /// header.
     pub fn fault(&self, columns: &[Vec<f64>]) -> Option<Fault> {

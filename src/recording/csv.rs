@@ -54,11 +54,10 @@ pub fn read(path: &Path, joints: Option<&[String]>) -> Result<(Recording, Vec<St
 }
 
 fn parse(path: &Path, bytes: &[u8], joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    if bytes.trim_ascii().is_empty() {
-        return Err(Error::input(path, None, "header", "the file is empty; a header and one row per sample go here"));
-    }
-    let mut table = Table::parse(path, bytes, joints)?;
+    let bytes = content(path, bytes)?;
+    let mut table = Table::parse(path, bytes, joints, &as_it_is, &mut |row| {
+        Err(Error::input(path, Some(line_at(bytes, row.start)), row.field, row.problem))
+    })?;
     if let Some(fault) = table.layout.fault(&table.columns) {
         let line = Some(line_at(bytes, table.starts[fault.row]));
         return Err(Error::input(path, line, &table.header[fault.column], fault.problem));
@@ -67,18 +66,50 @@ fn parse(path: &Path, bytes: &[u8], joints: Option<&[String]>) -> Result<(Record
     Ok((table.layout.recording(table.columns), notes))
 }
 
+/// What is in the file behind a byte order mark.
+pub(super) fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8]> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    if bytes.trim_ascii().is_empty() {
+        return Err(Error::input(path, None, "header", "the file is empty; a header and one row per sample go here"));
+    }
+    Ok(bytes)
+}
+
+/// A header that needs no renaming.
+fn as_it_is(header: Vec<String>) -> Result<Vec<String>> {
+    Ok(header)
+}
+
 /// The cells as numbers, whatever their values.
-struct Table {
-    header: Vec<String>,
-    layout: Layout,
+pub(super) struct Table {
+    pub header: Vec<String>,
+    pub layout: Layout,
     /// Values of the columns in use, indexed as the header.
-    columns: Vec<Vec<f64>>,
+    pub columns: Vec<Vec<f64>>,
     /// Where each row starts in the file (or in the blank lines before it), in bytes.
-    starts: Vec<usize>,
+    pub starts: Vec<usize>,
+}
+
+/// A row that does not hold a number in every column.
+pub(super) struct BadRow {
+    /// As in [`Table`].
+    pub start: usize,
+    /// The column.
+    pub field: String,
+    /// What is wrong.
+    pub problem: String,
 }
 
 impl Table {
-    fn parse(path: &Path, bytes: &[u8], joints: Option<&[String]>) -> Result<Table> {
+    /// Reads all rows. `rename` may call the columns by other names; `reject` hears of rows that are left out, or turns
+    /// them into the error that ends the reading.
+    pub fn parse(
+        path: &Path,
+        bytes: &[u8],
+        joints: Option<&[String]>,
+        rename: &dyn Fn(Vec<String>) -> Result<Vec<String>>,
+        reject: &mut dyn FnMut(BadRow) -> Result<()>,
+    ) -> Result<Table> {
         // Lengths of rows are checked here, to say more than the csv crate does.
         let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
         let mut record = ByteRecord::new();
@@ -87,39 +118,45 @@ impl Table {
         let header: Vec<String> =
             record.iter().map(|name| String::from_utf8_lossy(name.trim_ascii()).into_owned()).collect();
         let header_line = line_at(bytes, 0);
+        let header = rename(header)?;
         let layout = Layout::find(path, Some(header_line), &header, joints)?;
 
         let used = layout.used();
         let mut columns = vec![Vec::new(); header.len()];
         let mut starts = Vec::new();
+        let mut rows = 0;
         while reader.read_byte_record(&mut record).map_err(broken)? {
+            rows += 1;
             let start = record.position().map_or(0, |position| position.byte() as usize);
-            let line = || Some(line_at(bytes, start));
-            if record.len() != header.len() {
-                let (cells, names) = (record.len(), header.len());
-                let problem = format!("{cells} cells where the header names {names} columns; was the row cut off?");
-                return Err(Error::input(path, line(), format!("column {}", cells.min(names)), problem));
+            match bad_cell(&record, &header, &used) {
+                Some((field, problem)) => reject(BadRow { start, field, problem })?,
+                None => {
+                    used.iter().for_each(|&column| columns[column].extend(number(&record[column])));
+                    starts.push(start);
+                }
             }
-            for &column in &used {
-                let cell = &record[column];
-                let Some(value) = number(cell) else {
-                    let cell = String::from_utf8_lossy(cell);
-                    let problem = if cell.trim().is_empty() {
-                        "the cell is empty; a number goes here".to_owned()
-                    } else {
-                        format!("'{}' is not a number", cell.trim())
-                    };
-                    return Err(Error::input(path, line(), &header[column], problem));
-                };
-                columns[column].push(value);
-            }
-            starts.push(start);
         }
-        if starts.is_empty() {
+        if rows == 0 {
             return Err(Error::input(path, Some(header_line), "rows", "there is no row below the header"));
         }
         Ok(Table { header, layout, columns, starts })
     }
+}
+
+/// The first column of a row that does not hold a number, and why.
+fn bad_cell(record: &ByteRecord, header: &[String], used: &[usize]) -> Option<(String, String)> {
+    if record.len() != header.len() {
+        let (cells, names) = (record.len(), header.len());
+        let problem = format!("{cells} cells where the header names {names} columns; was the row cut off?");
+        return Some((format!("column {}", cells.min(names)), problem));
+    }
+    let column = used.iter().copied().find(|&column| number(&record[column]).is_none())?;
+    let cell = String::from_utf8_lossy(&record[column]);
+    let problem = match cell.trim() {
+        "" => "the cell is empty; a number goes here".to_owned(),
+        text => format!("'{text}' is not a number"),
+    };
+    Some((header[column].clone(), problem))
 }
 
 fn number(cell: &[u8]) -> Option<f64> {
@@ -127,7 +164,7 @@ fn number(cell: &[u8]) -> Option<f64> {
 }
 
 /// Number of the first line with content at or after a place in the file.
-fn line_at(bytes: &[u8], start: usize) -> usize {
+pub(super) fn line_at(bytes: &[u8], start: usize) -> usize {
     let blank = bytes[start..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
     1 + bytes[..start + blank].iter().filter(|&&byte| byte == b'\n').count()
 }

@@ -1,7 +1,9 @@
 //! Recordings: what the sensors of an arm said over time, from a file or from a simulation.
 
 pub mod csv;
+pub mod lenient;
 pub mod parquet;
+pub mod resample;
 
 mod columns;
 #[cfg(test)]

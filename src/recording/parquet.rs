@@ -72,48 +72,77 @@ fn metadata(recording: &Recording) -> Vec<KeyValue> {
 /// An unreadable file, columns that are missing or not numbers, other joints than `joints`, values that are empty or
 /// not finite, time that does not increase.
 pub fn read(path: &Path, joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
-    let file = File::open(path).map_err(|source| Error::io(path, "read the recording", source))?;
-    let broken = |error: String| Error::input(path, None, "Parquet", format!("the file cannot be read: {error}"));
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| broken(error.to_string()))?;
-
-    let metadata = builder.metadata().file_metadata().key_value_metadata();
-    let metadata: HashMap<String, String> =
-        metadata.into_iter().flatten().filter_map(|entry| Some((entry.key.clone(), entry.value.clone()?))).collect();
-    let own_joints = own_joints(path, &metadata)?;
-    if let (Some(own), Some(joints)) = (&own_joints, joints)
-        && own != joints
-    {
-        let problem =
-            format!("the log is of the joints {}, the robot has the joints {}", own.join(", "), joints.join(", "));
-        return Err(Error::input(path, None, JOINTS, problem));
-    }
-
-    let header: Vec<String> = builder.schema().fields().iter().map(|field| field.name().clone()).collect();
-    let mut layout = Layout::find(path, None, &header, joints.or(own_joints.as_deref()))?;
-    let used = layout.used();
-    let projection = ProjectionMask::roots(builder.parquet_schema(), used.iter().copied());
-    let reader = builder.with_projection(projection).build().map_err(|error| broken(error.to_string()))?;
-    let mut columns = vec![Vec::new(); header.len()];
-    for batch in reader {
-        let batch = batch.map_err(|error| broken(error.to_string()))?;
-        for (&column, array) in used.iter().zip(batch.columns()) {
-            append(array, &mut columns[column])
-                .map_err(|problem| Error::input(path, None, &header[column], problem))?;
-        }
-    }
-
-    if used.iter().any(|&column| columns[column].is_empty()) {
-        return Err(Error::input(path, None, "rows", "the file has columns but no row"));
-    }
-    if let Some(fault) = layout.fault(&columns) {
-        let place = format!("{}, row {}", header[fault.column], fault.row + 1);
+    let mut table = Table::read(path, joints, &Ok, false)?;
+    if let Some(fault) = table.layout.fault(&table.columns) {
+        let place = format!("{}, row {}", table.header[fault.column], fault.row + 1);
         return Err(Error::input(path, None, place, fault.problem));
     }
-    let notes = std::mem::take(&mut layout.notes);
-    let mut recording = layout.recording(columns);
-    recording.robot = metadata.get(ROBOT).cloned().unwrap_or_default();
-    recording.provenance = provenance(metadata);
-    Ok((recording, notes))
+    let notes = std::mem::take(&mut table.layout.notes);
+    Ok((table.recording(), notes))
+}
+
+/// The columns as numbers, whatever their values.
+pub(super) struct Table {
+    pub header: Vec<String>,
+    pub layout: Layout,
+    /// Values of the columns in use, indexed as the header.
+    pub columns: Vec<Vec<f64>>,
+    metadata: HashMap<String, String>,
+}
+
+impl Table {
+    /// Reads all rows. `rename` may call the columns by other names. Empty cells are NaN where `lenient`, else an error.
+    pub fn read(
+        path: &Path,
+        joints: Option<&[String]>,
+        rename: &dyn Fn(Vec<String>) -> Result<Vec<String>>,
+        lenient: bool,
+    ) -> Result<Table> {
+        let file = File::open(path).map_err(|source| Error::io(path, "read the recording", source))?;
+        let broken = |error: String| Error::input(path, None, "Parquet", format!("the file cannot be read: {error}"));
+        let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| broken(error.to_string()))?;
+
+        let metadata = builder.metadata().file_metadata().key_value_metadata();
+        let metadata: HashMap<String, String> = metadata
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| Some((entry.key.clone(), entry.value.clone()?)))
+            .collect();
+        let own_joints = own_joints(path, &metadata)?;
+        if let (Some(own), Some(joints)) = (&own_joints, joints)
+            && own != joints
+        {
+            let problem =
+                format!("the log is of the joints {}, the robot has the joints {}", own.join(", "), joints.join(", "));
+            return Err(Error::input(path, None, JOINTS, problem));
+        }
+
+        let header = rename(builder.schema().fields().iter().map(|field| field.name().clone()).collect())?;
+        let layout = Layout::find(path, None, &header, joints.or(own_joints.as_deref()))?;
+        let used = layout.used();
+        let projection = ProjectionMask::roots(builder.parquet_schema(), used.iter().copied());
+        let reader = builder.with_projection(projection).build().map_err(|error| broken(error.to_string()))?;
+        let mut columns = vec![Vec::new(); header.len()];
+        for batch in reader {
+            let batch = batch.map_err(|error| broken(error.to_string()))?;
+            for (&column, array) in used.iter().zip(batch.columns()) {
+                append(array, &mut columns[column], lenient)
+                    .map_err(|problem| Error::input(path, None, &header[column], problem))?;
+            }
+        }
+        if used.iter().any(|&column| columns[column].is_empty()) {
+            return Err(Error::input(path, None, "rows", "the file has columns but no row"));
+        }
+        Ok(Table { header, layout, columns, metadata })
+    }
+
+    /// The recording with what the file says about it.
+    pub fn recording(self) -> Recording {
+        let mut recording = self.layout.recording(self.columns);
+        recording.robot = self.metadata.get(ROBOT).cloned().unwrap_or_default();
+        recording.provenance = provenance(self.metadata);
+        recording
+    }
 }
 
 fn own_joints(path: &Path, metadata: &HashMap<String, String>) -> Result<Option<Vec<String>>> {
@@ -128,17 +157,21 @@ fn provenance(metadata: HashMap<String, String>) -> BTreeMap<String, String> {
     entries.filter_map(|(key, value)| Some((key.strip_prefix(PROVENANCE)?.to_owned(), value))).collect()
 }
 
-fn append(array: &ArrayRef, column: &mut Vec<f64>) -> std::result::Result<(), String> {
-    if array.null_count() > 0 {
+fn append(array: &ArrayRef, column: &mut Vec<f64>, lenient: bool) -> std::result::Result<(), String> {
+    if array.null_count() > 0 && !lenient {
         let row = column.len() + (0..array.len()).find(|&row| array.is_null(row)).unwrap_or(0) + 1;
         return Err(format!("row {row} is empty; a number goes here"));
     }
+    let start = column.len();
     if let Some(values) = array.as_any().downcast_ref::<Float64Array>() {
         column.extend_from_slice(values.values());
     } else if let Some(values) = array.as_any().downcast_ref::<Float32Array>() {
         column.extend(values.values().iter().map(|&value| f64::from(value)));
     } else {
         return Err(format!("the column is of type {}; floating-point numbers go here", array.data_type()));
+    }
+    if array.null_count() > 0 {
+        (0..array.len()).filter(|&row| array.is_null(row)).for_each(|row| column[start + row] = f64::NAN);
     }
     Ok(())
 }

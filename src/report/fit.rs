@@ -1,9 +1,10 @@
 //! The result of `tauscope identify`.
 
 use super::console::{significant, table};
+use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::Fitted;
-use crate::robot::Robot;
+use crate::robot::{Joint, Robot};
 use serde::Serialize;
 
 /// Schema of the `identification.json` that `tauscope identify` writes.
@@ -15,9 +16,50 @@ pub struct FitResult {
     robot: String,
     joints: Vec<String>,
     trust: Trust,
+    /// What had to be done to the logs, and what looks wrong in them.
+    notes: Vec<String>,
     without_effects: Side,
     #[serde(skip_serializing_if = "Option::is_none")]
     with_effects: Option<Side>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    consistent: Option<Bodies>,
+}
+
+/// What `tauscope identify` found.
+#[derive(Debug, Clone, Copy)]
+pub struct Found<'a> {
+    /// The fit without effects.
+    pub plain: &'a Fitted,
+    /// The fit with effects.
+    pub extended: Option<&'a Fitted>,
+    /// Bodies that can exist, of the fit without effects.
+    pub consistent: Option<&'a Consistent>,
+}
+
+/// Bodies that can exist, as in `identified.urdf`.
+#[derive(Debug, Serialize)]
+struct Bodies {
+    /// Whether they have the fitted base parameters themselves.
+    exact: bool,
+    /// Rise of the weighted sum of squared residuals that consistency costs.
+    cost: f64,
+    /// By which the best possible cost is lower at most.
+    gap: f64,
+    train_rms_nm: Vec<f64>,
+    test_rms_nm: Vec<f64>,
+    links: Vec<Link>,
+}
+
+#[derive(Debug, Serialize)]
+struct Link {
+    link: String,
+    mass_kg: f64,
+    center_m: [f64; 3],
+    /// About the centre of mass, ascending.
+    principal_moments_kg_m2: [f64; 3],
+    rotor_inertia_kg_m2: f64,
+    viscous_nm_s_rad: f64,
+    coulomb_nm: f64,
 }
 
 /// One fit.
@@ -48,13 +90,40 @@ struct Value {
 }
 
 /// The content of `identification.json`.
-pub fn result(robot: &Robot, trust: Trust, plain: &Fitted, extended: Option<&Fitted>) -> FitResult {
+pub fn result(robot: &Robot, trust: Trust, found: Found, notes: &[String]) -> FitResult {
     FitResult {
         robot: robot.name.clone(),
         joints: robot.joint_names(),
         trust,
-        without_effects: side(robot, plain),
-        with_effects: extended.map(|fitted| side(robot, fitted)),
+        notes: notes.to_vec(),
+        without_effects: side(robot, found.plain),
+        with_effects: found.extended.map(|fitted| side(robot, fitted)),
+        consistent: found.consistent.map(|consistent| bodies(robot, consistent)),
+    }
+}
+
+fn bodies(robot: &Robot, consistent: &Consistent) -> Bodies {
+    let link = |joint: &Joint| {
+        let mut moments: Vec<f64> =
+            joint.inertia.tensor_about_center().symmetric_eigenvalues().iter().copied().collect();
+        moments.sort_by(f64::total_cmp);
+        Link {
+            link: joint.link.clone(),
+            mass_kg: joint.inertia.mass(),
+            center_m: joint.inertia.center_of_mass().into(),
+            principal_moments_kg_m2: [moments[0], moments[1], moments[2]],
+            rotor_inertia_kg_m2: joint.drive.armature,
+            viscous_nm_s_rad: joint.drive.viscous,
+            coulomb_nm: joint.drive.coulomb,
+        }
+    };
+    Bodies {
+        exact: consistent.exact,
+        cost: consistent.cost,
+        gap: consistent.gap,
+        train_rms_nm: consistent.train_rms.clone(),
+        test_rms_nm: consistent.test_rms.clone(),
+        links: consistent.robot(robot).joints.iter().map(link).collect(),
     }
 }
 
@@ -94,7 +163,8 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
 }
 
 /// Tables for people: what is left per joint, and the effects' parameters.
-pub fn tables(robot: &Robot, plain: &Fitted, extended: Option<&Fitted>) -> String {
+pub fn tables(robot: &Robot, found: Found) -> String {
+    let Found { plain, extended, consistent } = found;
     let mut header = vec!["residual rms, N m", "training"];
     let held_out = !plain.test_rms.is_empty();
     if held_out {
@@ -106,17 +176,36 @@ pub fn tables(robot: &Robot, plain: &Fitted, extended: Option<&Fitted>) -> Strin
             header.push("held-out with effects");
         }
     }
+    if consistent.is_some() {
+        header.push("training, consistent");
+        if held_out {
+            header.push("held-out, consistent");
+        }
+    }
     let rows = robot
         .joints
         .iter()
         .enumerate()
         .map(|(j, joint)| {
             let columns = [Some(plain), extended].into_iter().flatten();
-            let numbers = columns.flat_map(|fitted| [fitted.train_rms.get(j), fitted.test_rms.get(j)]).flatten();
+            let numbers = columns.map(|fitted| [&fitted.train_rms, &fitted.test_rms]);
+            let numbers = numbers.chain(consistent.map(|found| [&found.train_rms, &found.test_rms]));
+            let numbers = numbers.flat_map(|[train, test]| [train.get(j), test.get(j)]).flatten();
             [joint.name.clone()].into_iter().chain(numbers.map(|&value| significant(value))).collect()
         })
         .collect();
     let mut text = table(&header, rows).to_string();
+    if let Some(found) = consistent {
+        let cost = match found.exact {
+            true => "bodies that can exist have the fitted base parameters: consistency costs nothing".to_owned(),
+            false => format!(
+                "no bodies that can exist have the fitted base parameters; the nearest raise the weighted sum of squared \
+                 residuals by {}",
+                significant(found.cost)
+            ),
+        };
+        text += &format!("\n\nidentified.urdf: {cost}");
+    }
     if let Some(fitted) = extended {
         let std = fitted.fit.estimate.std();
         let rows: Vec<Vec<String>> = fitted

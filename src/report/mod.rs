@@ -5,5 +5,6 @@ pub mod excitation;
 pub mod fit;
 mod markdown;
 pub mod paper;
+pub mod quality;
 pub mod results;
 pub mod svg;

@@ -2,10 +2,12 @@
 
 mod inertia;
 mod urdf;
+mod urdf_edit;
 mod urdf_numbers;
 
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use urdf::{InertiaCheck, load};
+pub use urdf_edit::with_parameters;
 
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Vector3};

@@ -4,6 +4,7 @@ mod arms;
 mod disk;
 mod effects;
 mod inputs;
+mod inspect;
 mod options;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,135 @@
+//! From the units and the side of the gear that a file is in to SI units at the joints.
+
+use super::{Dataset, PerJoint, Side};
+use crate::channels::Channels;
+use crate::error::Result;
+use crate::recording::Recording;
+use nalgebra::DMatrix;
+
+/// A coupling whose inverse is larger than this does not let motors move joints independently.
+const SINGULAR: f64 = 1e6;
+
+impl Dataset {
+    /// Converts a log, whose joints are in the order of the file's columns.
+    pub(super) fn convert(&self, log: &mut Recording) -> Result<()> {
+        let (units, motors) = (self.spec.units, &self.spec.motors);
+        let dof = log.joints();
+        let gear = self.list("motors.gear_ratio", &motors.gear_ratio, dof)?;
+        let constant = self.list("motors.torque_constant_nm_a", &motors.torque_constant_nm_a, dof)?;
+        let sign = self.signs("motors.sign", &motors.sign, dof)?;
+        let torque_sign = self.signs("motors.torque_sign", &motors.torque_sign, dof)?;
+        let needs = |key: &str, reason: &str| self.error(key, format!("is missing: {reason}"));
+
+        let at_motor = |side: Option<Side>, otherwise: Side| side.unwrap_or(otherwise) == Side::Motor;
+        let motion_gear = match (at_motor(motors.position_at, Side::Joint), &gear) {
+            (true, None) => return Err(needs("motors.gear_ratio", "positions are at the motors")),
+            (true, Some(gear)) => gear.clone(),
+            (false, _) => vec![1.0; dof],
+        };
+        let mut torque_factor = vec![units.torque.factor(); dof];
+        let currents = units.torque.is_current();
+        if currents {
+            let Some(constant) = &constant else {
+                return Err(needs("motors.torque_constant_nm_a", "torque is given as a current"));
+            };
+            scale(&mut torque_factor, constant);
+        }
+        // A torque constant without a gear is that at the joint.
+        let usual = if currents && gear.is_some() { Side::Motor } else { Side::Joint };
+        match (at_motor(motors.torque_at, usual), &gear) {
+            (true, None) => return Err(needs("motors.gear_ratio", "torques are at the motors")),
+            (true, Some(gear)) => scale(&mut torque_factor, gear),
+            (false, _) => {}
+        }
+        scale(&mut torque_factor, &sign);
+        scale(&mut torque_factor, &torque_sign);
+
+        log.time.iter_mut().for_each(|t| *t *= units.time.factor());
+        let moved = |unit: f64| -> Vec<f64> { (0..dof).map(|j| unit * sign[j] / motion_gear[j]).collect() };
+        apply(&mut log.q, &moved(units.position.factor()));
+        if let Some(qd) = &mut log.qd {
+            apply(qd, &moved(units.velocity.factor()));
+        }
+        if let Some(qdd) = &mut log.qdd {
+            apply(qdd, &moved(units.acceleration.factor()));
+        }
+        apply(&mut log.tau, &torque_factor);
+        log.truth = None;
+
+        if let Some(coupling) = self.coupling(dof)? {
+            let (matrix, inverse_transposed) = coupling;
+            let motion = [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()];
+            motion.into_iter().flatten().for_each(|table| mix(table, &matrix));
+            // The power of the motors is that of the joints.
+            mix(&mut log.tau, &inverse_transposed);
+        }
+        Ok(())
+    }
+
+    /// The coupling matrix and the transpose of its inverse.
+    fn coupling(&self, dof: usize) -> Result<Option<(DMatrix<f64>, DMatrix<f64>)>> {
+        let key = "motors.coupling";
+        let Some(rows) = &self.spec.motors.coupling else { return Ok(None) };
+        if rows.len() != dof || rows.iter().any(|row| row.len() != dof) {
+            return Err(self.error(key, format!("must have {dof} rows of {dof} numbers")));
+        }
+        let matrix = DMatrix::from_fn(dof, dof, |i, j| rows[i][j]);
+        let inverse = matrix.clone().try_inverse().filter(|inverse| inverse.amax() < SINGULAR);
+        match inverse {
+            Some(inverse) => Ok(Some((matrix, inverse.transpose()))),
+            None => Err(self.error(key, "is singular: some motion of the motors would not move the joints")),
+        }
+    }
+
+    fn list(&self, key: &str, given: &Option<PerJoint>, dof: usize) -> Result<Option<Vec<f64>>> {
+        let values = match given {
+            None => return Ok(None),
+            Some(PerJoint::All(value)) => vec![*value; dof],
+            Some(PerJoint::Each(values)) => values.clone(),
+        };
+        if values.len() != dof {
+            return Err(self.error(key, format!("{} values for {dof} joints", values.len())));
+        }
+        match values.iter().find(|value| !value.is_finite() || **value == 0.0) {
+            Some(bad) => Err(self.error(key, format!("{bad} must be a finite number other than zero"))),
+            None => Ok(Some(values)),
+        }
+    }
+
+    fn signs(&self, key: &str, given: &Option<PerJoint>, dof: usize) -> Result<Vec<f64>> {
+        let signs = self.list(key, given, dof)?.unwrap_or(vec![1.0; dof]);
+        match signs.iter().find(|sign| sign.abs() != 1.0) {
+            Some(bad) => Err(self.error(key, format!("{bad} is no sign; give 1 or -1"))),
+            None => Ok(signs),
+        }
+    }
+}
+
+fn scale(values: &mut [f64], factors: &[f64]) {
+    values.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
+}
+
+fn apply(table: &mut Channels, factors: &[f64]) {
+    for (joint, factor) in factors.iter().enumerate() {
+        table.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
+    }
+}
+
+fn mix(table: &mut Channels, matrix: &DMatrix<f64>) {
+    for sample in 0..table.samples() {
+        let mixed = matrix * nalgebra::DVector::from_vec(table.at(sample));
+        table.set(sample, mixed.as_slice());
+    }
+}
+
+/// Puts joint `order[i]` of a log at place `i`.
+pub fn reorder(log: &mut Recording, order: &[usize]) {
+    let pick = |table: &Channels| {
+        Channels::from_vectors(&order.iter().map(|&joint| table.channel(joint).to_vec()).collect::<Vec<_>>())
+    };
+    log.joints = order.iter().map(|&joint| log.joints[joint].clone()).collect();
+    log.q = pick(&log.q);
+    log.qd = log.qd.as_ref().map(pick);
+    log.qdd = log.qdd.as_ref().map(pick);
+    log.tau = pick(&log.tau);
+}

@@ -1,0 +1,319 @@
+//! `dataset.toml`: what a log's file cannot say of itself. Columns, units, motors and gears, mounting and payload, and
+//! which logs train and which are held out.
+//!
+//! ```toml
+//! schema = "tauscope.dataset/1"
+//! robot = "arm.urdf"            # beside this file
+//! joints = ["j1", "j2"]         # order of columns and lists below, where it is not the robot's
+//!
+//! [[train]]
+//! file = "a.csv"
+//! [[test]]
+//! file = "b.csv"                # from_s and to_s take a part of a file
+//!
+//! [columns]                     # one per joint; usual names are found without
+//! time = "stamp"
+//! q = ["enc1", "enc2"]
+//! tau = ["i1", "i2"]
+//!
+//! [units]
+//! time = "ms"                   # s, ms, us, ns
+//! position = "deg"              # rad, deg, mrad, rev, m, mm
+//! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s
+//! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
+//! torque = "A"                  # Nm, mNm, kNm, A, mA, N
+//!
+//! [motors]                      # a number for all or one per joint
+//! gear_ratio = [100.0, 80.0]    # turns of the motor per turn of the joint
+//! torque_constant_nm_a = 0.12
+//! sign = [1, -1]                # of position, velocity and torque
+//! torque_sign = -1              # of torque alone
+//! position_at = "motor"         # or "joint"
+//! torque_at = "motor"           # or "joint"; currents are at the motor
+//! coupling = [[1.0, 0.0], [0.5, 1.0]]   # joints = coupling x motors, behind their gears
+//!
+//! [payload]                     # at the flange, known
+//! mass_kg = 5.0
+//! center_m = [0.0, 0.0, 0.1]
+//! inertia_kg_m2 = [0.1, 0.0, 0.1, 0.0, 0.0, 0.1]   # about its centre: xx, xy, yy, xz, yz, zz
+//!
+//! [mounting]
+//! gravity_m_s2 = [0.0, 0.0, 9.81]   # in the base frame: an arm that hangs
+//! ```
+
+mod convert;
+mod units;
+
+pub use units::{PositionUnit, TimeUnit, TorqueUnit, VelocityUnit};
+
+use crate::error::{Error, Result};
+use crate::quality;
+use crate::recording::lenient::{self, ColumnMap, Sieved};
+use crate::recording::{Recording, resample};
+use crate::robot::{Inertia, Robot};
+use nalgebra::{Matrix3, Vector3};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use units::AccelerationUnit;
+
+/// Schema of the file.
+pub const SCHEMA: &str = "tauscope.dataset/1";
+
+/// No arm is mounted where gravity is larger, m/s2.
+const LARGEST_GRAVITY: f64 = 1e3;
+
+/// A description of logs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataset {
+    path: PathBuf,
+    text: String,
+    spec: Spec,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Spec {
+    schema: String,
+    robot: Option<PathBuf>,
+    joints: Option<Vec<String>>,
+    #[serde(default)]
+    train: Vec<Part>,
+    #[serde(default)]
+    test: Vec<Part>,
+    #[serde(default)]
+    columns: ColumnMap,
+    #[serde(default)]
+    units: Units,
+    #[serde(default)]
+    motors: Motors,
+    payload: Option<Payload>,
+    #[serde(default)]
+    mounting: Mounting,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    file: PathBuf,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Units {
+    time: TimeUnit,
+    position: PositionUnit,
+    velocity: VelocityUnit,
+    acceleration: AccelerationUnit,
+    torque: TorqueUnit,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Motors {
+    gear_ratio: Option<PerJoint>,
+    torque_constant_nm_a: Option<PerJoint>,
+    sign: Option<PerJoint>,
+    torque_sign: Option<PerJoint>,
+    position_at: Option<Side>,
+    torque_at: Option<Side>,
+    coupling: Option<Vec<Vec<f64>>>,
+}
+
+/// A number for all joints, or one each.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "a number, or a list of one number per joint")]
+enum PerJoint {
+    All(f64),
+    Each(Vec<f64>),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Side {
+    Joint,
+    Motor,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Payload {
+    mass_kg: f64,
+    #[serde(default)]
+    center_m: [f64; 3],
+    #[serde(default)]
+    inertia_kg_m2: [f64; 6],
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mounting {
+    gravity_m_s2: Option<[f64; 3]>,
+}
+
+/// Logs made ready, in SI units at the joints and at even steps, with what had to be done to them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Logs {
+    /// Logs to identify from.
+    pub train: Vec<Recording>,
+    /// Logs to judge by.
+    pub test: Vec<Recording>,
+    /// Rows left out, clocks made even, and warnings of [`quality::examine`]; each begins with the file.
+    pub notes: Vec<String>,
+}
+
+impl Dataset {
+    /// Reads a description. Files named in it are beside it.
+    ///
+    /// # Errors
+    /// An unreadable file, an unknown key or unit, another schema, no log to train from.
+    pub fn load(path: impl AsRef<Path>) -> Result<Dataset> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "read the dataset", source))?;
+        let spec: Spec = toml::from_str(&text).map_err(|error| Error::toml(path, &text, &error))?;
+        let dataset = Dataset { path: path.to_owned(), text, spec };
+        if dataset.spec.schema != SCHEMA {
+            return Err(dataset.error("schema", format!("`{}` is not known; this is {SCHEMA}", dataset.spec.schema)));
+        }
+        if dataset.spec.train.is_empty() {
+            return Err(dataset.error("train", "name at least one log: [[train]] with file = \"...\""));
+        }
+        Ok(dataset)
+    }
+
+    /// The URDF that the dataset names.
+    pub fn robot(&self) -> Option<PathBuf> {
+        self.spec.robot.as_ref().map(|robot| self.beside(robot))
+    }
+
+    /// Puts the mounting and the known payload on an arm.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a payload that no body can have.
+    pub fn mount(&self, robot: &mut Robot) -> Result<()> {
+        if let Some(gravity) = self.spec.mounting.gravity_m_s2 {
+            let gravity = Vector3::from(gravity);
+            if !gravity.norm().is_finite() || gravity.norm() > LARGEST_GRAVITY {
+                let problem = format!("{:?} is no gravity in m/s2", gravity.as_slice());
+                return Err(self.error("mounting.gravity_m_s2", problem));
+            }
+            robot.gravity = gravity;
+        }
+        let (Some(payload), Some(last)) = (&self.spec.payload, robot.joints.last_mut()) else { return Ok(()) };
+        let [xx, xy, yy, xz, yz, zz] = payload.inertia_kg_m2;
+        let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let body = Inertia::from_center_of_mass(payload.mass_kg, Vector3::from(payload.center_m), tensor);
+        if let Some(problem) = body.physical_fault(1e-3) {
+            return Err(self.error("payload", problem));
+        }
+        let flange = &robot.flange;
+        last.inertia = last.inertia.welded_to(&body.seen_from_parent(&flange.rotation, &flange.translation));
+        Ok(())
+    }
+
+    /// Reads one log as the dataset says: SI units, at the joints, in the order of `robot`'s joints.
+    ///
+    /// # Errors
+    /// Those of [`lenient::load`]; lists that do not fit the joints, units that need what is not given.
+    pub fn read(&self, file: &Path, robot: &Robot) -> Result<Sieved> {
+        let names = robot.joint_names();
+        let order = self.spec.joints.as_ref().unwrap_or(&names);
+        let mut sorted = (order.clone(), names.clone());
+        sorted.0.sort();
+        sorted.1.sort();
+        if sorted.0 != sorted.1 {
+            let problem = format!("{} are not the robot's joints {}", order.join(", "), names.join(", "));
+            return Err(self.error("joints", problem));
+        }
+        let mut sieved = lenient::load(file, Some(order), &self.spec.columns)?;
+        self.convert(&mut sieved.recording)?;
+        if *order != names {
+            let place = |name: &String| order.iter().position(|own| own == name).unwrap_or(0);
+            convert::reorder(&mut sieved.recording, &names.iter().map(place).collect::<Vec<_>>());
+        }
+        Ok(sieved)
+    }
+
+    /// Reads all logs and makes them ready.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::read`], and a log that cannot be used, with the reason.
+    pub fn logs(&self, robot: &Robot) -> Result<Logs> {
+        let mut logs = Logs::default();
+        for (parts, test) in [(&self.spec.train, false), (&self.spec.test, true)] {
+            for part in parts {
+                let path = self.beside(&part.file);
+                let mut sieved = self.read(&path, robot)?;
+                sieved = part.of(sieved);
+                let recordings = ready(&path, sieved, robot, &mut logs.notes)?;
+                if test { logs.test.extend(recordings) } else { logs.train.extend(recordings) }
+            }
+        }
+        Ok(logs)
+    }
+
+    fn beside(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    /// An error about a key, at its line.
+    fn error(&self, key: &str, problem: impl Into<String>) -> Error {
+        let last = key.rsplit('.').next().unwrap_or(key);
+        let line = self.text.lines().position(|line| {
+            let line = line.trim_start().trim_start_matches('[');
+            line.strip_prefix(last).is_some_and(|rest| rest.trim_start().starts_with(['=', ']']))
+        });
+        Error::input(&self.path, line.map(|line| line + 1), key, problem)
+    }
+}
+
+impl Part {
+    /// The part of a log that is wanted.
+    fn of(&self, sieved: Sieved) -> Sieved {
+        if self.from_s.is_none() && self.to_s.is_none() {
+            return sieved;
+        }
+        let (from, to) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
+        let start = sieved.recording.time.partition_point(|&t| t < from);
+        let end = sieved.recording.time.partition_point(|&t| t < to).max(start);
+        Sieved {
+            recording: sieved.recording.slice(start..end),
+            lines: sieved.lines[start..end].to_vec(),
+            rejected: sieved.rejected,
+            notes: sieved.notes,
+        }
+    }
+}
+
+/// A log without a description made ready: rows that cannot be used left out, clock made even, faults noted.
+///
+/// # Errors
+/// Those of [`lenient::load`], and a log that cannot be used, with the reason.
+pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
+    ready(path, lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot, notes)
+}
+
+/// Examines a log, refuses it where it cannot be used, and cuts it into pieces at even steps.
+fn ready(path: &Path, sieved: Sieved, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
+    let report = quality::examine(&sieved, Some(robot))?;
+    if let Some(finding) = report.fatal() {
+        let problem = format!("the log cannot be used: {}", finding.text);
+        return Err(Error::input(path, None, finding.place.as_str(), problem));
+    }
+    let rows = sieved.rejected.iter().take(1).map(|row| {
+        let all = sieved.rejected.len();
+        format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
+    });
+    notes.extend(rows);
+    let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
+    notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
+    let pieces = resample::pieces(sieved.recording);
+    if pieces.is_empty() {
+        return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+    }
+    Ok(pieces)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+//! Units at the edge of a log's file.
+
+use serde::Deserialize;
+use std::f64::consts::{PI, TAU};
+
+/// Unit of time stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[allow(missing_docs, reason = "a unit says what it is")]
+pub enum TimeUnit {
+    #[default]
+    #[serde(rename = "s")]
+    Second,
+    #[serde(rename = "ms")]
+    Millisecond,
+    #[serde(rename = "us")]
+    Microsecond,
+    #[serde(rename = "ns")]
+    Nanosecond,
+}
+
+/// Unit of positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[allow(missing_docs, reason = "a unit says what it is")]
+pub enum PositionUnit {
+    #[default]
+    #[serde(rename = "rad", alias = "m")]
+    Si,
+    #[serde(rename = "deg")]
+    Degree,
+    #[serde(rename = "mrad", alias = "mm")]
+    Thousandth,
+    #[serde(rename = "rev")]
+    Turn,
+}
+
+/// Unit of velocities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[allow(missing_docs, reason = "a unit says what it is")]
+pub enum VelocityUnit {
+    #[default]
+    #[serde(rename = "rad/s", alias = "m/s")]
+    Si,
+    #[serde(rename = "deg/s")]
+    Degree,
+    #[serde(rename = "mrad/s", alias = "mm/s")]
+    Thousandth,
+    #[serde(rename = "rpm")]
+    Rpm,
+}
+
+/// Unit of accelerations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum AccelerationUnit {
+    #[default]
+    #[serde(rename = "rad/s2", alias = "m/s2")]
+    Si,
+    #[serde(rename = "deg/s2")]
+    Degree,
+}
+
+/// Unit of torques, or of the currents they are made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[allow(missing_docs, reason = "a unit says what it is")]
+pub enum TorqueUnit {
+    #[default]
+    #[serde(rename = "Nm", alias = "N m", alias = "N")]
+    Si,
+    #[serde(rename = "mNm")]
+    Millinewton,
+    #[serde(rename = "kNm")]
+    Kilonewton,
+    #[serde(rename = "A")]
+    Ampere,
+    #[serde(rename = "mA")]
+    Milliampere,
+}
+
+impl TimeUnit {
+    /// Seconds per unit.
+    pub fn factor(self) -> f64 {
+        match self {
+            TimeUnit::Second => 1.0,
+            TimeUnit::Millisecond => 1e-3,
+            TimeUnit::Microsecond => 1e-6,
+            TimeUnit::Nanosecond => 1e-9,
+        }
+    }
+}
+
+impl PositionUnit {
+    /// Radians or metres per unit.
+    pub fn factor(self) -> f64 {
+        match self {
+            PositionUnit::Si => 1.0,
+            PositionUnit::Degree => PI / 180.0,
+            PositionUnit::Thousandth => 1e-3,
+            PositionUnit::Turn => TAU,
+        }
+    }
+}
+
+impl VelocityUnit {
+    /// Radians or metres per second and unit.
+    pub fn factor(self) -> f64 {
+        match self {
+            VelocityUnit::Si => 1.0,
+            VelocityUnit::Degree => PI / 180.0,
+            VelocityUnit::Thousandth => 1e-3,
+            VelocityUnit::Rpm => TAU / 60.0,
+        }
+    }
+}
+
+impl AccelerationUnit {
+    /// Radians or metres per second squared and unit.
+    pub fn factor(self) -> f64 {
+        match self {
+            AccelerationUnit::Si => 1.0,
+            AccelerationUnit::Degree => PI / 180.0,
+        }
+    }
+}
+
+impl TorqueUnit {
+    /// Newton metres (or newtons), or amperes, per unit.
+    pub fn factor(self) -> f64 {
+        match self {
+            TorqueUnit::Si | TorqueUnit::Ampere => 1.0,
+            TorqueUnit::Millinewton | TorqueUnit::Milliampere => 1e-3,
+            TorqueUnit::Kilonewton => 1e3,
+        }
+    }
+
+    /// Whether it is a current.
+    pub fn is_current(self) -> bool {
+        matches!(self, TorqueUnit::Ampere | TorqueUnit::Milliampere)
+    }
+}

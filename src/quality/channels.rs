@@ -1,0 +1,186 @@
+//! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
+
+use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use std::f64::consts::TAU;
+
+/// A channel that stands still for longer while its joint moves is frozen, s.
+const FROZEN_S: f64 = 0.1;
+
+/// Path that a joint or its neighbours must go meanwhile, rad or m.
+const PATH: f64 = 0.02;
+
+/// Consecutive samples at one extreme value, and samples there in all, that make a channel clipped.
+const CLIPPED_RUN: usize = 4;
+const CLIPPED: usize = 12;
+
+/// A channel most of whose changes are smaller than this many of its last digit is coarse.
+const COARSE: f64 = 3.5;
+
+/// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
+const FASTEST: f64 = 50.0;
+
+/// Findings about the channels of every joint.
+pub fn findings(view: &View) -> Vec<Finding> {
+    let mut out = Vec::new();
+    for joint in 0..view.dof() {
+        let (q, tau) = (view.log.q.channel(joint), view.log.tau.channel(joint));
+        out.extend(wrapped(view, joint, q));
+        out.extend(spike(view, joint, q));
+        out.extend(frozen_position(view, joint, q));
+        if tau.iter().all(|v| v == &tau[0]) {
+            let text = format!("the torque is {} all along: it was not logged; leave the joint out or log it", tau[0]);
+            out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
+            continue;
+        }
+        if !coarse(tau) {
+            out.extend(clipped(view, joint, tau));
+            out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
+        }
+        out.extend(unsigned(view, joint, tau));
+    }
+    if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
+        out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", "no joint has a torque that changes"));
+    }
+    out
+}
+
+/// Whether a channel has so few digits that most of its changes are by the last one: it then rests between them, and at
+/// its extremes, without anything being wrong.
+fn coarse(values: &[f64]) -> bool {
+    let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    let resolution = changes().fold(f64::INFINITY, f64::min);
+    size_quantile(changes(), 0.5) < COARSE * resolution
+}
+
+/// Runs of equal values: start and length.
+fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
+    values.chunk_by(|a, b| a == b).scan(0, |start, run| {
+        let own = *start;
+        *start += run.len();
+        Some((own, run.len()))
+    })
+}
+
+fn path(signal: &[f64]) -> f64 {
+    signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
+}
+
+fn wrapped(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
+    let jumps = |pair: &[f64]| ((pair[1] - pair[0]).abs() - TAU).abs() < 0.05 * TAU;
+    let at = q.windows(2).position(jumps)?;
+    let text = "the position jumps by a whole turn between two samples; unwrap it before use";
+    let place = format!("{} at {:.4} s", view.place("q", joint), view.log.time[at]);
+    Some(Finding::new(Kind::Wrapped, Severity::Warning, place, text))
+}
+
+fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
+    let fastest = FASTEST * view.period;
+    let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
+    let limit = fastest.max(20.0 * typical);
+    let is_spike = |x: &[f64]| {
+        let (to, from) = (x[1] - x[0], x[2] - x[1]);
+        to.abs() > limit && from.abs() > limit && to * from < 0.0 && to.abs().min(from.abs()) < 0.9 * TAU
+    };
+    let at = q.windows(3).position(is_spike)? + 1;
+    let count = q.windows(3).filter(|x| is_spike(x)).count();
+    let text = format!("{count} samples stand out from both neighbours by more than any joint can move; remove them");
+    let place = format!("{} at {:.4} s", view.place("q", joint), view.log.time[at]);
+    Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
+}
+
+/// A position that stands and then makes up for it in one step.
+fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
+    let shortest = ((0.02 / view.period) as usize).max(5);
+    let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
+    let velocity = view.log.qd.as_ref().map(|qd| qd.channel(joint));
+    let (start, length) = runs(q).find(|&(start, length)| {
+        let end = start + length;
+        let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
+        let runs_on = velocity.is_some_and(|qd| rms(&qd[start..end]) * length as f64 * view.period > PATH);
+        length >= shortest && (makes_up || runs_on)
+    })?;
+    let seconds = length as f64 * view.period;
+    let text = format!("the position is frozen for {seconds:.3} s while the joint moves on; cut this part out");
+    let place = format!("{} from {:.4} s", view.place("q", joint), view.log.time[start]);
+    Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
+}
+
+fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let shortest = ((FROZEN_S / view.period) as usize).max(10);
+    let (low, high) = extremes(tau);
+    let (start, length) = runs(tau).find(|&(start, length)| {
+        let moved = || path(&view.q.channel(joint)[start..start + length]) > PATH;
+        length >= shortest && tau[start] != low && tau[start] != high && moved()
+    })?;
+    let seconds = length as f64 * view.period;
+    let text = format!("the torque is frozen for {seconds:.3} s while the joint moves; cut this part out");
+    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[start]);
+    Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
+}
+
+fn extremes(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+}
+
+fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let (low, high) = extremes(tau);
+    let at = |level: f64| {
+        let long = runs(tau).filter(|&(start, length)| tau[start] == level && length >= CLIPPED_RUN);
+        long.fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }))
+    };
+    // A sensor that never says zero does not rest at its extreme unless it is cut off there.
+    let sides = [low, high].into_iter().filter(|level| *level != 0.0).map(|level| (level, at(level)));
+    let (level, (count, first)) = sides.filter(|(_, (count, _))| *count >= CLIPPED).max_by_key(|(_, (n, _))| *n)?;
+    let text = format!(
+        "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; leave these samples out or \
+         use a slower motion",
+        100.0 * count as f64 / tau.len() as f64
+    );
+    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first]);
+    Some(Finding::new(Kind::Clipped, Severity::Warning, place, text))
+}
+
+/// A torque that changes less often than the log has rows.
+fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let moving: Vec<usize> = (1..tau.len()).filter(|&i| view.qd.channel(joint)[i].abs() > BAND).collect();
+    let repeated = |signal: &[f64]| {
+        moving.iter().filter(|&&i| signal[i] == signal[i - 1]).count() as f64 / moving.len().max(1) as f64
+    };
+    let (share, of_position) = (repeated(tau), repeated(view.log.q.channel(joint)));
+    if moving.len() < 50 || share < 0.45 || of_position > 0.5 * share {
+        return None;
+    }
+    let rate = (1.0 - share) / view.period;
+    let text = format!(
+        "{:.0} % of the samples repeat the one before: the torque comes at about {rate:.0} Hz and is held; log at that \
+         rate, or smooth over several of its steps",
+        100.0 * share
+    );
+    Some(Finding::new(Kind::HeldSamples, Severity::Note, view.place("tau", joint), text))
+}
+
+/// A torque that comes down to zero again and again and never goes below (or above).
+fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let (low, high) = extremes(tau);
+    let size = size_quantile(tau.iter().copied(), 0.95);
+    let near = 0.03 * size;
+    let (one_sided, what) = if low >= 0.0 { (true, "never negative") } else { (high <= 0.0, "never positive") };
+    if !one_sided || size == 0.0 {
+        return None;
+    }
+    let mut visits = 0;
+    let mut away = false;
+    for value in tau {
+        if value.abs() < near && away {
+            (visits, away) = (visits + 1, false);
+        } else if value.abs() > 5.0 * near {
+            away = true;
+        }
+    }
+    (visits >= 2).then(|| {
+        let text = format!(
+            "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"
+        );
+        Finding::new(Kind::UnsignedTorque, Severity::Warning, view.place("tau", joint), text)
+    })
+}

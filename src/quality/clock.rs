@@ -1,0 +1,81 @@
+//! Rows that were left out, and the clock.
+
+use super::{Finding, Kind, Severity};
+use crate::recording::lenient::{Cause, Sieved};
+use crate::recording::resample::{Clock, IRREGULAR};
+
+/// Fewer samples, or a shorter time, tell nothing about an arm.
+const FEWEST: usize = 50;
+const SHORTEST_S: f64 = 0.5;
+
+/// Lines that a finding lists.
+const LISTED: usize = 5;
+
+/// Findings about rows and clock.
+pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
+    let recording = &sieved.recording;
+    let all = sieved.rejected.len() + recording.samples();
+    let mut out = Vec::new();
+    let groups: [(Kind, &[Cause], &str); 3] = [
+        (Kind::BadRows, &[Cause::Unreadable, Cause::NotFinite, Cause::Absurd], "cannot be used"),
+        (Kind::DuplicateTime, &[Cause::DuplicateTime], "repeat the time of the row before"),
+        (Kind::BackwardTime, &[Cause::BackwardTime], "are out of time"),
+    ];
+    for (kind, causes, what) in groups {
+        let rows: Vec<_> = sieved.rejected.iter().filter(|row| causes.contains(&row.cause)).collect();
+        let Some(first) = rows.first() else { continue };
+        let mut lines = rows.iter().take(LISTED).map(|row| row.line.to_string()).collect::<Vec<_>>().join(", ");
+        if rows.len() > LISTED {
+            lines += &format!(" and {} more", rows.len() - LISTED);
+        }
+        let share = rows.len() as f64 / all as f64;
+        let (severity, advice) = match share {
+            s if s > 0.5 => (Severity::Fatal, "most of the log is lost; mend the export and try again"),
+            s if s > 0.01 => (Severity::Warning, "they are left out and bridged; mend the export if you can"),
+            _ => (Severity::Note, "they are left out and bridged"),
+        };
+        let text = format!("{} of {all} rows {what} ({}: {}); {advice}", rows.len(), first.column, first.problem);
+        out.push(Finding::new(kind, severity, format!("line {lines}"), text));
+    }
+    if recording.samples() < FEWEST || recording.duration() < SHORTEST_S {
+        let text = format!(
+            "{} samples over {:.3} s are too few to say anything; at least {FEWEST} and {SHORTEST_S} s are wanted",
+            recording.samples(),
+            recording.duration()
+        );
+        out.push(Finding::new(Kind::TooShort, Severity::Fatal, "rows", text));
+        return out;
+    }
+    let jitter = clock.jitter_s * clock.rate_hz;
+    if jitter > IRREGULAR {
+        let text = format!(
+            "the steps of time scatter by {:.3} ms rms about {:.3} ms ({:.0} %); the log is taken at even steps, but log \
+             with the controller's clock if you can",
+            1e3 * clock.jitter_s,
+            1e3 / clock.rate_hz,
+            100.0 * jitter
+        );
+        out.push(Finding::new(Kind::Jitter, Severity::Warning, "t", text));
+    }
+    if !clock.gaps.is_empty() {
+        let missing: f64 =
+            clock.gaps.iter().map(|&at| recording.time[at + 1] - recording.time[at] - 1.0 / clock.rate_hz).sum();
+        let places: Vec<String> = clock
+            .gaps
+            .iter()
+            .take(LISTED)
+            .map(|&at| format!("{:.4} s (line {})", recording.time[at], sieved.lines[at]))
+            .collect();
+        let share = missing / recording.duration();
+        let severity = if share > 0.01 { Severity::Warning } else { Severity::Note };
+        let text = format!(
+            "{} gaps, together {missing:.3} s; short ones are bridged, at long ones the log is cut in pieces",
+            clock.gaps.len()
+        );
+        out.push(Finding::new(Kind::Gap, severity, places.join(", "), text));
+    }
+    if !sieved.notes.is_empty() {
+        out.push(Finding::new(Kind::UnusedColumns, Severity::Note, "header", sieved.notes.join("; ")));
+    }
+    out
+}

@@ -1,0 +1,237 @@
+//! What a measured log is worth: every fault found in it, where it is, and what to do about it.
+//!
+//! Checks of single channels need nothing but the log. Those of torque fit a model to every joint: with a URDF the base
+//! parameters that act there, without one gravity, rotor and friction of the joint alone.
+
+mod channels;
+mod clock;
+mod motion;
+mod torque;
+mod velocity;
+
+pub use motion::JointSummary;
+
+use crate::channels::Channels;
+use crate::error::Result;
+use crate::recording::Recording;
+use crate::recording::lenient::{self, ColumnMap, Rejected, Sieved};
+use crate::recording::resample::{self, Clock};
+use crate::robot::Robot;
+use crate::signal::{Edge, SavitzkyGolay};
+use std::path::Path;
+
+/// How bad a finding is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// Results will be wrong or poor unless something is done.
+    Warning,
+    /// The log cannot be used.
+    Fatal,
+}
+
+/// What kind of fault it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs, reason = "the names say it; the text of a finding explains")]
+pub enum Kind {
+    TooShort,
+    BadRows,
+    DuplicateTime,
+    BackwardTime,
+    Jitter,
+    Gap,
+    NoMotion,
+    NoTorque,
+    Frozen,
+    HeldSamples,
+    Clipped,
+    Spike,
+    Wrapped,
+    UnsignedTorque,
+    TorqueSign,
+    TorqueUnit,
+    VelocitySign,
+    VelocityUnit,
+    VelocityMismatch,
+    VelocityDelay,
+    PositionUnit,
+    OutsideLimits,
+    Swapped,
+    DeadTime,
+    HardlyMoves,
+    PoorExcitation,
+    UnusedColumns,
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Finding {
+    /// What kind of fault.
+    pub kind: Kind,
+    /// The column, joint, line or time.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// How bad.
+    pub severity: Severity,
+    /// What is wrong and what to do.
+    pub text: String,
+}
+
+impl Finding {
+    fn new(kind: Kind, severity: Severity, place: impl Into<String>, text: impl Into<String>) -> Self {
+        Finding { kind, place: place.into(), severity, text: text.into() }
+    }
+}
+
+/// Everything found in a log.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// Rows that can be used.
+    pub rows: usize,
+    /// Rows that were left out.
+    pub rejected: Vec<Rejected>,
+    /// Time from the first to the last sample, s.
+    pub duration_s: f64,
+    /// Rate and jitter.
+    pub clock: Clock,
+    /// Range, speed and torque of every joint.
+    pub joints: Vec<JointSummary>,
+    /// Condition number of the base parameters' regressor with columns of equal length; with a URDF only.
+    pub condition_number: Option<f64>,
+    /// What is wrong, the worst first.
+    pub findings: Vec<Finding>,
+    /// Whether the log can be used at all.
+    pub usable: bool,
+}
+
+impl Report {
+    /// The first reason why the log cannot be used.
+    pub fn fatal(&self) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.severity == Severity::Fatal)
+    }
+}
+
+/// Reads a log leniently and examines it; with the arm's joints in order and their limits where `robot` is known.
+///
+/// # Errors
+/// Those of [`lenient::load`]: the file cannot be read as a log at all.
+pub fn inspect(path: &Path, robot: Option<&Robot>) -> Result<Report> {
+    let names = robot.map(Robot::joint_names);
+    examine(&lenient::load(path, names.as_deref(), &ColumnMap::default())?, robot)
+}
+
+/// Examines a log. `robot` gives limits and geometry; its inertias are used where they are possible.
+///
+/// # Errors
+/// None on a log of any content; those of the filters are passed on.
+pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
+    let recording = &sieved.recording;
+    let clock = Clock::new(recording);
+    let mut findings = clock::findings(sieved, &clock);
+    let mut summaries = Vec::new();
+    let mut condition_number = None;
+    if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
+        let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
+        let view = View::new(&even)?;
+        summaries = motion::summaries(&view, robot);
+        findings.extend(channels::findings(&view));
+        let units = motion::findings(&view, &summaries, robot);
+        let positions_doubtful = units.iter().any(|f| f.kind == Kind::PositionUnit);
+        findings.extend(units);
+        findings.extend(velocity::findings(&view)?);
+        let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
+        if moves && !positions_doubtful {
+            let (found, condition) = torque::findings(&view, &mut summaries, robot);
+            findings.extend(found);
+            condition_number = condition;
+        }
+    }
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    Ok(Report {
+        rows: recording.samples(),
+        rejected: sieved.rejected.clone(),
+        duration_s: recording.duration(),
+        clock,
+        joints: summaries,
+        condition_number,
+        usable: findings.iter().all(|finding| finding.severity != Severity::Fatal),
+        findings,
+    })
+}
+
+/// Time over which positions are smoothed for the checks, s.
+const SMOOTHING_S: f64 = 0.08;
+
+/// A joint slower than this is not known to move, rad/s or m/s.
+const BAND: f64 = 0.03;
+
+/// A log at even steps with what all checks need of it.
+struct View<'a> {
+    log: &'a Recording,
+    period: f64,
+    /// Savitzky-Golay of positions and torques.
+    q: Channels,
+    qd: Channels,
+    qdd: Channels,
+    tau: Channels,
+}
+
+impl<'a> View<'a> {
+    fn new(log: &'a Recording) -> Result<Self> {
+        let period = 1.0 / log.rate_hz();
+        let window = ((SMOOTHING_S / period).round() as usize | 1).clamp(7, 101).min((log.samples() - 1) | 1);
+        let smooth = |signals: &Channels, degree| -> Result<Channels> {
+            let smoother = SavitzkyGolay::new(window, 4, degree, period, Edge::Polynomial)?;
+            let mut out = Channels::zeros(signals.channels(), signals.samples());
+            for joint in 0..signals.channels() {
+                smoother.apply(signals.channel(joint), out.channel_mut(joint))?;
+            }
+            Ok(out)
+        };
+        Ok(View {
+            log,
+            period,
+            q: smooth(&log.q, 0)?,
+            qd: smooth(&log.q, 1)?,
+            qdd: smooth(&log.q, 2)?,
+            tau: smooth(&log.tau, 0)?,
+        })
+    }
+
+    fn dof(&self) -> usize {
+        self.log.joints()
+    }
+
+    /// A column as the file may call it, with the joint.
+    fn place(&self, quantity: &str, joint: usize) -> String {
+        format!("{quantity}{} ({})", joint + 1, self.log.joints[joint])
+    }
+}
+
+/// Root mean square.
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// Correlation about zero of two signals; zero where one of them is.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    let scale = (dot(a, a) * dot(b, b)).sqrt();
+    if scale > 0.0 { dot(a, b) / scale } else { 0.0 }
+}
+
+/// The value below which a share of all sizes lies.
+fn size_quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let place = ((sizes.len() - 1) as f64 * share) as usize;
+    *sizes.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests;

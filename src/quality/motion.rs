@@ -1,0 +1,131 @@
+//! What the joints do: range and speed against the limits, units of position, joints that hardly move.
+
+use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use crate::robot::{JointKind, Robot};
+use std::f64::consts::{PI, TAU};
+
+/// A joint that stays within this hardly moves, rad or m; so does one that is never faster than twice the band.
+const STILL: f64 = 0.02;
+
+/// Range, speed and torque of a joint.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct JointSummary {
+    /// Name of the joint.
+    pub name: String,
+    /// Lowest and highest position, rad or m.
+    pub range: [f64; 2],
+    /// Share of the URDF's range that is used.
+    pub range_share: Option<f64>,
+    /// Highest speed, from positions, rad/s or m/s.
+    pub speed: f64,
+    /// Share of the URDF's speed.
+    pub speed_share: Option<f64>,
+    /// Reversals of the direction of motion.
+    pub reversals: usize,
+    /// Root mean square torque, N m or N.
+    pub torque_rms: f64,
+    /// Part of the torque that the joint's own model leaves unexplained, root mean square over root mean square.
+    pub unexplained: Option<f64>,
+    /// Time by which the torque comes behind the motion, s, where it can be told.
+    pub dead_time_s: Option<f64>,
+}
+
+/// Summaries of all joints.
+pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
+    (0..view.dof())
+        .map(|joint| {
+            let q = view.log.q.channel(joint);
+            let range = q.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
+            let speed = size_quantile(view.qd.channel(joint).iter().copied(), 1.0);
+            let limits = robot.map(|robot| robot.joints[joint].limits);
+            let span = limits.map(|limits| limits.upper - limits.lower).filter(|span| span.is_finite() && *span > 0.0);
+            let fastest = limits.map(|limits| limits.velocity).filter(|v| v.is_finite());
+            JointSummary {
+                name: view.log.joints[joint].clone(),
+                range,
+                range_share: span.map(|span| (range[1] - range[0]) / span),
+                speed,
+                speed_share: fastest.map(|fastest| speed / fastest),
+                reversals: reversals(view.qd.channel(joint)),
+                torque_rms: rms(view.log.tau.channel(joint)),
+                unexplained: None,
+                dead_time_s: None,
+            }
+        })
+        .collect()
+}
+
+fn reversals(velocity: &[f64]) -> usize {
+    let mut direction = 0.0;
+    let mut count = 0;
+    for &v in velocity.iter().filter(|v| v.abs() > BAND) {
+        if direction * v < 0.0 {
+            count += 1;
+        }
+        direction = v.signum();
+    }
+    count
+}
+
+/// Findings about the motion.
+pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let still = |s: &JointSummary| s.range[1] - s.range[0] < STILL || s.speed < 2.0 * BAND;
+    if summaries.iter().all(still) {
+        let text = "no joint moves by more than 0.02 rad or faster than 0.06 rad/s: nothing can be identified from it";
+        return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "q", text)];
+    }
+    for (joint, summary) in summaries.iter().enumerate() {
+        let place = view.place("q", joint);
+        let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
+        let limits = robot.map(|robot| robot.joints[joint].limits);
+        if let Some(text) = unit(summary, limits.map(|l| (l.lower, l.upper, l.velocity))).filter(|_| revolute) {
+            out.push(Finding::new(Kind::PositionUnit, Severity::Warning, place, text));
+            continue;
+        }
+        if let Some(limits) = limits {
+            let over = (limits.lower - summary.range[0]).max(summary.range[1] - limits.upper);
+            if over > 0.01 {
+                let text = format!(
+                    "the positions {:.3} .. {:.3} leave the URDF's limits {:.3} .. {:.3}; check zero positions, signs and the \
+                     order of the joints",
+                    summary.range[0], summary.range[1], limits.lower, limits.upper
+                );
+                out.push(Finding::new(Kind::OutsideLimits, Severity::Warning, place.clone(), text));
+            }
+        }
+        if still(summary) {
+            let text = format!(
+                "the joint hardly moves ({:.4} rad, at most {:.3} rad/s): its friction and inertia cannot be found from \
+                 this log",
+                summary.range[1] - summary.range[0],
+                summary.speed
+            );
+            out.push(Finding::new(Kind::HardlyMoves, Severity::Warning, place, text));
+        }
+    }
+    out
+}
+
+/// Why positions do not look like radians; `limits` are lower, upper and speed.
+fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>) -> Option<String> {
+    let largest = summary.range[0].abs().max(summary.range[1].abs());
+    let (bound, fastest) = limits.map_or((f64::INFINITY, f64::INFINITY), |(l, u, v)| (l.abs().max(u.abs()), v));
+    // Joints that turn without end, or wrists that turn twice, stay below two turns and a half.
+    let beyond = largest > if bound.is_finite() { 1.5 * bound.max(1.0) } else { 2.5 * TAU };
+    let in_degrees = largest / (180.0 / PI) < bound.min(2.5 * TAU) * 1.05;
+    let too_fast = summary.speed > 5.0 * fastest;
+    let fits_in_degrees = summary.speed / (180.0 / PI) < 1.5 * fastest;
+    match (beyond, in_degrees, too_fast && fits_in_degrees) {
+        (true, true, _) | (_, true, true) => Some(format!(
+            "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in rad; are they in degrees? \
+             Convert them to rad",
+            summary.speed
+        )),
+        (true, false, _) => Some(format!(
+            "positions up to {largest:.3e} are neither rad nor deg: encoder counts, or turns of the motor? Convert them \
+             to rad at the joint"
+        )),
+        _ => None,
+    }
+}

@@ -1,0 +1,221 @@
+//! Faults put into clean logs are found and named; clean logs of different arms and rates have none.
+
+use super::*;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::random;
+use crate::robot::{self, InertiaCheck};
+use rand_distr::{Distribution, StandardNormal};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn arm(file: &str) -> Robot {
+    robot::load(format!("{ROOT}/{file}"), InertiaCheck::Required).unwrap()
+}
+
+fn irb() -> Robot {
+    arm("urdf/irb1600_6_120.urdf")
+}
+
+/// A log of `robot` on a motion of two sines per joint, with friction of a tenth of the torque and noise.
+fn log(robot: &Robot, rate_hz: f64, seconds: f64) -> Sieved {
+    let samples = (rate_hz * seconds) as usize;
+    let time: Vec<f64> = (0..samples).map(|i| i as f64 / rate_hz).collect();
+    let mut motion = Motion::zeros(robot.dof(), samples);
+    for (j, joint) in robot.joints.iter().enumerate() {
+        let (lower, upper) = (joint.limits.lower.max(-2.0), joint.limits.upper.min(2.0));
+        let (middle, swing) = (0.5 * (lower + upper), 0.3 * (upper - lower));
+        for (i, &t) in time.iter().enumerate() {
+            for (k, (part, rate)) in [(0.6, 1.3 + 0.37 * j as f64), (0.4, 2.9 + 0.53 * j as f64)].iter().enumerate() {
+                let phase = rate * t + 0.7 * (j + k) as f64;
+                motion.q.channel_mut(j)[i] += part * swing * phase.sin() + if k == 0 { middle } else { 0.0 };
+                motion.qd.channel_mut(j)[i] += part * swing * rate * phase.cos();
+                motion.qdd.channel_mut(j)[i] -= part * swing * rate * rate * phase.sin();
+            }
+        }
+    }
+    let mut tau = inverse_dynamics(&Chain::new(robot), &robot.inertial_parameters(), &motion);
+    let mut noise = random::stream(6, "quality", 0);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut noise) };
+    let (mut q, mut qd) = (motion.q.clone(), motion.qd.clone());
+    for j in 0..robot.dof() {
+        let size = rms(tau.channel(j));
+        let speed = rms(motion.qd.channel(j));
+        for i in 0..samples {
+            let v = motion.qd.channel(j)[i];
+            tau.channel_mut(j)[i] += size * (0.2 * (v / 0.01).tanh() + 0.1 * v / speed + 0.01 * normal());
+            q.channel_mut(j)[i] += 2e-6 * normal();
+            qd.channel_mut(j)[i] += 0.005 * speed * normal();
+        }
+    }
+    let recording = Recording { joints: robot.joint_names(), time, q, qd: Some(qd), tau, ..Recording::default() };
+    Sieved { lines: (2..samples + 2).collect(), rejected: Vec::new(), notes: Vec::new(), recording }
+}
+
+fn found(sieved: &Sieved, robot: Option<&Robot>) -> Vec<(Kind, String)> {
+    let report = examine(sieved, robot).unwrap();
+    report.findings.into_iter().map(|finding| (finding.kind, finding.place)).collect()
+}
+
+/// Puts a fault in and checks that it alone is found, at a place that begins with `place`.
+#[track_caller]
+fn assert_found(kind: Kind, place: &str, robot: Option<&Robot>, fault: impl Fn(&mut Recording)) {
+    let mut sieved = log(&irb(), 250.0, 12.0);
+    fault(&mut sieved.recording);
+    sieved.lines = (2..sieved.recording.samples() + 2).collect();
+    let found = found(&sieved, robot);
+    assert!(found.iter().any(|(k, p)| *k == kind && p.starts_with(place)), "{kind:?} at {place}: {found:?}");
+    assert!(found.iter().all(|(k, _)| *k == kind), "{kind:?} at {place}, but also others: {found:?}");
+}
+
+#[test]
+fn clean_logs_have_no_finding() {
+    let planar = arm("tests/reference/skew7.urdf");
+    for (robot, rate) in [(irb(), 125.0), (irb(), 250.0), (irb(), 1000.0), (planar, 500.0)] {
+        for quantised in [false, true] {
+            let mut sieved = log(&robot, rate, 12.0);
+            if quantised {
+                let steps = [(&mut sieved.recording.q, 1e-5), (&mut sieved.recording.tau, 0.01)];
+                for (table, step) in steps {
+                    table.as_mut_slice().iter_mut().for_each(|v| *v = (*v / step).round() * step);
+                }
+                sieved.recording.qd = None;
+            }
+            for known in [None, Some(&robot)] {
+                let found = found(&sieved, known);
+                assert!(found.is_empty(), "{} at {rate} Hz: {found:?}", robot.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn torque_faults() {
+    let robot = irb();
+    for known in [None, Some(&robot)] {
+        assert_found(Kind::TorqueSign, "tau2", known, |log| log.tau.channel_mut(1).iter_mut().for_each(|v| *v = -*v));
+        assert_found(Kind::Clipped, "tau3", known, |log| {
+            let top = log.tau.channel(2).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            log.tau.channel_mut(2).iter_mut().for_each(|v| *v = v.clamp(-0.7 * top, 0.7 * top));
+        });
+        assert_found(Kind::Frozen, "tau5", known, |log| {
+            let held = log.tau.channel(4)[1000];
+            log.tau.channel_mut(4)[1000..1100].fill(held);
+        });
+        assert_found(Kind::HeldSamples, "tau1", known, |log| {
+            let tau = log.tau.channel(0).to_vec();
+            (0..tau.len()).for_each(|i| log.tau.channel_mut(0)[i] = tau[i - i % 2]);
+        });
+        assert_found(Kind::NoTorque, "tau6", known, |log| log.tau.channel_mut(5).fill(0.0));
+    }
+    assert_found(Kind::UnsignedTorque, "tau4", None, |log| {
+        log.tau.channel_mut(3).iter_mut().for_each(|v| *v = v.abs());
+    });
+    assert_found(Kind::TorqueUnit, "tau", Some(&robot), |log| {
+        log.tau.as_mut_slice().iter_mut().for_each(|v| *v *= 1e3);
+    });
+    assert_found(Kind::DeadTime, "tau", Some(&robot), |log| {
+        for joint in 0..6 {
+            let tau = log.tau.channel(joint).to_vec();
+            (3..tau.len()).for_each(|i| log.tau.channel_mut(joint)[i] = tau[i - 3]);
+        }
+    });
+    assert_found(Kind::Swapped, "tau2", Some(&robot), |log| {
+        let (second, fourth) = (log.tau.channel(1).to_vec(), log.tau.channel(3).to_vec());
+        log.tau.channel_mut(1).copy_from_slice(&fourth);
+        log.tau.channel_mut(3).copy_from_slice(&second);
+    });
+}
+
+#[test]
+fn dead_time_is_measured() {
+    let robot = irb();
+    let mut sieved = log(&robot, 250.0, 12.0);
+    for joint in 0..6 {
+        let tau = sieved.recording.tau.channel(joint).to_vec();
+        (3..tau.len()).for_each(|i| sieved.recording.tau.channel_mut(joint)[i] = tau[i - 3]);
+    }
+    let report = examine(&sieved, Some(&robot)).unwrap();
+    for lag in report.joints.iter().filter_map(|joint| joint.dead_time_s) {
+        assert!((lag - 0.012).abs() < 0.002, "{lag}");
+    }
+}
+
+#[test]
+fn position_and_velocity_faults() {
+    let robot = irb();
+    let degrees = 180.0 / std::f64::consts::PI;
+    for known in [None, Some(&robot)] {
+        assert_found(Kind::VelocitySign, "qd3", known, |log| {
+            log.qd.as_mut().unwrap().channel_mut(2).iter_mut().for_each(|v| *v = -*v);
+        });
+        assert_found(Kind::VelocityUnit, "qd", known, |log| {
+            log.qd.as_mut().unwrap().as_mut_slice().iter_mut().for_each(|v| *v *= degrees);
+        });
+        assert_found(Kind::VelocityUnit, "qd1", known, |log| {
+            log.qd.as_mut().unwrap().channel_mut(0).iter_mut().for_each(|v| *v *= 30.0 / std::f64::consts::PI);
+        });
+        assert_found(Kind::Swapped, "qd1", known, |log| {
+            let (first, third) =
+                (log.qd.as_ref().unwrap().channel(0).to_vec(), log.qd.as_ref().unwrap().channel(2).to_vec());
+            log.qd.as_mut().unwrap().channel_mut(0).copy_from_slice(&third);
+            log.qd.as_mut().unwrap().channel_mut(2).copy_from_slice(&first);
+        });
+        assert_found(Kind::VelocityDelay, "qd2", known, |log| {
+            let qd = log.qd.as_ref().unwrap().channel(1).to_vec();
+            (5..qd.len()).for_each(|i| log.qd.as_mut().unwrap().channel_mut(1)[i] = qd[i - 5]);
+        });
+        assert_found(Kind::PositionUnit, "q", known, |log| {
+            log.q.as_mut_slice().iter_mut().for_each(|v| *v *= degrees);
+            log.qd.as_mut().unwrap().as_mut_slice().iter_mut().for_each(|v| *v *= degrees);
+        });
+        assert_found(Kind::Spike, "q4 (", known, |log| log.q.channel_mut(3)[700] += 0.8);
+        assert_found(Kind::Frozen, "q2", known, |log| {
+            let held = log.q.channel(1)[990];
+            log.q.channel_mut(1)[990..1040].fill(held);
+        });
+        assert_found(Kind::NoMotion, "q", known, |log| {
+            log.q.as_mut_slice().fill(0.3);
+            log.qd.as_mut().unwrap().as_mut_slice().fill(0.0);
+        });
+    }
+    assert_found(Kind::OutsideLimits, "q2", Some(&robot), |log| {
+        let upper = irb().joints[1].limits.upper;
+        let top = log.q.channel(1).iter().fold(f64::MIN, |m, v| m.max(*v));
+        log.q.channel_mut(1).iter_mut().for_each(|v| *v += upper - top + 0.05);
+        // The torque is that of the true positions.
+        log.tau = torque_of_bodies(log);
+    });
+}
+
+/// Torque of the bodies along a log's own positions, without friction.
+fn torque_of_bodies(log: &Recording) -> Channels {
+    let view = View::new(log).unwrap();
+    let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
+    inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion)
+}
+
+#[test]
+fn clock_faults() {
+    let robot = irb();
+    assert_found(Kind::Gap, "5.0000 s (line 1252)", Some(&robot), |log| {
+        let (head, tail) = (log.slice(0..1251), log.slice(1265..log.samples()));
+        let join = |a: &Channels, b: &Channels| a.map(|j, signal| [signal, b.channel(j)].concat());
+        *log = Recording {
+            time: [head.time, tail.time].concat(),
+            q: join(&head.q, &tail.q),
+            qd: head.qd.zip(tail.qd).map(|(a, b)| join(&a, &b)),
+            tau: join(&head.tau, &tail.tau),
+            ..log.clone()
+        };
+    });
+    assert_found(Kind::TooShort, "rows", Some(&robot), |log| *log = log.slice(0..40));
+    let mut sieved = log(&robot, 250.0, 12.0);
+    let mut random = random::stream(7, "jitter", 0);
+    for time in &mut sieved.recording.time {
+        let shift: f64 = StandardNormal.sample(&mut random);
+        *time += 0.0004 * shift.clamp(-3.0, 3.0);
+    }
+    let report = examine(&sieved, Some(&robot)).unwrap();
+    assert!(report.findings.iter().any(|finding| finding.kind == Kind::Jitter), "{:?}", report.findings);
+    assert!((report.clock.jitter_s / (0.0004 * 2f64.sqrt()) - 1.0).abs() < 0.1, "{}", report.clock.jitter_s);
+}

@@ -1,0 +1,105 @@
+//! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay.
+
+use super::{BAND, Finding, Kind, Severity, View, correlation, rms};
+use crate::channels::Channels;
+use crate::error::Result;
+use std::f64::consts::PI;
+
+/// Known factors between velocities in other units, with the advice.
+const FACTORS: [(f64, &str); 4] = [
+    (180.0 / PI, "it is in deg/s where the position is in rad: convert one of them"),
+    (PI / 180.0, "the position is in deg where the velocity is in rad/s: convert the position"),
+    (30.0 / PI, "it is in rpm: convert it to rad/s"),
+    (1e3, "it is in mrad/s: convert it to rad/s"),
+];
+
+/// Relative deviation from a known factor.
+const TOLERANCE: f64 = 0.1;
+
+/// Part of the velocity that the derivative of position may leave unexplained.
+const UNEXPLAINED: f64 = 0.4;
+
+/// Findings about the velocity columns; none where there are none.
+pub fn findings(view: &View) -> Result<Vec<Finding>> {
+    let Some(logged) = &view.log.qd else { return Ok(Vec::new()) };
+    let mut out = Vec::new();
+    let moving: Vec<bool> = view.qd.iter().map(|v| rms(v) > BAND).collect();
+    for joint in (0..view.dof()).filter(|&joint| moving[joint]) {
+        let (own, column) = (view.qd.channel(joint), logged.channel(joint));
+        let place = view.place("qd", joint);
+        let like = correlation(own, column);
+        if like.abs() < 0.7
+            && let Some(other) = twin(view, column, joint)
+        {
+            let text = format!(
+                "the velocity follows the position of {}: the columns are swapped; put them in order",
+                view.log.joints[other]
+            );
+            out.push(Finding::new(Kind::Swapped, Severity::Warning, place, text));
+            continue;
+        }
+        let slope = own.iter().zip(column).map(|(v, x)| v * x).sum::<f64>() / own.iter().map(|v| v * v).sum::<f64>();
+        let rest: Vec<f64> = own.iter().zip(column).map(|(v, x)| x - slope * v).collect();
+        let unexplained = rms(&rest) / rms(column).max(f64::MIN_POSITIVE);
+        if unexplained > UNEXPLAINED {
+            let text = format!(
+                "{:.0} % of the velocity is not the derivative of the position; check which sensors both come from",
+                100.0 * unexplained
+            );
+            out.push(Finding::new(Kind::VelocityMismatch, Severity::Warning, place, text));
+            continue;
+        }
+        if slope < 0.0 {
+            let text = "the velocity has the opposite sign of the change of position; turn one of them round";
+            out.push(Finding::new(Kind::VelocitySign, Severity::Warning, place.clone(), text));
+        }
+        let factor = slope.abs();
+        if (factor - 1.0).abs() > TOLERANCE {
+            let known = FACTORS.iter().find(|(known, _)| (factor / known - 1.0).abs() < TOLERANCE);
+            let advice = known.map_or("is it at the motor side of the gear? Convert it to the joint side", |(_, a)| a);
+            let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
+            out.push(Finding::new(Kind::VelocityUnit, Severity::Warning, place.clone(), text));
+        }
+        if let Some(lag) = delay(own, column, view.period) {
+            let text = format!(
+                "the velocity {} the change of position by {:.1} ms: it went through a filter; take the velocity from the \
+                 position",
+                if lag > 0.0 { "comes behind" } else { "comes ahead of" },
+                1e3 * lag.abs()
+            );
+            out.push(Finding::new(Kind::VelocityDelay, Severity::Note, place, text));
+        }
+    }
+    Ok(out)
+}
+
+/// Another joint whose change of position the column follows.
+fn twin(view: &View, column: &[f64], joint: usize) -> Option<usize> {
+    (0..view.dof()).filter(|&k| k != joint).find(|&k| correlation(view.qd.channel(k), column).abs() > 0.95)
+}
+
+/// By how much the column comes behind the derivative, s; None within a sample and a half.
+fn delay(own: &[f64], column: &[f64], period: f64) -> Option<f64> {
+    let reach = ((0.05 / period) as usize).clamp(3, 60).min(own.len() / 4);
+    let table = Channels::from_vectors(&[own.to_vec(), column.to_vec()]);
+    let inner = reach..own.len() - reach;
+    let like: Vec<f64> = (0..=2 * reach)
+        .map(|lag| {
+            let shifted = &table.channel(1)[inner.start + lag - reach..inner.end + lag - reach];
+            correlation(&table.channel(0)[inner.clone()], shifted).abs()
+        })
+        .collect();
+    let best = (0..like.len()).max_by(|&a, &b| like[a].total_cmp(&like[b]))?;
+    let lag = best as f64 - reach as f64 + vertex(&like, best);
+    (lag.abs() > 1.5).then_some(lag * period)
+}
+
+/// Place of the extremum of a parabola through a value and its neighbours, in steps from it.
+pub fn vertex(values: &[f64], at: usize) -> f64 {
+    if at == 0 || at + 1 >= values.len() {
+        return 0.0;
+    }
+    let (a, b, c) = (values[at - 1], values[at], values[at + 1]);
+    let bend = a - 2.0 * b + c;
+    if bend == 0.0 { 0.0 } else { (0.5 * (a - c) / bend).clamp(-0.5, 0.5) }
+}

@@ -1,0 +1,374 @@
+//! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept.
+
+use super::columns::Layout;
+use super::{Recording, csv, parquet};
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Names of columns in a file, for those that are not called as [`super::csv`] expects; one per joint in the order of
+/// the joints. Quantities left out are looked for under their usual names.
+#[derive(Debug, Clone, PartialEq, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnMap {
+    /// The column of time.
+    pub time: Option<String>,
+    /// Columns of position.
+    pub q: Option<Vec<String>>,
+    /// Columns of velocity.
+    pub qd: Option<Vec<String>>,
+    /// Columns of acceleration.
+    pub qdd: Option<Vec<String>>,
+    /// Columns of torque, or of motor current.
+    pub tau: Option<Vec<String>>,
+}
+
+/// Why a row was left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// A cell that is no number, or a row with too few or too many cells.
+    Unreadable,
+    /// NaN, infinite or empty.
+    NotFinite,
+    /// A number that no arm can have.
+    Absurd,
+    /// The same time as the row before.
+    DuplicateTime,
+    /// A time before that of the row before, or far ahead of the rows behind.
+    BackwardTime,
+}
+
+/// A row that was left out.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Rejected {
+    /// Line of the file (CSV) or number of the row (Parquet), counted from 1.
+    pub line: usize,
+    /// The column at fault.
+    pub column: String,
+    /// Kind of fault.
+    pub cause: Cause,
+    /// What is wrong.
+    pub problem: String,
+}
+
+/// A log without its unusable rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sieved {
+    /// What is left; it may be empty.
+    pub recording: Recording,
+    /// Line (CSV) or row (Parquet) of every sample, counted from 1.
+    pub lines: Vec<usize>,
+    /// The rows left out, in the order of the file.
+    pub rejected: Vec<Rejected>,
+    /// What the file has and the recording has not.
+    pub notes: Vec<String>,
+}
+
+/// A value this many times larger than nearly all others of its column (and than 1) is absurd.
+const ABSURD_RATIO: f64 = 1e3;
+
+/// No position, velocity or torque of an arm is larger than this in any unit.
+const ABSURD: f64 = 1e12;
+
+/// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
+/// robot's joints in order; `map` renames columns.
+///
+/// # Errors
+/// An unreadable file, an unknown extension, a header without what is needed, no usable row at all.
+pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    let path = path.as_ref();
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let rename = |header: Vec<String>| map.rename(path, header);
+    let sieved = match extension.as_deref() {
+        Some("csv") => load_csv(path, joints, &rename)?,
+        Some("parquet") => load_parquet(path, joints, &rename)?,
+        _ => {
+            let problem = "the name of a log ends in .csv or .parquet, which tells how to read it";
+            return Err(Error::input(path, None, "extension", problem));
+        }
+    };
+    match sieved.rejected.first() {
+        Some(first) if sieved.lines.is_empty() => {
+            let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);
+            Err(Error::input(path, Some(first.line), &first.column, problem))
+        }
+        _ => Ok(sieved),
+    }
+}
+
+type Rename<'a> = dyn Fn(Vec<String>) -> Result<Vec<String>> + 'a;
+
+fn load_csv(path: &Path, joints: Option<&[String]>, rename: &Rename) -> Result<Sieved> {
+    let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
+    let bytes = csv::content(path, &bytes)?;
+    let mut bad = Vec::new();
+    let table = csv::Table::parse(path, bytes, joints, rename, &mut |row| {
+        bad.push(row);
+        Ok(())
+    })?;
+    let starts: Vec<usize> = bad.iter().map(|row| row.start).collect();
+    let unreadable = bad.into_iter().zip(lines(bytes, &starts)).map(|(row, line)| Rejected {
+        line,
+        column: row.field,
+        cause: Cause::Unreadable,
+        problem: row.problem,
+    });
+    let unreadable = unreadable.collect();
+    let mut rows = Rows { header: table.header, lines: lines(bytes, &table.starts), columns: table.columns };
+    let mut layout = table.layout;
+    let rejected = rows.sieve(&layout, unreadable);
+    let notes = std::mem::take(&mut layout.notes);
+    Ok(Sieved { recording: layout.recording(rows.columns), lines: rows.lines, rejected, notes })
+}
+
+fn load_parquet(path: &Path, joints: Option<&[String]>, rename: &Rename) -> Result<Sieved> {
+    let mut table = parquet::Table::read(path, joints, rename, true)?;
+    let count = table.columns[table.layout.time()].len();
+    let columns = std::mem::take(&mut table.columns);
+    let mut rows = Rows { header: table.header.clone(), lines: (1..=count).collect(), columns };
+    let rejected = rows.sieve(&table.layout, Vec::new());
+    table.columns = rows.columns;
+    let notes = std::mem::take(&mut table.layout.notes);
+    Ok(Sieved { recording: table.recording(), lines: rows.lines, rejected, notes })
+}
+
+/// Lines of increasing places in a file, each that of the first line with content from there on.
+fn lines(bytes: &[u8], starts: &[usize]) -> Vec<usize> {
+    let (mut line, mut seen) = (1, 0);
+    starts
+        .iter()
+        .map(|&start| {
+            let blank = bytes[start..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+            line += bytes[seen..start + blank].iter().filter(|&&byte| byte == b'\n').count();
+            seen = start + blank;
+            line
+        })
+        .collect()
+}
+
+/// The numbers of a file with the line of each row.
+struct Rows {
+    header: Vec<String>,
+    lines: Vec<usize>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Rows {
+    /// Takes out the rows whose values cannot be used; returns them with those known before, in order.
+    fn sieve(&mut self, layout: &Layout, mut rejected: Vec<Rejected>) -> Vec<Rejected> {
+        let used = layout.used();
+        let mut faults: BTreeMap<usize, (usize, Cause, String)> = BTreeMap::new();
+        for &column in &used {
+            let values = &self.columns[column];
+            let largest = if column == layout.time() { ABSURD } else { absurd_above(values) };
+            for (row, &value) in values.iter().enumerate() {
+                let fault = if !value.is_finite() {
+                    (column, Cause::NotFinite, format!("{value} is not a finite number"))
+                } else if value.abs() > largest {
+                    let problem = format!("{value:?} is far beyond all other values; a broken cell?");
+                    (column, Cause::Absurd, problem)
+                } else {
+                    continue;
+                };
+                faults.entry(row).or_insert(fault);
+            }
+        }
+        let time = layout.time();
+        let rows: Vec<usize> = (0..self.lines.len()).filter(|row| !faults.contains_key(row)).collect();
+        for (row, cause, problem) in out_of_time(&self.columns[time], &rows) {
+            faults.insert(row, (time, cause, problem));
+        }
+        if !faults.is_empty() {
+            rejected.extend(faults.iter().map(|(&row, (column, cause, problem))| Rejected {
+                line: self.lines[row],
+                column: self.header[*column].clone(),
+                cause: *cause,
+                problem: problem.clone(),
+            }));
+            rejected.sort_by_key(|fault| fault.line);
+            let mut index = 0..self.lines.len();
+            self.lines.retain(|_| !faults.contains_key(&index.next().unwrap_or(0)));
+            for &column in &used {
+                let mut row = 0;
+                self.columns[column].retain(|_| {
+                    row += 1;
+                    !faults.contains_key(&(row - 1))
+                });
+            }
+        }
+        rejected
+    }
+}
+
+/// One in so many values, and one at least, may be absurd. A joint may rest for most of a log: what is usual is not a
+/// median.
+const RARE: usize = 500;
+
+/// Size above which a value of a column is absurd.
+fn absurd_above(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).map(f64::abs).collect();
+    let rare = 1 + sizes.len() / RARE;
+    if sizes.len() < 5 * rare {
+        return ABSURD;
+    }
+    let place = sizes.len() - 1 - rare;
+    let (_, &mut common, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
+    (ABSURD_RATIO * common.max(1.0)).min(ABSURD)
+}
+
+/// The rows of `rows` whose time does not increase. Of two rows in the wrong order the one that stands alone goes: the
+/// later one, unless the row behind it too is before the earlier one.
+fn out_of_time(time: &[f64], rows: &[usize]) -> Vec<(usize, Cause, String)> {
+    let mut out = Vec::new();
+    let mut kept: Vec<usize> = Vec::new();
+    for (index, &row) in rows.iter().enumerate() {
+        let Some(&last) = kept.last() else {
+            kept.push(row);
+            continue;
+        };
+        if time[row] > time[last] {
+            kept.push(row);
+            continue;
+        }
+        let jumped = time[row] < time[last]
+            && rows.get(index + 1).is_some_and(|&next| time[next] < time[last] && time[next] > time[row])
+            && (kept.len() < 2 || time[row] > time[kept[kept.len() - 2]]);
+        if jumped {
+            let problem = format!("the time {:?} s is ahead of the rows behind it", time[last]);
+            out.push((last, Cause::BackwardTime, problem));
+            kept.pop();
+            kept.push(row);
+        } else if time[row] == time[last] {
+            out.push((row, Cause::DuplicateTime, format!("the time {:?} s is that of a row before", time[row])));
+        } else {
+            let problem = format!("time goes back: {:?} s follows {:?} s", time[row], time[last]);
+            out.push((row, Cause::BackwardTime, problem));
+        }
+    }
+    out
+}
+
+impl ColumnMap {
+    /// The header with the mapped columns under the names that the reader looks for.
+    fn rename(&self, path: &Path, header: Vec<String>) -> Result<Vec<String>> {
+        let groups = [("q", &self.q), ("qd", &self.qd), ("qdd", &self.qdd), ("tau", &self.tau)];
+        let mut wanted: Vec<(String, &String)> = self.time.iter().map(|name| ("t".to_owned(), name)).collect();
+        for (prefix, names) in groups {
+            let names = names.iter().flatten().enumerate();
+            wanted.extend(names.map(|(joint, name)| (format!("{prefix}{}", joint + 1), name)));
+        }
+        let mut renamed = header.clone();
+        for (name, original) in &renamed_over(self, &header) {
+            renamed[*name] = format!("({original})");
+        }
+        for (target, name) in wanted {
+            let Some(column) = header.iter().position(|own| own == name) else {
+                let problem = format!("there is no such column; the file has {}", header.join(", "));
+                return Err(Error::input(path, None, name.as_str(), problem));
+            };
+            renamed[column] = target;
+        }
+        Ok(renamed)
+    }
+}
+
+/// Columns that carry a usual name of a quantity that the map takes from elsewhere, with that name.
+fn renamed_over<'a>(map: &ColumnMap, header: &'a [String]) -> Vec<(usize, &'a str)> {
+    let taken = |name: &str| {
+        let is = |prefixes: &[&str]| {
+            prefixes.iter().any(|prefix| {
+                name.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(|c: char| c == '_' || c.is_ascii_digit()))
+            })
+        };
+        let ends = |suffixes: &[&str]| suffixes.iter().any(|suffix| name.ends_with(suffix));
+        (map.time.is_some() && (name.eq_ignore_ascii_case("t") || name.eq_ignore_ascii_case("time")))
+            || (map.q.is_some() && (is(&["q"]) || ends(&["_position"])))
+            || (map.qd.is_some() && (is(&["qd", "dq"]) || ends(&["_velocity"])))
+            || (map.qdd.is_some() && (is(&["qdd", "ddq"]) || ends(&["_acceleration"])))
+            || (map.tau.is_some() && (is(&["tau"]) || ends(&["_effort", "_torque"])))
+    };
+    header.iter().enumerate().filter(|(_, name)| taken(name)).map(|(column, name)| (column, name.as_str())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, map: &ColumnMap) -> Result<Sieved> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, text).unwrap();
+        load(&path, None, map)
+    }
+
+    #[test]
+    fn bad_rows_are_left_out_and_named_by_their_line() {
+        let text = "t,q1,tau1\n0,1,2\n1,x,2\n2,nan,2\n3,1,2\n\n4,1\n5,1,1e7\n5.5,1,2,9\n6,1,inf\n7,1,2\n7,1,2\n6.5,1,2\n8,1,2\n9,1,2\n";
+        let sieved = read(text, &ColumnMap::default()).unwrap();
+        let expected = [
+            (3, "q1", Cause::Unreadable),
+            (4, "q1", Cause::NotFinite),
+            (7, "column 2", Cause::Unreadable),
+            (8, "tau1", Cause::Absurd),
+            (9, "column 3", Cause::Unreadable),
+            (10, "tau1", Cause::NotFinite),
+            (12, "t", Cause::DuplicateTime),
+            (13, "t", Cause::BackwardTime),
+        ];
+        let found: Vec<_> = sieved.rejected.iter().map(|r| (r.line, r.column.as_str(), r.cause)).collect();
+        assert_eq!(found, expected);
+        assert_eq!(sieved.recording.time, [0.0, 3.0, 7.0, 8.0, 9.0]);
+        assert_eq!(sieved.lines, [2, 5, 11, 14, 15]);
+        assert_eq!(sieved.recording.q.channel(0), [1.0; 5]);
+    }
+
+    #[test]
+    fn a_time_that_jumps_ahead_costs_one_row() {
+        let sieved = read("t,q1,tau1\n0,1,2\n1,1,2\n900,1,2\n3,1,2\n4,1,2\n", &ColumnMap::default()).unwrap();
+        assert_eq!(sieved.recording.time, [0.0, 1.0, 3.0, 4.0]);
+        assert_eq!(sieved.rejected[0].line, 4);
+    }
+
+    #[test]
+    fn a_file_without_a_usable_row_is_refused() {
+        let error = read("t,q1,tau1\n0,x,1\n1,y,1\n", &ColumnMap::default()).unwrap_err().to_string();
+        assert!(error.contains("log.csv:2: q1: none of the 2 rows"), "{error}");
+    }
+
+    #[test]
+    fn columns_under_other_names() {
+        let text = "stamp,q1,angle,tau1,amps,qd1\n0,1,2,3,4,5\n1,1,2,3,4,5\n";
+        let list = |name: &str| Some(vec![name.to_owned()]);
+        let map = ColumnMap { time: Some("stamp".into()), q: list("angle"), tau: list("amps"), ..ColumnMap::default() };
+        let sieved = read(text, &map).unwrap();
+        assert_eq!(sieved.recording.q.channel(0), [2.0, 2.0]);
+        assert_eq!(sieved.recording.tau.channel(0), [4.0, 4.0]);
+        assert_eq!(sieved.recording.qd.unwrap().channel(0), [5.0, 5.0]);
+        assert_eq!(sieved.notes, ["columns not used: (q1), (tau1)"]);
+        let error = read(text, &ColumnMap { q: list("winkel"), ..map }).unwrap_err().to_string();
+        assert!(error.contains("winkel") && error.contains("angle"), "{error}");
+    }
+
+    #[test]
+    fn empty_cells_of_a_parquet_file_cost_their_rows() {
+        use ::parquet::arrow::ArrowWriter;
+        use arrow::array::{ArrayRef, Float64Array, RecordBatch};
+        use std::sync::Arc;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.parquet");
+        let column = |values: Vec<Option<f64>>| -> ArrayRef { Arc::new(Float64Array::from(values)) };
+        let batch = RecordBatch::try_from_iter([
+            ("t", column(vec![Some(0.0), Some(1.0), Some(2.0)])),
+            ("q1", column(vec![Some(0.0), None, Some(2.0)])),
+            ("tau1", column(vec![Some(5.0), Some(6.0), Some(7.0)])),
+        ])
+        .unwrap();
+        let mut writer = ArrowWriter::try_new(std::fs::File::create(&path).unwrap(), batch.schema(), None).unwrap();
+        writer.write(&batch).unwrap();
+        writer.close().unwrap();
+        let sieved = load(&path, None, &ColumnMap::default()).unwrap();
+        assert_eq!(sieved.recording.tau.channel(0), [5.0, 7.0]);
+        assert_eq!((sieved.rejected[0].line, sieved.rejected[0].column.as_str()), (2, "q1"));
+    }
+}

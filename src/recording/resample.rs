@@ -1,0 +1,202 @@
+//! Irregular clocks: how regular a clock is, and the log at even steps.
+
+use super::Recording;
+use crate::channels::Channels;
+
+/// Root mean square of the deviation of the steps from the median step, over the median step, above which a log is
+/// taken at even steps before it is used.
+pub const IRREGULAR: f64 = 0.02;
+
+/// A step longer than this many median steps is a gap.
+pub const GAP: f64 = 2.5;
+
+/// How regular the clock of a log is.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Clock {
+    /// One over the median step, Hz.
+    pub rate_hz: f64,
+    /// Root mean square of the steps' deviation from the median, gaps left out, s.
+    pub jitter_s: f64,
+    /// The longest step, s.
+    pub longest_step_s: f64,
+    /// Samples before a gap.
+    #[serde(skip)]
+    pub gaps: Vec<usize>,
+}
+
+impl Clock {
+    /// Of times that increase; NaN and empty for fewer than two.
+    pub fn new(recording: &Recording) -> Self {
+        let rate_hz = recording.rate_hz();
+        let median = 1.0 / rate_hz;
+        let steps = || recording.time.windows(2).map(|pair| pair[1] - pair[0]);
+        let gaps: Vec<usize> = steps().enumerate().filter(|(_, s)| *s > GAP * median).map(|(at, _)| at).collect();
+        let (sum, count) = steps()
+            .filter(|s| *s <= GAP * median)
+            .fold((0.0, 0usize), |(sum, count), s| (sum + (s - median).powi(2), count + 1));
+        Clock {
+            rate_hz,
+            jitter_s: (sum / count.max(1) as f64).sqrt(),
+            longest_step_s: steps().fold(0.0, f64::max),
+            gaps,
+        }
+    }
+
+    /// Whether the log should be taken at even steps before it is used.
+    pub fn is_irregular(&self) -> bool {
+        self.jitter_s * self.rate_hz > IRREGULAR || !self.gaps.is_empty()
+    }
+}
+
+/// The log at the median rate: piecewise cubic (Catmull-Rom with finite-difference tangents for uneven steps), linear
+/// across gaps. Truth is left out: it belongs to the old samples.
+pub fn evenly(recording: &Recording) -> Recording {
+    let clock = Clock::new(recording);
+    if recording.samples() < 2 {
+        return recording.clone();
+    }
+    let (first, step) = (recording.time[0], 1.0 / clock.rate_hz);
+    // The median step of a stamped clock is rounded to its digits: a step that meets both ends does not drift.
+    let count = (recording.duration() / step).round().max(1.0) as usize;
+    let step = recording.duration() / count as f64;
+    let time: Vec<f64> = (0..=count).map(|sample| first + sample as f64 * step).collect();
+    let last = recording.samples() - 2;
+    let mut place = 0;
+    let places: Vec<usize> = time
+        .iter()
+        .map(|&t| {
+            while place < last && recording.time[place + 1] <= t {
+                place += 1;
+            }
+            place
+        })
+        .collect();
+    let limit = GAP / clock.rate_hz;
+    let table = |channels: &Channels| {
+        channels.map(|_, signal| {
+            let at = |(&t, &place): (&f64, &usize)| interpolate(&recording.time, signal, place, t, limit);
+            time.iter().zip(&places).map(at).collect()
+        })
+    };
+    Recording {
+        robot: recording.robot.clone(),
+        joints: recording.joints.clone(),
+        q: table(&recording.q),
+        qd: recording.qd.as_ref().map(table),
+        qdd: recording.qdd.as_ref().map(table),
+        tau: table(&recording.tau),
+        truth: None,
+        provenance: recording.provenance.clone(),
+        time,
+    }
+}
+
+/// A step longer than this many median steps cannot be bridged.
+const TORN: f64 = 10.0;
+
+/// A piece with fewer samples is not worth keeping.
+const SHORTEST: usize = 50;
+
+/// Longer logs are cut, so that the columns of a model need memory for one piece at a time.
+const LONGEST: usize = 60_000;
+
+/// The log ready for filters that need even steps: cut where the clock leaves out more than ten steps, and at the median
+/// rate where it is irregular. No piece has more than sixty thousand samples. A short log with a regular clock comes back
+/// as it is.
+pub fn pieces(recording: Recording) -> Vec<Recording> {
+    if recording.samples() <= LONGEST {
+        return even_pieces(recording);
+    }
+    let count = recording.samples().div_ceil(LONGEST);
+    let start = |piece: usize| piece * recording.samples() / count;
+    (0..count).flat_map(|piece| even_pieces(recording.slice(start(piece)..start(piece + 1)))).collect()
+}
+
+fn even_pieces(recording: Recording) -> Vec<Recording> {
+    let clock = Clock::new(&recording);
+    if !clock.is_irregular() {
+        return vec![recording];
+    }
+    let torn = |&&at: &&usize| (recording.time[at + 1] - recording.time[at]) * clock.rate_hz > TORN;
+    let ends: Vec<usize> = clock.gaps.iter().filter(torn).map(|at| at + 1).chain([recording.samples()]).collect();
+    let starts = [0].into_iter().chain(ends.iter().copied());
+    let kept = starts.zip(&ends).filter(|(start, end)| *end - start >= SHORTEST);
+    kept.map(|(start, &end)| evenly(&recording.slice(start..end))).collect()
+}
+
+/// Value at `t` between the samples `place` and `place + 1`.
+fn interpolate(time: &[f64], signal: &[f64], place: usize, t: f64, gap: f64) -> f64 {
+    let (t0, t1, x0, x1) = (time[place], time[place + 1], signal[place], signal[place + 1]);
+    let (width, s) = (t1 - t0, ((t - t0) / (t1 - t0)).clamp(0.0, 1.0));
+    let outer = place > 0 && place + 2 < time.len();
+    if width > gap || !outer || t0 - time[place - 1] > gap || time[place + 2] - t1 > gap {
+        return x0 + s * (x1 - x0);
+    }
+    let slope = (x1 - x0) / width;
+    // Tangent at a sample: slopes of both sides, the nearer side weighing more (exact for parabolas).
+    let tangent = |side: f64, side_width: f64| (slope * side_width + side * width) / (width + side_width);
+    let (before, after) = (t0 - time[place - 1], time[place + 2] - t1);
+    let d0 = width * tangent((x0 - signal[place - 1]) / before, before);
+    let d1 = width * tangent((signal[place + 2] - x1) / after, after);
+    let (s2, s3) = (s * s, s * s * s);
+    (2.0 * s3 - 3.0 * s2 + 1.0) * x0 + (s3 - 2.0 * s2 + s) * d0 + (3.0 * s2 - 2.0 * s3) * x1 + (s3 - s2) * d1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples;
+    use super::*;
+
+    fn irregular(samples: usize, law: impl Fn(f64) -> f64) -> Recording {
+        let mut recording = samples::full(1, samples);
+        for (index, time) in recording.time.iter_mut().enumerate() {
+            *time = 0.01 * index as f64 + if index % 3 == 1 { 0.002 } else { 0.0 };
+        }
+        let values: Vec<f64> = recording.time.iter().map(|&t| law(t)).collect();
+        recording.q.channel_mut(0).copy_from_slice(&values);
+        recording
+    }
+
+    #[test]
+    fn a_sine_survives_an_uneven_clock() {
+        let law = |t: f64| (5.0 * t).sin();
+        let recording = irregular(300, law);
+        let clock = Clock::new(&recording);
+        assert!(clock.is_irregular() && clock.gaps.is_empty(), "{clock:?}");
+        let even = evenly(&recording);
+        assert!(!Clock::new(&even).is_irregular());
+        assert!((even.rate_hz() - 100.0).abs() < 0.5, "{}", even.rate_hz());
+        for (t, q) in even.time.iter().zip(even.q.channel(0)).skip(2).take(290) {
+            assert!((q - law(*t)).abs() < 1e-5, "{t}: {q} {}", law(*t));
+        }
+    }
+
+    #[test]
+    fn long_logs_are_cut_without_a_loss() {
+        let recording = samples::full(1, 2 * LONGEST + 2);
+        let pieces = pieces(recording.clone());
+        assert_eq!(pieces.len(), 3);
+        assert!(pieces.iter().all(|piece| piece.samples() <= LONGEST));
+        let joined: Vec<f64> = pieces.iter().flat_map(|piece| piece.tau.channel(0)).copied().collect();
+        assert_eq!(joined, recording.tau.channel(0));
+    }
+
+    #[test]
+    fn gaps_are_found_and_crossed_in_a_line() {
+        let mut recording = samples::full(1, 100);
+        recording.time = (0..100).map(|i| 0.01 * i as f64 + if i >= 50 { 0.5 } else { 0.0 }).collect();
+        let values: Vec<f64> = recording.time.iter().map(|t| 3.0 * t - 1.0).collect();
+        recording.tau.channel_mut(0).copy_from_slice(&values);
+        let clock = Clock::new(&recording);
+        assert_eq!(clock.gaps, [49]);
+        assert!((clock.longest_step_s - 0.51).abs() < 1e-12 && clock.jitter_s < 1e-12, "{clock:?}");
+        let even = evenly(&recording);
+        let pieces = pieces(recording.clone());
+        assert_eq!(pieces.iter().map(Recording::samples).collect::<Vec<_>>(), [50, 50]);
+        assert!((pieces[1].time[0] - 1.0).abs() < 1e-12);
+        assert_eq!(even.samples(), 150);
+        for (t, tau) in even.time.iter().zip(even.tau.channel(0)) {
+            assert!((tau - (3.0 * t - 1.0)).abs() < 1e-12);
+        }
+    }
+}

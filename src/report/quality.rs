@@ -1,0 +1,116 @@
+//! The result of `tauscope inspect`.
+
+use super::console::{significant, table};
+use crate::quality::{Finding, JointSummary, Report, Severity};
+use crate::recording::lenient::Rejected;
+use crate::robot::Robot;
+use serde::Serialize;
+use std::path::Path;
+
+/// Schema of what `tauscope inspect --json` prints.
+pub const SCHEMA: &str = "tauscope.quality/1";
+
+/// Rejected rows that are listed one by one.
+const LISTED: usize = 100;
+
+/// The content of the JSON.
+#[derive(Debug, Serialize)]
+pub struct Quality<'a> {
+    log: String,
+    robot: Option<&'a str>,
+    usable: bool,
+    rows: usize,
+    rows_rejected: usize,
+    /// The first hundred.
+    rejected: &'a [Rejected],
+    duration_s: f64,
+    rate_hz: f64,
+    jitter_s: f64,
+    longest_step_s: f64,
+    gaps: usize,
+    condition_number: Option<f64>,
+    joints: &'a [JointSummary],
+    findings: &'a [Finding],
+}
+
+/// What was found in the log at `path`.
+pub fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Report) -> Quality<'a> {
+    Quality {
+        log: path.display().to_string(),
+        robot: robot.map(|robot| robot.name.as_str()),
+        usable: report.usable,
+        rows: report.rows,
+        rows_rejected: report.rejected.len(),
+        rejected: &report.rejected[..report.rejected.len().min(LISTED)],
+        duration_s: report.duration_s,
+        rate_hz: report.clock.rate_hz,
+        jitter_s: report.clock.jitter_s,
+        longest_step_s: report.clock.longest_step_s,
+        gaps: report.clock.gaps.len(),
+        condition_number: report.condition_number,
+        joints: &report.joints,
+        findings: &report.findings,
+    }
+}
+
+/// The same for people.
+pub fn text(path: &Path, robot: Option<&Robot>, report: &Report) -> String {
+    let mut text = format!(
+        "{}: {} rows over {:.3} s at {} Hz, jitter {} ms, {} gaps, {} rows left out",
+        path.display(),
+        report.rows,
+        report.duration_s,
+        significant(report.clock.rate_hz),
+        significant(1e3 * report.clock.jitter_s),
+        report.clock.gaps.len(),
+        report.rejected.len(),
+    );
+    if let (Some(robot), Some(condition)) = (robot, report.condition_number) {
+        text += &format!("\n{}: condition number of the base parameters {}", robot.name, significant(condition));
+    }
+    if !report.joints.is_empty() {
+        let percent = |share: Option<f64>| share.map_or("-".to_owned(), |s| format!("{:.0} %", 100.0 * s));
+        let rows = report
+            .joints
+            .iter()
+            .map(|joint| {
+                vec![
+                    joint.name.clone(),
+                    format!("{:.3} .. {:.3}", joint.range[0], joint.range[1]),
+                    percent(joint.range_share),
+                    significant(joint.speed),
+                    percent(joint.speed_share),
+                    joint.reversals.to_string(),
+                    significant(joint.torque_rms),
+                    percent(joint.unexplained),
+                    joint.dead_time_s.map_or("-".to_owned(), |lag| format!("{:.1}", 1e3 * lag)),
+                ]
+            })
+            .collect();
+        let header = [
+            "joint",
+            "position",
+            "of limits",
+            "speed",
+            "of limit",
+            "reversals",
+            "torque rms",
+            "unexplained",
+            "torque lag, ms",
+        ];
+        text += &format!("\n\n{}", table(&header, rows));
+    }
+    if report.findings.is_empty() {
+        return text + "\n\nNothing is wrong with it.";
+    }
+    text += "\n";
+    for finding in &report.findings {
+        let severity = match finding.severity {
+            Severity::Fatal => "fatal",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        };
+        text += &format!("\n{severity}: {}: {}", finding.place, finding.text);
+    }
+    text
+}

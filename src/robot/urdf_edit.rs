@@ -1,0 +1,139 @@
+//! A URDF with other inertias and drives, everything else as it was.
+
+use super::{Drive, Inertia, Robot};
+use crate::error::{Error, Result};
+use roxmltree::{Document, Node};
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// The text of the arm's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
+/// links fixed to that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`.
+///
+/// # Errors
+/// If the file `robot` came from cannot be read any longer or does not have its joints.
+pub fn with_parameters(robot: &Robot) -> Result<String> {
+    let path = &robot.source;
+    let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "read the URDF", source))?;
+    let document = Document::parse(&text)
+        .map_err(|e| Error::input(path, Some(e.pos().row as usize), "XML", format!("not well-formed: {e}")))?;
+    let elements = |tag: &'static str| {
+        let named = document.root_element().children().filter(move |node| node.has_tag_name(tag));
+        named.filter_map(|node| Some((node.attribute("name")?.trim().to_owned(), node))).collect::<HashMap<_, _>>()
+    };
+    let (links, joints) = (elements("link"), elements("joint"));
+    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    for joint in &robot.joints {
+        let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
+        let link = links.get(&joint.link).ok_or_else(|| missing("link", &joint.link))?;
+        edits.push(with_child(&text, *link, "inertial", &inertial(&joint.inertia)));
+        let element = joints.get(&joint.name).ok_or_else(|| missing("joint", &joint.name))?;
+        edits.push(with_child(&text, *element, "dynamics", &dynamics(&joint.drive)));
+    }
+    for name in fixed_behind(robot, &joints) {
+        let inertial = links.get(&name).and_then(|link| link.children().find(|child| child.has_tag_name("inertial")));
+        edits.extend(inertial.map(|inertial| (inertial.range(), String::new())));
+    }
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut edited = text.clone();
+    for (range, new) in edits {
+        edited.replace_range(range, &new);
+    }
+    Ok(edited)
+}
+
+/// Links that are fixed to a moving one.
+fn fixed_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
+    let end = |joint: &Node, tag: &str| {
+        let child = joint.children().find(|child| child.has_tag_name(tag));
+        child.and_then(|child| child.attribute("link")).unwrap_or("").trim().to_owned()
+    };
+    let fixed: Vec<(String, String)> = joints
+        .values()
+        .filter(|joint| joint.attribute("type") == Some("fixed"))
+        .map(|joint| (end(joint, "parent"), end(joint, "child")))
+        .collect();
+    let mut open: Vec<String> = robot.joints.iter().map(|joint| joint.link.clone()).collect();
+    let mut found = Vec::new();
+    while let Some(link) = open.pop() {
+        for (_, child) in fixed.iter().filter(|(parent, _)| *parent == link) {
+            open.push(child.clone());
+            found.push(child.clone());
+        }
+    }
+    found
+}
+
+/// The edit that gives an element a child, in place of one with the same tag.
+fn with_child(text: &str, node: Node, tag: &str, new: &str) -> (Range<usize>, String) {
+    if let Some(old) = node.children().find(|child| child.has_tag_name(tag)) {
+        return (old.range(), new.to_owned());
+    }
+    let range = node.range();
+    if let Some(first) = node.first_element_child() {
+        let start = first.range().start;
+        return (start..start, format!("{new}\n    "));
+    }
+    let own = &text[range.clone()];
+    match own.strip_suffix("/>") {
+        Some(open) => (range, format!("{}>{new}</{}>", open.trim_end(), node.tag_name().name())),
+        None => {
+            let end = range.start + own.rfind("</").unwrap_or(own.len());
+            (end..end, new.to_owned())
+        }
+    }
+}
+
+fn inertial(body: &Inertia) -> String {
+    let (center, tensor) = (body.center_of_mass(), body.tensor_about_center());
+    format!(
+        "<inertial><origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/><mass value=\"{:?}\"/><inertia ixx=\"{:?}\" \
+         ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/></inertial>",
+        center.x,
+        center.y,
+        center.z,
+        body.mass(),
+        tensor[(0, 0)],
+        tensor[(0, 1)],
+        tensor[(0, 2)],
+        tensor[(1, 1)],
+        tensor[(1, 2)],
+        tensor[(2, 2)]
+    )
+}
+
+fn dynamics(drive: &Drive) -> String {
+    let Drive { viscous, coulomb, armature } = drive;
+    format!("<dynamics damping=\"{viscous:?}\" friction=\"{coulomb:?}\" armature=\"{armature:?}\"/>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{InertiaCheck, load};
+
+    fn round_trip(file: &str) {
+        let mut robot = load(format!("{}/{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
+        for (k, joint) in robot.joints.iter_mut().enumerate() {
+            let factor = 1.3 + 0.1 * k as f64;
+            joint.inertia.0.iter_mut().for_each(|value| *value *= factor);
+            joint.drive = Drive { viscous: 0.1 * factor, coulomb: 0.2 * factor, armature: 0.3 * factor };
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.urdf");
+        std::fs::write(&path, with_parameters(&robot).unwrap()).unwrap();
+        let read = load(&path, InertiaCheck::Required).unwrap();
+        for (new, old) in read.joints.iter().zip(&robot.joints) {
+            assert_eq!((new.drive, &new.name, new.limits), (old.drive, &old.name, old.limits));
+            for (a, b) in new.inertia.0.iter().zip(old.inertia.0) {
+                assert!((a - b).abs() < 1e-13 * old.inertia.0.iter().fold(1.0f64, |m, v| m.max(v.abs())), "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn bodies_and_drives_come_back() {
+        round_trip("urdf/irb1600_6_120.urdf");
+        round_trip("tests/reference/skew7.urdf");
+        round_trip("tests/reference/fixed_links.urdf");
+    }
+}

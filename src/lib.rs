@@ -19,6 +19,8 @@ pub mod report;
 
 pub mod study;
 
+pub mod diagnosis;
+
 pub mod scenario;
 
 pub mod simulation;

@@ -1,5 +1,6 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod blind;
 mod effects;
 mod identify;
 mod paper;
@@ -72,6 +73,8 @@ enum Command {
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
+    /// Hide effects in simulated arms and count how often the diagnosis names them.
+    Blind(blind::Arguments),
     /// List the physical effects there are, or tell all about one.
     Effects(effects::Arguments),
 }
@@ -85,6 +88,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &cli.global),
         Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
+        Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {

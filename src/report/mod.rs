@@ -1,5 +1,6 @@
 //! What a run tells: tables on the console and JSON files.
 
+pub mod blind;
 pub mod console;
 pub mod fit;
 mod markdown;

@@ -78,4 +78,3 @@ fn hidden(wanted: &str, setup: &Setup, index: u64) -> Result<Option<Placed>> {
     };
     Ok(Some(Placed::typical(effect, joint)))
 }
-

@@ -1,6 +1,7 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
 mod blind;
+mod diagnose;
 mod effects;
 mod identify;
 mod paper;
@@ -73,6 +74,8 @@ enum Command {
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
+    /// Name what the model of an arm misses, from logs.
+    Diagnose(diagnose::Arguments),
     /// Hide effects in simulated arms and count how often the diagnosis names them.
     Blind(blind::Arguments),
     /// List the physical effects there are, or tell all about one.
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &cli.global),
         Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
+        Command::Diagnose(arguments) => diagnose::run(&arguments, &cli.global),
         Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };

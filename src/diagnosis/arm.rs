@@ -49,9 +49,10 @@ impl Arm {
             })
             .collect();
         if self.trust == Trust::Nominal {
-            columns.extend((0..rows.dof()).map(|joint| {
-                Column::on(joint, rows.signal(|log| log.motion.qdd.channel(joint).to_vec()))
-            }));
+            columns.extend(
+                (0..rows.dof())
+                    .map(|joint| Column::on(joint, rows.signal(|log| log.motion.qdd.channel(joint).to_vec()))),
+            );
         }
         columns
     }

@@ -13,8 +13,10 @@ const BASELINE: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_frict
 /// Effects whose departure is a level: absent at zero, smaller the higher it is.
 const LEVELS: [&str; 1] = ["torque_saturation"];
 
-/// Points over the range of a shape, and how far the range reaches to either side of the typical size.
-const SHAPES: usize = 10;
+/// Points over the range of a shape, alone or one of several, and how far the range reaches to either side of the typical
+/// size.
+const ALONE: usize = 10;
+const ONE_OF_SEVERAL: usize = 6;
 const REACH: f64 = 30.0;
 
 /// Shares of the largest torque at which it may be cut off.
@@ -142,9 +144,7 @@ pub fn all(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
     let wanted = only.is_empty() || only.iter().any(|name| name == about.name);
-    wanted
-        && !BASELINE.contains(&about.name)
-        && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
+    wanted && !BASELINE.contains(&about.name) && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
 }
 
 /// Where an effect can be placed on an arm.
@@ -162,12 +162,13 @@ fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
     if effect.about().name == "external_contact" {
         return contacts(&typical, rows);
     }
+    let alone = shapes(effect).len() == 1;
     let mut all = vec![typical];
     for (index, parameter) in effect.parameters().iter().enumerate() {
         let values = match parameter.role {
             Role::Amplitude | Role::Held => continue,
             Role::Departure => departures(effect, parameter, joint, rows),
-            Role::Shape => shape_grid(parameter, joint, rows),
+            Role::Shape => shape_grid(parameter, alone, joint, rows),
         };
         all = all
             .into_iter()
@@ -202,19 +203,19 @@ fn departures(effect: &dyn Effect, parameter: &Parameter, joint: usize, rows: &R
         .collect()
 }
 
-fn shape_grid(parameter: &Parameter, joint: usize, rows: &Rows) -> Vec<f64> {
+fn shape_grid(parameter: &Parameter, alone: bool, joint: usize, rows: &Rows) -> Vec<f64> {
     let (low, high) = (parameter.lower, parameter.upper);
     if parameter.unit == "1/turn" {
         let step = (std::f64::consts::PI / (2.0 * range(rows, joint))).max(0.4);
         let count = ((HIGHEST_HARMONIC - low) / step) as usize;
         return (0..=count).map(|k| low + k as f64 * step).collect();
     }
-    let at = |k: usize, count: usize| k as f64 / (count - 1) as f64;
+    let points = if alone { ALONE } else { ONE_OF_SEVERAL };
     if low > 0.0 && high / low > 10.0 {
         let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
-        return (0..SHAPES).map(|k| low * (high / low).powf(at(k, SHAPES))).collect();
+        return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();
     }
-    (0..SHAPES).map(|k| low + (high - low) * (k as f64 + 0.5) / SHAPES as f64).collect()
+    (0..points).map(|k| low + (high - low) * (k as f64 + 0.5) / points as f64).collect()
 }
 
 /// How far a joint moves, rad.

@@ -50,11 +50,7 @@ impl Scan {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
-            .map(|one| Scanned {
-                columns: &one.whitened,
-                test: &one.test,
-                one_sided: one.candidate.one_sided(),
-            })
+            .map(|one| Scanned { columns: &one.whitened, test: &one.test, one_sided: one.candidate.one_sided() })
             .collect();
         effective_tests(fit, &scanned, &whitener.rows(), seed)
     }
@@ -142,8 +138,10 @@ pub fn contest(
         let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
         let larger = parameters(rival) > parameters(&winner);
         if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP)) {
-            alternatives
-                .push(Alternative { family: rival.candidate.family(), relative_likelihood: (-0.5 * gap.max(0.0)).exp() });
+            alternatives.push(Alternative {
+                family: rival.candidate.family(),
+                relative_likelihood: (-0.5 * gap.max(0.0)).exp(),
+            });
         }
     }
     Ok((winner, alternatives))

@@ -259,11 +259,8 @@ mod tests {
         let count = |waves: &[usize]| {
             let columns: Vec<Vec<Column>> = waves.iter().map(|&k| vec![wave(k, rows)]).collect();
             let tests: Vec<Test> = columns.iter().map(|c| fit.test(c).unwrap()).collect();
-            let scanned: Vec<Scanned> = columns
-                .iter()
-                .zip(&tests)
-                .map(|(columns, test)| Scanned { columns, test, one_sided: false })
-                .collect();
+            let scanned: Vec<Scanned> =
+                columns.iter().zip(&tests).map(|(columns, test)| Scanned { columns, test, one_sided: false }).collect();
             effective_tests(&fit, &scanned, &[rows], 1)
         };
         let many = count(&(1..=50).collect::<Vec<usize>>());

@@ -292,9 +292,14 @@ pub struct Solved {
 pub fn solve(columns: &[Column], torque: &Column) -> Solved {
     let count = columns.len();
     let norms: Vec<f64> = columns.iter().map(|c| c.dot(c).sqrt()).map(|n| if n > 0.0 { n } else { 1.0 }).collect();
-    let mut gram = DMatrix::from_fn(count, count, |r, c| {
-        if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
-    });
+    let mut gram =
+        DMatrix::from_fn(
+            count,
+            count,
+            |r, c| {
+                if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
+            },
+        );
     gram.fill_lower_triangle_with_upper_triangle();
     let right = DVector::from_fn(count, |k, _| columns[k].dot(torque) / norms[k]);
     let eigen = SymmetricEigen::new(gram);

@@ -1,9 +1,9 @@
 //! What is left when no more effects pass: generic functions of the motion and of time tell whether it has structure.
 
+use super::column::Column;
 use super::score::Projection;
 use super::session::{Member, Session};
 use super::whitening::{Whitener, rich};
-use super::column::Column;
 use crate::error::Result;
 
 /// Hats over the range of velocities, and slow cosines over each log.
@@ -74,12 +74,7 @@ fn blocks(session: &Session, joint: usize) -> Vec<(&'static str, Vec<Vec<f64>>)>
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn unexplained(
-    session: &Session,
-    members: &[Member],
-    whitener: &Whitener,
-    alpha: f64,
-) -> Result<Vec<Unexplained>> {
+pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, alpha: f64) -> Result<Vec<Unexplained>> {
     let columns = session.all_columns(&session.train, members)?;
     let fit = Projection::new(&whitener.apply_all(&columns), &whitener.apply(&session.train.torque));
     let dof = session.train.rows.dof();

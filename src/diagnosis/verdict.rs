@@ -1,12 +1,12 @@
 //! The answer: named, one of a few, unexplained, or none; with the evidence.
 
 use super::Options;
+use super::candidates::{Family, is_candidate, places};
 use super::column::{Column, combined};
 use super::contest::Alternative;
 use super::selection::{Found, Selection, rms, select};
 use super::session::{Member, Session};
 use super::unexplained::{Unexplained, unexplained};
-use super::candidates::{Family, is_candidate, places};
 use crate::effects::LIBRARY;
 use crate::error::{Error, Result};
 use crate::identification::model::Model;
@@ -168,7 +168,8 @@ fn answer(
         .iter()
         .filter(|effect| is_candidate(**effect, options.trust, &options.candidates))
         .flat_map(|effect| {
-            places(*effect, session.model.dof()).map(move |joint| (effect, Family { effect: effect.about().name, joint }))
+            places(*effect, session.model.dof())
+                .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
         })
         .filter(|(_, family)| !taken.contains(family))
         .map(|(effect, family)| {
@@ -213,7 +214,10 @@ fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Robot) 
     }
     if let Some(left) = unexplained.first() {
         let joint = &robot.joints[left.joint].name;
-        return format!("move {joint} alone over its whole range, slowly and fast, both ways: what is left {}", left.structure);
+        return format!(
+            "move {joint} alone over its whole range, slowly and fast, both ways: what is left {}",
+            left.structure
+        );
     }
     match found.is_empty() {
         true => "a longer or livelier motion lowers the minimum detectable sizes".into(),

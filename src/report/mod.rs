@@ -2,6 +2,7 @@
 
 pub mod blind;
 pub mod console;
+pub mod diagnosis;
 pub mod fit;
 mod markdown;
 pub mod paper;

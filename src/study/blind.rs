@@ -1,14 +1,14 @@
 //! Blind runs: an effect is hidden in a simulated arm, and the diagnosis, which sees the arm's description and the logs
 //! alone, has to name it.
 
-use crate::diagnosis::{Diagnosis, Options, candidates, diagnose};
-use crate::diagnosis::session::Session;
 use crate::diagnosis::score::Projection;
 use crate::diagnosis::selection::rms;
+use crate::diagnosis::session::Session;
+use crate::diagnosis::{Diagnosis, Options, candidates, diagnose};
 use crate::effects::{Effect, LIBRARY, Placed, Role, Site};
 use crate::error::{Error, Result};
-use crate::excitation::{FreudensteinSequence, Reference};
 use crate::excitation::random_sequence::random_sequence;
+use crate::excitation::{FreudensteinSequence, Reference};
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::random;

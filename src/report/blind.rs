@@ -62,6 +62,11 @@ pub fn row(setup: &Setup, case: &Case, run: &Result<BlindRun>) -> Row {
             row.seconds = run.seconds;
             for found in &run.diagnosis.found {
                 let mut text = name(setup, &found.member.placed);
+                let values = found.member.placed.parameters.iter().zip(&found.member.std);
+                for (value, std) in values {
+                    text += &format!(" {value:.4e}+-{std:.1e}");
+                }
+                text += &format!(" p {:.1e}", found.family_wise_p);
                 for other in &found.alternatives {
                     text += &format!(" or {}:{}", other.family.effect, other.family.joint + 1);
                 }

@@ -76,6 +76,17 @@ pub fn is_level(effect: &dyn Effect) -> bool {
     LEVELS.contains(&effect.about().name)
 }
 
+/// Whether the torque of a departure is not straight in it: times by which signals are moved.
+pub fn bends(effect: &dyn Effect, index: usize) -> bool {
+    let parameter = &effect.parameters()[index];
+    parameter.role == Role::Departure && parameter.unit == "s"
+}
+
+/// Size below which the torque of a departure that bends is as good as straight in it.
+pub fn straight_below(effect: &dyn Effect, index: usize) -> f64 {
+    SIZES[0] * effect.parameters()[index].typical.abs()
+}
+
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
     let parameters = effect.parameters().iter().enumerate();
     parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
@@ -167,7 +178,7 @@ fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
     for (index, parameter) in effect.parameters().iter().enumerate() {
         let values = match parameter.role {
             Role::Amplitude | Role::Held => continue,
-            Role::Departure => departures(effect, parameter, joint, rows),
+            Role::Departure => departures(effect, index, joint, rows),
             Role::Shape => shape_grid(parameter, alone, joint, rows),
         };
         all = all
@@ -185,13 +196,14 @@ fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
 }
 
 /// Effects in the log's timing bend with their size; the others are straight as far as one looks.
-fn departures(effect: &dyn Effect, parameter: &Parameter, joint: usize, rows: &Rows) -> Vec<f64> {
+fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
+    let parameter = &effect.parameters()[index];
     if is_level(effect) {
         let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
         let largest = torque.fold(0.0f64, |m, (v, ok)| if *ok { m.max(v.abs()) } else { m });
         return CUT_OFF.iter().map(|share| share * largest).filter(|level| *level > 0.0).collect();
     }
-    if parameter.unit != "s" {
+    if !bends(effect, index) {
         return vec![parameter.typical];
     }
     let sizes = SIZES.iter().map(|size| size * parameter.typical);

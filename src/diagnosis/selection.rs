@@ -84,7 +84,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         }
         let members = members(&found);
         let (winner, alternatives) = contest(session, &members, &best, &round.all, &open)?;
-        match accepted(session, &members, &winner)? {
+        // What is significant only in the noise model that does not know it is an error of that noise model.
+        let level = level.max(family_wise(winner.test.log_p(), tests));
+        let accepted = if level > options.alpha { None } else { accepted(session, &members, &winner)? };
+        match accepted {
             Some((member, gain_lower_bound, rms)) => {
                 found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms });
                 round = look(session, &mut found, options)?;

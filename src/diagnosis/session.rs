@@ -1,7 +1,7 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
 use super::arm::Arm;
-use super::candidates::{Candidate, columns, is_level, linear, shapes};
+use super::candidates::{Candidate, bends, columns, is_level, linear, shapes, straight_below};
 use super::column::{Column, combined};
 use super::rows::{Rows, cutoff};
 use super::score::{Projection, Test};
@@ -25,6 +25,9 @@ const SECANTS: usize = 3;
 
 /// Share of a level within which its column's factor must lie: it is cut off wholly or not at all.
 const LEVEL_FACTOR: std::ops::Range<f64> = 0.5..2.0;
+
+/// Factor within which the estimate of a departure must agree with the size at which its column was taken.
+const SIZE_FACTOR: f64 = 2.0;
 
 /// Standard deviations by which an estimate may lie beyond a bound.
 const BEYOND_BOUND: f64 = 3.0;
@@ -328,6 +331,17 @@ fn is_physical(candidate: &Candidate, test: &Test) -> bool {
     }
     if candidate.one_sided() && test.values[0] <= 0.0 {
         return false;
+    }
+    if let [only] = linear(effect)[..]
+        && bends(effect, only)
+    {
+        // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
+        // as straight, and stands for everything below it.
+        let (size, smallest) = (candidate.placed.parameters[only], straight_below(effect, only));
+        let share = test.values[0] / size;
+        if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
+            return false;
+        }
     }
     let estimates = test.values.iter().zip(&test.std);
     linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {

@@ -13,6 +13,10 @@ const COSINES: usize = 6;
 /// Harmonics of the position.
 const HARMONICS: usize = 4;
 
+/// Share of the level of named effects at which structure counts: the columns are many and general, and what they find
+/// cannot be checked against a law.
+const STRICTER: f64 = 0.02;
+
 /// Structure that no candidate carries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unexplained {
@@ -93,7 +97,7 @@ pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, a
             .min_by(|(_, a), (_, b)| a.log_p().total_cmp(&b.log_p()));
         if let Some((structure, test)) = best {
             let family_wise_p = (tests * test.log_p().exp()).min(1.0);
-            if family_wise_p < alpha {
+            if family_wise_p < STRICTER * alpha {
                 let share = test.statistic / left.max(f64::MIN_POSITIVE);
                 found.push(Unexplained { joint, share, structure, family_wise_p });
             }

@@ -19,8 +19,8 @@ const ALONE: usize = 10;
 const ONE_OF_SEVERAL: usize = 6;
 const REACH: f64 = 30.0;
 
-/// Shares of the largest torque at which it may be cut off.
-const CUT_OFF: [f64; 6] = [0.95, 0.9, 0.8, 0.7, 0.6, 0.5];
+/// Shares of the largest logged torque at which it may be cut off: noise alone exceeds the level.
+const CUT_OFF: [f64; 6] = [0.99, 0.96, 0.92, 0.87, 0.8, 0.7];
 
 /// Sizes of departures of which the torque is not linear, as multiples of the typical one.
 const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];

@@ -21,6 +21,7 @@ pub struct BlindResult {
 pub struct Row {
     seed: u64,
     hidden: String,
+    size: Vec<f64>,
     severity: f64,
     correlation_s: f64,
     outcome: Option<Outcome>,
@@ -44,6 +45,7 @@ pub fn row(setup: &Setup, case: &Case, run: &Result<BlindRun>) -> Row {
     let mut row = Row {
         seed: case.seed,
         hidden,
+        size: Vec::new(),
         severity: case.severity,
         correlation_s: case.correlation_s,
         outcome: None,
@@ -56,6 +58,7 @@ pub fn row(setup: &Setup, case: &Case, run: &Result<BlindRun>) -> Row {
     };
     match run {
         Ok(run) => {
+            row.size = run.hidden.as_ref().map_or_else(Vec::new, |placed| placed.parameters.clone());
             row.outcome = Some(run.outcome);
             row.cutoff_hz = run.diagnosis.cutoff_hz;
             row.gap_closed = run.diagnosis.gap_closed;

@@ -160,9 +160,12 @@ fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[FreudensteinSeq
         let each = rms(&session.train.rows.valid, &left);
         Ok(each.iter().zip(&setup.sensors).map(|(rms, sensor)| rms / sensor.torque_noise).fold(0.0, f64::max))
     };
-    let level = candidates::is_level(placed.effect);
     let mut placed = placed.clone();
-    if level {
+    if placed.effect.about().site == Site::Integrator {
+        // The step must divide the time between samples, so it cannot be sized.
+        return Ok(placed);
+    }
+    if candidates::is_level(placed.effect) {
         let largest = session.largest_torque(placed.joint);
         let (mut low, mut high) = (0.1 * largest, largest);
         for _ in 0..20 {

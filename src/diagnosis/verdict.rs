@@ -1,14 +1,16 @@
 //! The answer: named, one of a few, unexplained, or none; with the evidence.
 
 use super::Options;
+use super::arm::Arm;
 use super::candidates::{Family, is_candidate, places};
 use super::column::{Column, combined};
 use super::contest::Alternative;
 use super::selection::{Found, Selection, rms, select};
-use super::session::{Member, Session};
+use super::session::{Member, Session, Side};
 use super::unexplained::{Unexplained, unexplained};
 use crate::effects::LIBRARY;
 use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 use crate::robot::Robot;
@@ -117,8 +119,7 @@ fn split(log: &Recording) -> (Recording, Recording) {
 fn as_described(session: &Session, robot: &Robot) -> Result<Vec<f64>> {
     let rows = &session.test.rows;
     let mut residual = Column::new(rows.torque.iter().cloned());
-    let mut described = super::arm::Arm::new(robot, crate::identification::effect_model::Trust::Nominal);
-    described.take(session.model, &drives(session.model, robot));
+    let described = Arm::new(robot, Trust::Nominal);
     residual.add(-1.0, &described.believed(rows));
     let baseline = described.baseline(session.model, rows);
     residual.add(-1.0, &combined(&baseline, &drives(session.model, robot)));
@@ -142,7 +143,7 @@ fn answer(
     let Selection { found, whitener, first_whitener, tests, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let unexplained = unexplained(session, &members, &whitener, options.alpha)?;
-    let baseline = |side: &super::session::Side| -> Result<Vec<f64>> {
+    let baseline = |side: &Side| -> Result<Vec<f64>> {
         Ok(rms(&side.rows.valid, &session.residual_on(side, &[], &first_whitener)?))
     };
     let baseline_rms = [baseline(&session.train)?, baseline(&session.test)?];

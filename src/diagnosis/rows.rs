@@ -19,12 +19,21 @@ const ORDER: usize = 6;
 /// Cut-offs that are tried, Hz.
 const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0];
 
+/// The widest of them, Hz.
+pub const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
+
+/// Lowest cut-off worth trying, of the one that leaves only white noise.
+const LOWEST_SHARE: f64 = 0.3;
+
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
 
 /// Velocity under which the direction of a joint is not certain, rad/s, and the rows on either side that go with it.
 const REVERSAL_BAND: f64 = 0.03;
 const REVERSAL_NEIGHBOURS: usize = 2;
+
+/// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
+const MEMORY: f64 = 1.0;
 
 /// Fewest rows that count on every joint.
 const FEWEST_ROWS: usize = 200;
@@ -89,7 +98,7 @@ impl Rows {
             Rows { logs: Vec::new(), starts: vec![0], valid: vec![Vec::new(); dof], torque: vec![Vec::new(); dof] };
         for recording in recordings {
             let log = prepared(recording, cutoff_hz)?;
-            let margin = (recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
+            let margin = (MEMORY * recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
             for joint in 0..dof {
                 rows.torque[joint].extend(log.blocks(recording.tau.channel(joint)));
                 rows.valid[joint].extend(usable(&log, joint, margin));
@@ -131,6 +140,13 @@ impl Rows {
     pub fn signal(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
         self.logs.iter().flat_map(|log| log.blocks(&of(log))).collect()
     }
+}
+
+/// Cut-offs worth trying up to the one that leaves only white noise, Hz: a lower one distorts the motion a little, and lets
+/// less of the encoder's noise into the accelerations.
+pub fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
+    let lowest = highest_hz * LOWEST_SHARE;
+    CUTOFFS_HZ.into_iter().filter(|hz| (lowest..=highest_hz).contains(hz)).collect()
 }
 
 /// The lowest cut-off, Hz, above which the positions of all joints of all logs hold nothing but white noise.
@@ -204,6 +220,7 @@ fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
 
 /// Blocks of a joint away from the ends of the log and from reversals.
 fn usable(log: &Log, joint: usize, margin: usize) -> Vec<bool> {
+    let neighbours = margin.max(REVERSAL_NEIGHBOURS);
     let slow: Vec<bool> = log
         .motion
         .qd
@@ -216,7 +233,7 @@ fn usable(log: &Log, joint: usize, margin: usize) -> Vec<bool> {
         .collect();
     (0..slow.len())
         .map(|row| {
-            let near = row.saturating_sub(REVERSAL_NEIGHBOURS)..(row + REVERSAL_NEIGHBOURS + 1).min(slow.len());
+            let near = row.saturating_sub(neighbours)..(row + neighbours + 1).min(slow.len());
             row >= margin && row + margin < slow.len() && !slow[near].contains(&true)
         })
         .collect()

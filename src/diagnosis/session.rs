@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::candidates::{Candidate, bends, columns, is_level, linear, shapes, straight_below};
 use super::column::{Column, combined};
-use super::rows::{Rows, cutoff};
+use super::rows::{Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::{Projection, Test};
 use super::whitening::Whitener;
 use crate::effects::{Parameter, Placed};
@@ -95,14 +95,28 @@ impl<'a> Session<'a> {
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
         let arm = Arm::new(model.robot(), trust);
         let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
-        let cutoff_hz = cutoff(&all)?;
-        let side = |logs: &[&Recording]| -> Result<Side> {
+        let side = |logs: &[&Recording], cutoff_hz: f64| -> Result<Side> {
             let rows = Rows::new(logs, cutoff_hz)?;
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
             Ok(Side { baseline: arm.baseline(model, &rows), torque, rows })
         };
-        let (train, test) = (side(train)?, side(test)?);
+        // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
+        // encoder's noise into them.
+        let mut best: Option<(f64, f64, Side)> = None;
+        for hz in cutoffs_up_to(cutoff(&all)?) {
+            let Ok(side) = side(train, hz) else { continue };
+            let unexpected = Whitener::new(&side.rows, &side.torque, &side.baseline).mean_log_scale();
+            if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
+                best = Some((unexpected, hz, side));
+            }
+        }
+        let (cutoff_hz, train) = match best {
+            Some((_, hz, train)) => (hz, train),
+            // No cut-off leaves enough rows; the widest tells best why.
+            None => (WIDEST_HZ, side(train, WIDEST_HZ)?),
+        };
+        let test = side(test, cutoff_hz)?;
         Ok(Session { model, trust, arm, train, test, cutoff_hz })
     }
 

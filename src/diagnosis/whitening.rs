@@ -89,6 +89,11 @@ impl Whitener {
         self.joints.iter().map(|joint| joint.rows.len() as f64 * joint.noise.innovation_std.ln()).sum()
     }
 
+    /// Sum over the joints of the logarithm of the standard deviation of what is new in a row.
+    pub fn mean_log_scale(&self) -> f64 {
+        self.joints.iter().map(|joint| joint.noise.innovation_std.ln()).sum()
+    }
+
     /// Row of the logs of each whitened row of a joint.
     pub fn places(&self, joint: usize) -> &[usize] {
         &self.joints[joint].rows

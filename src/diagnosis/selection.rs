@@ -88,7 +88,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         let level = level.max(family_wise(winner.test.log_p(), tests));
         let accepted = if level > options.alpha { None } else { accepted(session, &members, &winner)? };
         match accepted {
-            Some((member, gain_lower_bound, rms)) => {
+            Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms });
                 round = look(session, &mut found, options)?;
             }
@@ -120,8 +120,14 @@ fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
 }
 
+/// What held-out rows say of an effect.
+struct Gain {
+    lower_bound: f64,
+    rms: [Vec<f64>; 2],
+}
+
 /// The winner as a member of the model with its gain on the held-out rows, if that is surely positive.
-fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, f64, [Vec<f64>; 2])>> {
+fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, Gain)>> {
     let member = Member::new(winner);
     let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
     let whitener = session.whitener(&session.all_columns(&session.train, &with)?);
@@ -130,7 +136,7 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     let unseen = whitener.on(&session.test.rows);
     let bound = gain_lower_bound(&unseen, &before, &after, session.test.rows.len());
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
-    Ok((bound > 0.0).then_some((member, bound, rms)))
+    Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Lower 95 % bound of the share of the whitened sum of squares that is gained, from its scatter over stretches of the rows.

@@ -3,7 +3,7 @@
 //! | step | file |
 //! |---|---|
 //! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
-//! | the arm's baseline and what effects add to it | [`arm`], [`column`] |
+//! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`] |
 //! | noise of each joint, from what a rich regression leaves | [`whitening`] |
 //! | score tests, and the level of the best of many | [`score`] |

@@ -23,7 +23,7 @@ const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 
 pub const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
 
 /// Lowest cut-off worth trying, of the one that leaves only white noise.
-const LOWEST_SHARE: f64 = 0.3;
+const LOWEST_SHARE: f64 = 0.45;
 
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
@@ -193,7 +193,7 @@ fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
 
 /// Mean square away from both ends, where the filters settle.
 fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
-    let cut = (0.5 * rate_hz) as usize;
+    let cut = (2.0 * rate_hz) as usize;
     let inner = if signal.len() > 4 * cut { &signal[cut..signal.len() - cut] } else { signal };
     inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
 }

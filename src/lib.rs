@@ -21,6 +21,7 @@ pub mod study;
 
 pub mod dataset;
 
+pub mod diagnosis;
 pub mod quality;
 
 pub mod scenario;

@@ -1,5 +1,7 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod blind;
+mod diagnose;
 mod effects;
 mod excite;
 mod identify;
@@ -78,6 +80,10 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
     Excite(excite::Arguments),
+    /// Name what the model of an arm misses, from logs.
+    Diagnose(diagnose::Arguments),
+    /// Hide effects in simulated arms and count how often the diagnosis names them.
+    Blind(blind::Arguments),
     /// List the physical effects there are, or tell all about one.
     Effects(effects::Arguments),
 }
@@ -93,6 +99,8 @@ pub fn main() -> ExitCode {
         Command::Paper(arguments) => paper::run(&arguments, &cli.global),
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
         Command::Excite(arguments) => excite::run(&arguments, &cli.global),
+        Command::Diagnose(arguments) => diagnose::run(&arguments, &cli.global),
+        Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {

@@ -1,6 +1,8 @@
 //! What a run tells: tables on the console and JSON files.
 
+pub mod blind;
 pub mod console;
+pub mod diagnosis;
 pub mod excitation;
 pub mod fit;
 mod markdown;

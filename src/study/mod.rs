@@ -1,5 +1,6 @@
 //! Studies on simulated arms, where the truth is known.
 
+pub mod blind;
 pub mod paper;
 pub mod score;
 pub mod testbed;

@@ -1,0 +1,236 @@
+//! The arm as identified so far: what effects in gears and sensors, and friction under load, act upon.
+
+use super::column::Column;
+use super::rows::{Log, Rows};
+use crate::channels::Channels;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::effects::{Along, Placed, Scope, Site, contributions};
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::identification::model::{Model, STANDARD};
+use crate::robot::{Inertia, PARAMETERS, Robot};
+use rayon::prelude::*;
+
+/// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
+const BATCH: usize = 12;
+
+/// The arm with the parameters found for its baseline.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    /// The arm as its URDF describes it.
+    known: Robot,
+    /// The same geometry with the parameters found. Where only base parameters can be told, the standard parameters
+    /// that carry them hold their values and the others are zero, which gives the same torque.
+    found: Robot,
+    chain: Chain,
+    trust: Trust,
+}
+
+impl Arm {
+    /// The arm before anything is identified.
+    pub fn new(robot: &Robot, trust: Trust) -> Self {
+        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust }
+    }
+
+    /// Columns of the baseline: rotor inertia, viscous and Coulomb friction of every joint, and where the inertias are
+    /// not believed all base parameters.
+    pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
+        let tables: Vec<Vec<Channels>> =
+            rows.logs.par_iter().map(|log| model.columns(&log.motion, &log.time, 0.0)).collect();
+        let base = (0..model.base().len()).filter(|&b| self.trust == Trust::Structure || model.is_friction(b));
+        let mut columns: Vec<Column> = base
+            .map(|b| {
+                let on = |joint: usize| {
+                    let place = model.active(joint).into_iter().position(|other| other == b)?;
+                    let logs = rows.logs.iter().zip(&tables);
+                    Some(logs.flat_map(|(log, table)| log.blocks(table[joint].channel(place))).collect())
+                };
+                Column::new((0..rows.dof()).map(|joint| on(joint).unwrap_or_default()))
+            })
+            .collect();
+        if self.trust == Trust::Nominal {
+            columns.extend(
+                (0..rows.dof())
+                    .map(|joint| Column::on(joint, rows.signal(|log| log.motion.qdd.channel(joint).to_vec()))),
+            );
+        }
+        columns
+    }
+
+    /// Torque that is known before anything is fitted: that of the bodies where their inertias are believed.
+    pub fn believed(&self, rows: &Rows) -> Column {
+        match self.trust {
+            Trust::Structure => Column::default(),
+            Trust::Nominal => {
+                let inertial = self.known.inertial_parameters();
+                let logs: Vec<Channels> =
+                    rows.logs.par_iter().map(|log| inverse_dynamics(&self.chain, &inertial, &log.motion)).collect();
+                over_rows(rows, &logs)
+            }
+        }
+    }
+
+    /// Takes over values of the baseline, in the order of [`Arm::baseline`].
+    pub fn take(&mut self, model: &Model, values: &[f64]) {
+        let mut standard = vec![0.0; STANDARD * model.dof()];
+        match self.trust {
+            Trust::Structure => {
+                for (&kept, &value) in model.base().kept().iter().zip(values) {
+                    standard[kept] = value;
+                }
+            }
+            Trust::Nominal => {
+                standard = Model::standard_values(&self.known);
+                let friction = (0..model.base().len()).filter(|&b| model.is_friction(b));
+                let rotors = (0..model.dof()).map(|joint| joint * STANDARD + PARAMETERS);
+                let places = friction.map(|b| model.base().kept()[b]).chain(rotors);
+                for (place, &value) in places.zip(values) {
+                    standard[place] = value;
+                }
+            }
+        }
+        for (joint, values) in self.found.joints.iter_mut().zip(standard.chunks_exact(STANDARD)) {
+            joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
+            let drive = &mut joint.drive;
+            [drive.armature, drive.viscous, drive.coulomb] = [values[10], values[11], values[12]];
+        }
+    }
+
+    /// Torque of the arm as found over the rows.
+    pub fn all_torque(&self, rows: &Rows) -> Column {
+        let logs: Vec<Channels> = rows.logs.iter().map(|log| self.torque(&log.motion, &log.motion)).collect();
+        over_rows(rows, &logs)
+    }
+
+    /// Torque of the arm as found, `[joint][time]`: bodies along `link`, rotors and friction along `motor`.
+    fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
+        let mut torque = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), link);
+        for (joint, spec) in self.found.joints.iter().enumerate() {
+            let drive = spec.drive;
+            let moving = motor.qd.channel(joint).iter().zip(motor.qdd.channel(joint));
+            for (value, (&v, &a)) in torque.channel_mut(joint).iter_mut().zip(moving) {
+                let direction = if v == 0.0 { 0.0 } else { v.signum() };
+                *value += drive.armature * a + drive.viscous * v + drive.coulomb * direction;
+            }
+        }
+        torque
+    }
+
+    /// What each placed effect adds to the logged torque over the rows, against the arm as found.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn added(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+        let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
+        let batches: Vec<Vec<Column>> = jobs
+            .into_par_iter()
+            .map(|batch| {
+                let logs: Vec<Vec<Channels>> =
+                    rows.logs.iter().map(|log| self.added_to(batch, log)).collect::<Result<_>>()?;
+                Ok((0..batch.len())
+                    .map(|index| {
+                        let of_logs: Vec<&Channels> = logs.iter().map(|log| &log[index]).collect();
+                        over_rows(rows, &of_logs)
+                    })
+                    .collect())
+            })
+            .collect::<Result<_>>()?;
+        Ok(batches.into_iter().flatten().collect())
+    }
+
+    fn added_to(&self, batch: &[Placed], log: &Log) -> Result<Vec<Channels>> {
+        let mut out: Vec<Option<Channels>> = vec![None; batch.len()];
+        for site in [Site::Joint, Site::Integrator] {
+            let of_site: Vec<usize> = (0..batch.len())
+                .filter(|&k| match batch[k].effect.about().site {
+                    Site::Body => site == Site::Joint,
+                    own => own == site,
+                })
+                .collect();
+            if of_site.is_empty() {
+                continue;
+            }
+            // What rapier's step gets wrong depends on where each mass really is.
+            let robot = if site == Site::Integrator { &self.known } else { &self.found };
+            let along = Along::new(robot, &self.chain, &log.time, &log.motion, 0.0);
+            let placed: Vec<Placed> = of_site.iter().map(|&k| batch[k].clone()).collect();
+            for (k, torque) in of_site.into_iter().zip(contributions(&placed, &along)) {
+                out[k] = Some(torque);
+            }
+        }
+        let mut plain = None;
+        let mut all = Vec::with_capacity(batch.len());
+        for (placed, done) in batch.iter().zip(out) {
+            let torque = match done {
+                Some(torque) => torque,
+                None => {
+                    let plain = plain.get_or_insert_with(|| self.torque(&log.motion, &log.motion));
+                    self.changed(placed, log, plain)?
+                }
+            };
+            all.push(torque);
+        }
+        Ok(all)
+    }
+
+    /// Change of the logged torque by an effect in a gear or a sensor.
+    fn changed(&self, placed: &Placed, log: &Log, plain: &Channels) -> Result<Channels> {
+        let mut torque = match placed.effect.gear(&placed.parameters) {
+            Some(_) => self.torque(&log.motion, &self.behind_gear(placed, log)?),
+            None => {
+                let mut q = log.motion.q.clone();
+                placed.effect.distort_position(&placed.parameters, q.channel_mut(placed.joint));
+                match q == log.motion.q {
+                    true => plain.clone(),
+                    false => {
+                        // Where the encoder reads q + error, the joint is at q - error.
+                        let measured = log.motion.q.channel(placed.joint);
+                        q.channel_mut(placed.joint).iter_mut().zip(measured).for_each(|(x, q)| *x = 2.0 * q - *x);
+                        let motion = Log::motion_of(q, log.period)?;
+                        self.torque(&motion, &motion)
+                    }
+                }
+            }
+        };
+        let joints = match placed.effect.about().scope {
+            Scope::Arm => 0..torque.channels(),
+            _ => placed.joint..placed.joint + 1,
+        };
+        for joint in joints {
+            placed.effect.distort_torque(&placed.parameters, torque.channel_mut(joint), log.period);
+        }
+        torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, before)| *value -= before);
+        Ok(torque)
+    }
+
+    /// Motion of the links when the gear of one joint twists under the torque of the bodies.
+    fn behind_gear(&self, placed: &Placed, log: &Log) -> Result<Motion> {
+        let joint = placed.joint;
+        let armature = self.found.joints[joint].drive.armature.max(f64::MIN_POSITIVE);
+        let Some(gear) = placed.effect.gear(&placed.parameters) else { return Ok(log.motion.clone()) };
+        // Only the play of a gear without compliance is asked for: its completion is part of the rigid arm.
+        let stiff = gear.completed(armature);
+        let carried = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), &log.motion);
+        let mut twist: Vec<f64> = carried
+            .channel(joint)
+            .iter()
+            .map(|&torque| match gear.compliance > 0.0 {
+                true => stiff.twist(torque),
+                false => stiff.twist(torque) - stiff.compliance * torque,
+            })
+            .collect();
+        // The play is crossed in a jump, of which the smooth positions can follow as much as they pass.
+        log.low_pass.apply_in_place(&mut twist)?;
+        let mut q = log.motion.q.clone();
+        q.channel_mut(joint).iter_mut().zip(&twist).for_each(|(q, twist)| *q -= twist);
+        Log::motion_of(q, log.period)
+    }
+}
+
+/// Torque of all logs at their own rate as a column over the rows.
+fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
+    Column::new((0..rows.dof()).map(|joint| {
+        let each = rows.logs.iter().zip(logs);
+        each.flat_map(|(log, torque)| log.blocks(torque.borrow().channel(joint))).collect()
+    }))
+}

@@ -1,0 +1,165 @@
+//! One round of the search: the scan of all candidates, and the contest of the best for the name.
+
+use super::candidates::{Candidate, Family, linear, shapes};
+use super::score::{Projection, Scanned, effective_tests, log_survival};
+use super::session::{Judged, Member, Session};
+use super::whitening::Whitener;
+use crate::error::Result;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Candidates that are fitted with a noise model of their own before one is chosen.
+const SHORTLIST: usize = 4;
+
+/// Share of the winner's statistic that a rival must reach to be looked at.
+const RIVAL: f64 = 0.3;
+
+/// A rival is out when what the winner adds to it is less likely than this without need.
+const ENCOMPASSED: f64 = 1e-3;
+
+/// A rival that holds the winner and more stays only if what it adds is less likely than this without need.
+const SUPERFLUOUS: f64 = 0.05;
+
+/// A rival with more parameters stays only within this gap of the information criterion.
+const CRITERION_GAP: f64 = 6.0;
+
+/// Another effect that explains the same.
+#[derive(Debug, Clone)]
+pub struct Alternative {
+    /// What and where.
+    pub family: Family,
+    /// Likelihood over that of the effect found, each parameter paid for.
+    pub relative_likelihood: f64,
+}
+
+/// The tests of all candidates against one fit.
+#[derive(Debug)]
+pub struct Scan {
+    judged: Vec<Judged>,
+}
+
+impl Scan {
+    /// Tests all candidates; those that cannot be told or make no sense are left out.
+    pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
+        let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
+        Scan { judged }
+    }
+
+    /// How many independent tests the scan is worth.
+    pub fn effective_tests(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> f64 {
+        let scanned: Vec<Scanned> = self
+            .judged
+            .iter()
+            .map(|one| Scanned { columns: &one.whitened, test: &one.test, one_sided: one.candidate.one_sided() })
+            .collect();
+        effective_tests(fit, &scanned, &whitener.rows(), seed)
+    }
+
+    /// The likeliest candidate of every family, the best first.
+    pub fn best_per_family(&self) -> Vec<&Judged> {
+        let mut best: BTreeMap<Family, &Judged> = BTreeMap::new();
+        for judged in &self.judged {
+            let place = best.entry(judged.candidate.family()).or_insert(judged);
+            if judged.test.log_p() < place.test.log_p() {
+                *place = judged;
+            }
+        }
+        let mut best: Vec<&Judged> = best.into_values().collect();
+        best.sort_by(|a, b| a.test.log_p().total_cmp(&b.test.log_p()));
+        best
+    }
+
+    /// For every family the index of its first linear parameter and the smallest standard deviation of it over the
+    /// family's grid.
+    pub fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
+        let mut smallest = BTreeMap::new();
+        for judged in &self.judged {
+            let (index, std) = (linear(judged.candidate.placed.effect)[0], judged.test.std[0]);
+            let place = smallest.entry(judged.candidate.family()).or_insert((index, std));
+            if std > 0.0 && std < place.1 {
+                *place = (index, std);
+            }
+        }
+        smallest
+    }
+}
+
+/// The winner among `best` (one per family, the best first) and what else explains the same.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn contest(
+    session: &Session,
+    members: &[Member],
+    best: &[&Judged],
+    all: &[Candidate],
+    open: &dyn Fn(&Family) -> bool,
+) -> Result<(Judged, Vec<Alternative>)> {
+    let present = session.all_columns(&session.train, members)?;
+    let mut leader: Option<(f64, Candidate)> = None;
+    for judged in best.iter().take(SHORTLIST) {
+        let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
+        let whitener = session.whitener(&with);
+        let fit = Projection::new(&whitener.apply_all(&present), &whitener.apply(&session.train.torque));
+        let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { continue };
+        let own = session.refined(own, &whitener, &fit)?;
+        let left = fit.left() - own.test.statistic;
+        let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64;
+        if leader.as_ref().is_none_or(|(best, _)| criterion < *best) {
+            leader = Some((criterion, own.candidate));
+        }
+    }
+    let leader = leader.map_or_else(|| best[0].candidate.clone(), |(_, candidate)| candidate);
+
+    // From here on all are seen in the same whitening, that under the leader.
+    let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
+    let whitener = session.whitener(&with);
+    let fit = Projection::new(&whitener.apply_all(&present), &whitener.apply(&session.train.torque));
+    let again: Vec<Candidate> =
+        all.iter().filter(|candidate| open(&candidate.family())).cloned().chain([leader.clone()]).collect();
+    let scan = Scan::new(session, &again, &whitener, &fit);
+    let ranked = scan.best_per_family();
+    let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
+    let strong = ranked.into_par_iter().filter(|judged| judged.test.statistic > RIVAL * largest);
+    let mut strong: Vec<Judged> =
+        strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
+    strong.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+    if strong.is_empty() {
+        return Ok((best[0].clone(), Vec::new()));
+    }
+    let winner = strong.remove(0);
+    let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
+    let mut alternatives = Vec::new();
+    for rival in &strong {
+        let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
+        let gap = criterion(rival) - criterion(&winner);
+        let needed = |test: Option<super::score::Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
+        let winner_adds = needed(beside_rival.test(&winner.whitened), ENCOMPASSED);
+        let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
+        let larger = parameters(rival) > parameters(&winner);
+        if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP)) {
+            alternatives.push(Alternative {
+                family: rival.candidate.family(),
+                relative_likelihood: (-0.5 * gap.max(0.0)).exp(),
+            });
+        }
+    }
+    Ok((winner, alternatives))
+}
+
+/// The fit with a candidate and the derivatives to its shapes.
+fn with_tangents(session: &Session, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<Projection> {
+    let tangents = session.tangents(&session.train, &judged.candidate.placed, &judged.test.values)?;
+    Ok(fit.with(&judged.whitened).with(&whitener.apply_all(&tangents)))
+}
+
+fn parameters(judged: &Judged) -> usize {
+    judged.test.freedom + shapes(judged.candidate.placed.effect).len()
+}
+
+/// Akaike's criterion, of which only differences matter.
+fn criterion(judged: &Judged) -> f64 {
+    // Many directions are held to the level of a few by the tail of the test itself.
+    let shapes = shapes(judged.candidate.placed.effect).len() as f64;
+    (2.0 * log_survival(judged.test.statistic, judged.test.freedom)).max(-f64::MAX) + 2.0 * shapes
+}

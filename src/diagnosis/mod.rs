@@ -1,0 +1,50 @@
+//! Diagnosis: what the model of an arm misses, named from measured logs with a controlled rate of false alarms.
+//!
+//! | step | file |
+//! |---|---|
+//! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
+//! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
+//! | every effect at every place, at a grid of its shapes | [`candidates`] |
+//! | noise of each joint, from what a rich regression leaves | [`whitening`] |
+//! | score tests, and the level of the best of many | [`score`] |
+//! | one round: scan, contest of the best for the name | [`contest`] |
+//! | forward selection with held-out acceptance, backward pass | [`selection`] |
+//! | structure that no candidate carries | [`unexplained`] |
+//! | the answer | [`verdict`] |
+
+pub mod arm;
+pub mod candidates;
+pub mod column;
+pub mod contest;
+pub mod rows;
+pub mod score;
+pub mod selection;
+pub mod session;
+pub mod unexplained;
+pub mod verdict;
+pub mod whitening;
+
+pub use verdict::{Diagnosis, Verdict, diagnose};
+
+use crate::identification::effect_model::Trust;
+
+/// What to look for, and how surely.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Which inertias are believed.
+    pub trust: Trust,
+    /// Probability of naming anything where there is nothing.
+    pub alpha: f64,
+    /// Most effects that are named.
+    pub max_findings: usize,
+    /// Seed of the draws behind the level.
+    pub seed: u64,
+    /// Names of the effects to look for; all where empty.
+    pub candidates: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { trust: Trust::Structure, alpha: 0.05, max_findings: 6, seed: 0, candidates: Vec::new() }
+    }
+}

@@ -1,0 +1,282 @@
+//! From logs to the rows of the tests: smooth positions, means over short blocks, rows near reversals left out.
+//!
+//! Positions pass a zero-phase low-pass whose cut-off the data choose. Torque is not filtered: torque and every column
+//! become means over the same short blocks, which keeps white noise white.
+
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use crate::signal::{ZeroPhaseLowPass, block_means, first_derivative, second_derivative};
+use rayon::prelude::*;
+
+/// Length of a block, s.
+const BLOCK_S: f64 = 0.02;
+
+/// Order of the low-pass of the positions, in each direction: steep, so that a slow motion does not leak past the cut-off.
+const ORDER: usize = 6;
+
+/// Cut-offs that are tried, Hz.
+const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0];
+
+/// The widest of them, Hz.
+pub const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
+
+/// Lowest cut-off worth trying, of the one that leaves only white noise.
+const LOWEST_SHARE: f64 = 0.45;
+
+/// What a band above the motion may hold over the share of the encoder's white noise in it.
+const WHITE: f64 = 1.5;
+
+/// Velocity under which the direction of a joint is not certain, rad/s, and the rows on either side that go with it.
+const REVERSAL_BAND: f64 = 0.03;
+const REVERSAL_NEIGHBOURS: usize = 2;
+
+/// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
+const MEMORY: f64 = 1.0;
+
+/// Fewest rows that count on every joint.
+const FEWEST_ROWS: usize = 200;
+
+/// One log made ready, at its own rate.
+#[derive(Debug, Clone)]
+pub struct Log {
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// The motion from smooth positions.
+    pub motion: Motion,
+    /// Time between samples, s.
+    pub period: f64,
+    /// The low-pass that positions went through.
+    pub low_pass: ZeroPhaseLowPass,
+    /// Samples in a block.
+    block: usize,
+}
+
+impl Log {
+    /// The motion whose positions are `q`, smooth already.
+    ///
+    /// # Errors
+    /// If there are too few samples to differentiate.
+    pub fn motion_of(q: Channels, period: f64) -> Result<Motion> {
+        let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
+        for joint in 0..motion.joints() {
+            first_derivative(motion.q.channel(joint), period, motion.qd.channel_mut(joint))?;
+            second_derivative(motion.q.channel(joint), period, motion.qdd.channel_mut(joint))?;
+        }
+        Ok(motion)
+    }
+
+    /// Means over the blocks of a signal of this log.
+    pub fn blocks(&self, signal: &[f64]) -> Vec<f64> {
+        block_means(signal, self.block).unwrap_or_default()
+    }
+}
+
+/// All logs of one kind, their blocks one after the other. Signals over the rows have one value per block of every log.
+#[derive(Debug, Clone)]
+pub struct Rows {
+    /// The logs.
+    pub logs: Vec<Log>,
+    /// First row of every log, and the number of all rows at the end.
+    pub starts: Vec<usize>,
+    /// Rows that count, `[joint][row]`.
+    pub valid: Vec<Vec<bool>>,
+    /// Measured torque, `[joint][row]`.
+    pub torque: Vec<Vec<f64>>,
+}
+
+impl Rows {
+    /// Makes logs ready with positions smoothed at `cutoff_hz`.
+    ///
+    /// # Errors
+    /// If a log is too short, or a joint hardly moves; named.
+    pub fn new(recordings: &[&Recording], cutoff_hz: f64) -> Result<Self> {
+        let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
+        let dof = first.joints();
+        let mut rows =
+            Rows { logs: Vec::new(), starts: vec![0], valid: vec![Vec::new(); dof], torque: vec![Vec::new(); dof] };
+        for recording in recordings {
+            let log = prepared(recording, cutoff_hz)?;
+            let margin = (MEMORY * recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
+            for joint in 0..dof {
+                rows.torque[joint].extend(log.blocks(recording.tau.channel(joint)));
+                rows.valid[joint].extend(usable(&log, joint, margin));
+            }
+            rows.starts.push(rows.torque[0].len());
+            rows.logs.push(log);
+        }
+        for (joint, valid) in rows.valid.iter().enumerate() {
+            let count = valid.iter().filter(|&&ok| ok).count();
+            if count < FEWEST_ROWS {
+                let problem = format!(
+                    "only {:.1} s of the logs are usable (the joint moves faster than {REVERSAL_BAND} rad/s there); a \
+                     diagnosis needs {:.0} s or more: record a longer motion in which this joint takes part",
+                    count as f64 * BLOCK_S,
+                    FEWEST_ROWS as f64 * BLOCK_S
+                );
+                return Err(Error::request(format!("joint `{}`", first.joints[joint]), problem));
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.torque.len()
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.torque[0].len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.
+    pub fn signal(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
+        self.logs.iter().flat_map(|log| log.blocks(&of(log))).collect()
+    }
+}
+
+/// Cut-offs worth trying up to the one that leaves only white noise, Hz: a lower one distorts the motion a little, and lets
+/// less of the encoder's noise into the accelerations.
+pub fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
+    let lowest = highest_hz * LOWEST_SHARE;
+    CUTOFFS_HZ.into_iter().filter(|hz| (lowest..=highest_hz).contains(hz)).collect()
+}
+
+/// The lowest cut-off, Hz, above which the positions of all joints of all logs hold nothing but white noise.
+///
+/// # Errors
+/// If a log is too short for the filters.
+pub fn cutoff(recordings: &[&Recording]) -> Result<f64> {
+    let jobs: Vec<(&Recording, usize)> =
+        recordings.iter().flat_map(|&recording| (0..recording.joints()).map(move |joint| (recording, joint))).collect();
+    let each: Vec<f64> = jobs
+        .par_iter()
+        .map(|(recording, joint)| cutoff_of(recording.q.channel(*joint), recording.rate_hz()))
+        .collect::<Result<_>>()?;
+    Ok(each.into_iter().fold(CUTOFFS_HZ[0], f64::max))
+}
+
+fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
+    let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz < 0.12 * rate_hz).collect();
+    let edges: Vec<f64> = candidates.iter().copied().chain([0.15 * rate_hz]).collect();
+    let filters: Vec<ZeroPhaseLowPass> =
+        edges.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate_hz)).collect::<Result<_>>()?;
+    let mut passed = Vec::with_capacity(filters.len());
+    for filter in &filters {
+        let mut out = vec![0.0; q.len()];
+        filter.apply(q, &mut out)?;
+        passed.push(out);
+    }
+    let top = filters.len() - 1;
+    let above: Vec<f64> = q.iter().zip(&passed[top]).map(|(x, low)| x - low).collect();
+    let all = |hz: f64| 1.0 - filters[top].gain(hz);
+    let noise = inner_power(&above, rate_hz) / share(all, rate_hz);
+    // From the top down: the first band that holds more than noise must still pass.
+    let mut lowest = 0;
+    for band in (0..top).rev() {
+        let inside: Vec<f64> = passed[band + 1].iter().zip(&passed[band]).map(|(wide, narrow)| wide - narrow).collect();
+        let expected = noise * share(|hz| filters[band + 1].gain(hz) - filters[band].gain(hz), rate_hz);
+        if inner_power(&inside, rate_hz) > WHITE * expected {
+            lowest = (band + 1).min(candidates.len() - 1);
+            break;
+        }
+    }
+    Ok(candidates.get(lowest).copied().unwrap_or(CUTOFFS_HZ[0]))
+}
+
+/// Mean square away from both ends, where the filters settle.
+fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
+    let cut = (2.0 * rate_hz) as usize;
+    let inner = if signal.len() > 4 * cut { &signal[cut..signal.len() - cut] } else { signal };
+    inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
+}
+
+/// Share of white noise that a zero-phase filter of this gain passes.
+fn share(gain: impl Fn(f64) -> f64, rate_hz: f64) -> f64 {
+    const POINTS: usize = 4000;
+    (0..POINTS).map(|k| gain((k as f64 + 0.5) / POINTS as f64 * 0.5 * rate_hz).powi(2)).sum::<f64>() / POINTS as f64
+}
+
+fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
+    let rate = recording.rate_hz();
+    let low_pass = ZeroPhaseLowPass::new(ORDER, cutoff_hz, rate)?;
+    let mut q = recording.q.clone();
+    for joint in 0..q.channels() {
+        low_pass
+            .apply_in_place(q.channel_mut(joint))
+            .map_err(|e| Error::request(format!("joint `{}`", recording.joints[joint]), e.to_string()))?;
+    }
+    let motion = Log::motion_of(q, 1.0 / rate)?;
+    let block = ((BLOCK_S * rate).round() as usize).max(1);
+    Ok(Log { time: recording.time.clone(), motion, period: 1.0 / rate, low_pass, block })
+}
+
+/// Blocks of a joint away from the ends of the log and from reversals.
+fn usable(log: &Log, joint: usize, margin: usize) -> Vec<bool> {
+    let neighbours = margin.max(REVERSAL_NEIGHBOURS);
+    let slow: Vec<bool> = log
+        .motion
+        .qd
+        .channel(joint)
+        .chunks_exact(log.block)
+        .map(|block| {
+            let turns = block.iter().any(|v| v.signum() != block[0].signum());
+            turns || block.iter().any(|v| v.abs() < REVERSAL_BAND)
+        })
+        .collect();
+    (0..slow.len())
+        .map(|row| {
+            let near = row.saturating_sub(neighbours)..(row + neighbours + 1).min(slow.len());
+            row >= margin && row + margin < slow.len() && !slow[near].contains(&true)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const RATE: f64 = 500.0;
+
+    fn swing(hz: f64, size: f64) -> Vec<f64> {
+        let mut source = random::stream(5, "cut-off", 0);
+        (0..10_000)
+            .map(|k| {
+                let t = f64::from(k) / RATE;
+                let noise: f64 = StandardNormal.sample(&mut source);
+                (std::f64::consts::TAU * 0.4 * t).sin() + size * (std::f64::consts::TAU * hz * t).sin() + 1.5e-5 * noise
+            })
+            .collect()
+    }
+
+    #[test]
+    fn cut_off_lies_just_above_the_motion() {
+        let slow = cutoff_of(&swing(0.4, 0.1), RATE).unwrap();
+        assert!(slow <= 4.0, "{slow}");
+        let fast = cutoff_of(&swing(9.0, 1e-3), RATE).unwrap();
+        assert!((10.0..=16.0).contains(&fast), "{fast}");
+    }
+
+    #[test]
+    fn rows_near_reversals_and_ends_do_not_count() {
+        let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let tau = Channels::zeros(1, 10_000);
+        let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 5.0).unwrap();
+        assert_eq!(rows.len(), 1000);
+        // The first reversal is at a quarter of the period of 2.5 s, block 31.
+        assert!(!rows.valid[0][0] && !rows.valid[0][31] && !rows.valid[0][999]);
+        assert!(rows.valid[0][20] && rows.valid[0][60]);
+        assert!(Rows::new(&[&log.time_slice(0.0..3.0)], 5.0).unwrap_err().to_string().contains("`a`"));
+    }
+}

@@ -1,0 +1,271 @@
+//! Score tests of candidate columns against what a fit leaves, and the family-wise level of the best of many.
+
+use super::column::Column;
+use crate::random;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::function::gamma::ln_gamma;
+
+/// Share of a direction's squared norm that the baseline must leave for the direction to be testable.
+const TESTABLE: f64 = 1e-5;
+
+/// Share of its norm that a basis column must keep beyond those before it.
+const INDEPENDENT: f64 = 1e-7;
+
+/// Draws of noise from which the level of the best of many tests is found.
+const DRAWS: usize = 200;
+
+/// A least-squares fit on whitened rows.
+#[derive(Debug, Clone)]
+pub struct Projection {
+    basis: Vec<Column>,
+    /// What the fit leaves.
+    pub residual: Column,
+}
+
+impl Projection {
+    /// Fits `torque` by `columns`, both whitened.
+    pub fn new(columns: &[Column], torque: &Column) -> Self {
+        let mut fit = Projection { basis: Vec::new(), residual: torque.clone() };
+        fit.extend(columns);
+        fit
+    }
+
+    /// The same fit with more columns.
+    pub fn with(&self, columns: &[Column]) -> Self {
+        let mut fit = self.clone();
+        fit.extend(columns);
+        fit
+    }
+
+    fn extend(&mut self, columns: &[Column]) {
+        for column in columns {
+            let norm = column.dot(column).sqrt();
+            if !(norm > 0.0 && norm.is_finite()) {
+                continue;
+            }
+            let mut rest = self.without(self.without(column.clone()));
+            let left = rest.dot(&rest).sqrt();
+            if left > INDEPENDENT * norm {
+                rest.scale(1.0 / left);
+                let along = rest.dot(&self.residual);
+                self.residual.add(-along, &rest);
+                self.basis.push(rest);
+            }
+        }
+    }
+
+    fn without(&self, mut column: Column) -> Column {
+        for direction in &self.basis {
+            let along = direction.dot(&column);
+            column.add(-along, direction);
+        }
+        column
+    }
+
+    /// Sum of squares of what is left.
+    pub fn left(&self) -> f64 {
+        self.residual.dot(&self.residual)
+    }
+
+    /// The score test of a group of whitened columns; None where the baseline can do all they can.
+    pub fn test(&self, columns: &[Column]) -> Option<Test> {
+        let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
+        if !norms.iter().all(|norm| norm.is_finite()) {
+            return None;
+        }
+        // A column that does nothing must not hide the others of its group.
+        let norms: Vec<f64> = norms.into_iter().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
+        let count = columns.len();
+        let along = DMatrix::from_fn(self.basis.len(), count, |b, c| self.basis[b].dot(&columns[c]) / norms[c]);
+        let mut gram = DMatrix::from_fn(count, count, |r, c| {
+            if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
+        });
+        gram.fill_lower_triangle_with_upper_triangle();
+        gram -= along.tr_mul(&along);
+        let eigen = SymmetricEigen::new(gram);
+        let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > TESTABLE).collect();
+        if kept.is_empty() {
+            return None;
+        }
+        let directions = DMatrix::from_fn(count, kept.len(), |r, k| {
+            eigen.eigenvectors[(r, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
+        });
+        let right = DVector::from_fn(count, |c, _| columns[c].dot(&self.residual) / norms[c]);
+        let scores = directions.tr_mul(&right);
+        let values = &directions * &scores;
+        let covariance = &directions * directions.transpose();
+        Some(Test {
+            statistic: scores.norm_squared(),
+            freedom: kept.len(),
+            values: values.iter().zip(&norms).map(|(v, norm)| v / norm).collect(),
+            std: covariance.diagonal().iter().zip(&norms).map(|(v, norm)| v.sqrt() / norm).collect(),
+            along,
+            directions,
+            norms,
+        })
+    }
+}
+
+/// A score test.
+#[derive(Debug, Clone)]
+pub struct Test {
+    /// Sum of squares that the columns take beyond the baseline: chi-square where they are not needed.
+    pub statistic: f64,
+    /// Directions that could be tested.
+    pub freedom: usize,
+    /// Estimates of the columns' factors.
+    pub values: Vec<f64>,
+    /// Their standard deviations.
+    pub std: Vec<f64>,
+    along: DMatrix<f64>,
+    directions: DMatrix<f64>,
+    norms: Vec<f64>,
+}
+
+impl Test {
+    /// Logarithm of the probability of as large a statistic without an effect.
+    pub fn log_p(&self) -> f64 {
+        log_survival(self.statistic, self.freedom)
+    }
+}
+
+/// Logarithm of the probability that chi-square exceeds `x`.
+pub fn log_survival(x: f64, freedom: usize) -> f64 {
+    if freedom == 0 || x <= 0.0 {
+        return 0.0;
+    }
+    let half = 0.5 * freedom as f64;
+    match ChiSquared::new(freedom as f64).map(|law| law.sf(x)) {
+        Ok(p) if p > 1e-250 => p.ln(),
+        // Far out the incomplete gamma function is its leading term.
+        _ => (half - 1.0) * (0.5 * x).ln() - 0.5 * x - ln_gamma(half) - (1.0 - (half - 1.0) / (0.5 * x)).ln(),
+    }
+}
+
+/// A group of columns in a scan.
+#[derive(Debug)]
+pub struct Scanned<'a> {
+    /// Its columns, whitened.
+    pub columns: &'a [Column],
+    /// Its test.
+    pub test: &'a Test,
+    /// Whether only positive values make sense of its only column.
+    pub one_sided: bool,
+}
+
+/// How many independent tests the best of a scan is worth: noise is sent through all of them, and the smallest
+/// probability of each draw taken. With m independent tests -ln(1 - p_min) is exponential with rate m, of which this is
+/// the maximum-likelihood estimate; it carries the level into tails that no number of draws would reach.
+pub fn effective_tests(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> f64 {
+    let noise: Vec<DMatrix<f64>> = rows
+        .iter()
+        .enumerate()
+        .map(|(joint, &count)| {
+            let mut source = random::stream(seed, "level of the scan", joint as u64);
+            DMatrix::from_fn(count, DRAWS, |_, _| StandardNormal.sample(&mut source))
+        })
+        .collect();
+    let through = |columns: &[Column], norms: &[f64]| {
+        let mut sum = DMatrix::zeros(columns.len(), DRAWS);
+        for (joint, noise) in noise.iter().enumerate() {
+            let parts: Vec<(usize, &[f64])> =
+                columns.iter().enumerate().filter_map(|(k, column)| Some((k, column.part(joint)?))).collect();
+            if parts.is_empty() {
+                continue;
+            }
+            let table: Vec<f64> = parts.iter().flat_map(|(_, part)| part.iter().copied()).collect();
+            let product = DMatrix::from_row_slice(parts.len(), noise.nrows(), &table) * noise;
+            for (r, (k, _)) in parts.iter().enumerate() {
+                for draw in 0..DRAWS {
+                    sum[(*k, draw)] += product[(r, draw)] / norms[*k];
+                }
+            }
+        }
+        sum
+    };
+    let along_basis = through(&fit.basis, &vec![1.0; fit.basis.len()]);
+    let smallest = scanned
+        .par_iter()
+        .map(|one| {
+            let right = through(one.columns, &one.test.norms) - one.test.along.tr_mul(&along_basis);
+            let scores = one.test.directions.tr_mul(&right);
+            (0..DRAWS)
+                .map(|draw| {
+                    if one.one_sided && right[(0, draw)] < 0.0 {
+                        return 0.0;
+                    }
+                    log_survival(scores.column(draw).norm_squared(), one.test.freedom)
+                })
+                .collect::<Vec<f64>>()
+        })
+        .reduce(
+            || vec![0.0; DRAWS],
+            |mut a, b| {
+                a.iter_mut().zip(b).for_each(|(x, y)| *x = x.min(y));
+                a
+            },
+        );
+    let mean = smallest.iter().map(|p| -(-p.exp().min(1.0 - 1e-12)).ln_1p()).sum::<f64>() / DRAWS as f64;
+    (1.0 / mean).max(1.0)
+}
+
+/// Probability that the best of so many independent tests is as good without any effect.
+pub fn family_wise(log_p: f64, tests: f64) -> f64 {
+    -(tests * (-log_p.exp().min(1.0 - 1e-15)).ln_1p()).exp_m1()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(k: usize, rows: usize) -> Column {
+        Column::on(0, (0..rows).map(|t| (k as f64 * t as f64 * std::f64::consts::PI / rows as f64).cos()).collect())
+    }
+
+    #[test]
+    fn chi_square_tails_agree_with_tables() {
+        for (x, freedom, p) in [(3.841_459, 1, 0.05), (9.487_729, 4, 0.05), (23.209_25, 10, 0.01)] {
+            assert!((log_survival(x, freedom).exp() / p - 1.0).abs() < 1e-5);
+        }
+        // scipy: chi2.logsf(1200, 3), and norm.logsf(sqrt(2000)) + log(2) for one degree of freedom
+        for (x, freedom, log_p) in [(1200.0, 3, -596.679_921), (2000.0, 1, -1_004.026_742)] {
+            assert!((log_survival(x, freedom) - log_p).abs() < 1e-3, "{}", log_survival(x, freedom));
+        }
+    }
+
+    #[test]
+    fn a_known_amount_is_found_beyond_the_baseline() {
+        let rows = 400;
+        let (base, extra) = (wave(1, rows), wave(3, rows));
+        let mut torque = base.clone();
+        torque.scale(5.0);
+        torque.add(0.7, &extra);
+        let fit = Projection::new(std::slice::from_ref(&base), &torque);
+        let test = fit.test(std::slice::from_ref(&extra)).unwrap();
+        assert!((test.values[0] - 0.7).abs() < 1e-9);
+        let perpendicular = extra.dot(&extra) - extra.dot(&base).powi(2) / base.dot(&base);
+        assert!((test.statistic - 0.49 * perpendicular).abs() < 1e-9 * test.statistic);
+        assert!((test.std[0] * perpendicular.sqrt() - 1.0).abs() < 1e-9);
+        assert!(fit.test(std::slice::from_ref(&base)).is_none());
+        assert!(fit.with(&[extra]).left() < 1e-18 * torque.dot(&torque));
+    }
+
+    #[test]
+    fn orthogonal_tests_count_one_by_one_and_copies_once() {
+        let rows = 600;
+        let fit = Projection::new(&[wave(0, rows)], &wave(0, rows));
+        let count = |waves: &[usize]| {
+            let columns: Vec<Vec<Column>> = waves.iter().map(|&k| vec![wave(k, rows)]).collect();
+            let tests: Vec<Test> = columns.iter().map(|c| fit.test(c).unwrap()).collect();
+            let scanned: Vec<Scanned> =
+                columns.iter().zip(&tests).map(|(columns, test)| Scanned { columns, test, one_sided: false }).collect();
+            effective_tests(&fit, &scanned, &[rows], 1)
+        };
+        let many = count(&(1..=50).collect::<Vec<usize>>());
+        assert!((40.0..63.0).contains(&many), "{many}");
+        assert!(count(&[4; 50]) < 1.3);
+    }
+}

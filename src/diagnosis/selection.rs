@@ -1,0 +1,208 @@
+//! Forward selection of effects: the best candidate is tested at a family-wise level, compared with its rivals in the same
+//! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
+
+use super::Options;
+use super::candidates::{self, Family};
+use super::column::Column;
+use super::contest::{Alternative, Scan, contest};
+use super::score::{Projection, family_wise};
+use super::session::{Judged, Member, Session};
+use super::whitening::Whitener;
+use crate::error::Result;
+use std::collections::BTreeMap;
+
+/// Effects are dropped in the end when what they take is more likely than this without them.
+const KEPT: f64 = 1e-4;
+
+/// Rows in a stretch over which held-out gains are summed before they count as independent (one second).
+const STRETCH: usize = 50;
+
+/// One-sided 95 % point of the normal distribution.
+const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
+
+/// Candidates that held-out logs may refuse before the search ends.
+const REFUSALS: usize = 3;
+
+/// An effect that was found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The effect in the model.
+    pub member: Member,
+    /// What else explains the data, the likeliest first; empty where the data name the effect.
+    pub alternatives: Vec<Alternative>,
+    /// Probability of as good a best candidate without any effect.
+    pub family_wise_p: f64,
+    /// Lower 95 % bound of the share of the held-out sum of squares that it takes away.
+    pub gain_lower_bound: f64,
+    /// Root mean square of the held-out residual before and after, `[joint]`, N m.
+    pub rms: [Vec<f64>; 2],
+}
+
+/// What the search came to.
+#[derive(Debug)]
+pub struct Selection {
+    /// The effects found, in the order in which they were.
+    pub found: Vec<Found>,
+    /// The noise in the end.
+    pub whitener: Whitener,
+    /// The noise before anything was found.
+    pub first_whitener: Whitener,
+    /// Number of independent tests that the scan is worth.
+    pub tests: f64,
+    /// Of every family that could be tested in the end: index of its first linear parameter and its standard deviation.
+    pub sensitivity: BTreeMap<Family, (usize, f64)>,
+}
+
+/// A round's view of the data: the noise, the fit so far, and the tests of all candidates against it.
+struct Round {
+    whitener: Whitener,
+    fit: Projection,
+    all: Vec<candidates::Candidate>,
+    scan: Scan,
+}
+
+/// Searches for effects until no more pass. `progress` is told the number of effects found so far.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
+    let mut found: Vec<Found> = Vec::new();
+    let mut refused: Vec<Family> = Vec::new();
+    let mut round = look(session, &mut found, options)?;
+    let first_whitener = round.whitener.clone();
+    let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
+    while found.len() < options.max_findings && refused.len() < REFUSALS {
+        progress(found.len());
+        let taken: Vec<Family> = found.iter().map(|found| found.member.candidate.family()).collect();
+        let open = |family: &Family| !taken.contains(family) && !refused.contains(family);
+        let mut best = round.scan.best_per_family();
+        best.retain(|judged| open(&judged.candidate.family()));
+        let Some(first) = best.first() else { break };
+        let level = family_wise(first.test.log_p(), tests);
+        if level > options.alpha {
+            break;
+        }
+        let members = members(&found);
+        let (winner, alternatives) = contest(session, &members, &best, &round.all, &open)?;
+        // What is significant only in the noise model that does not know it is an error of that noise model.
+        let level = level.max(family_wise(winner.test.log_p(), tests));
+        let accepted = if level > options.alpha { None } else { accepted(session, &members, &winner)? };
+        match accepted {
+            Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
+                found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms });
+                round = look(session, &mut found, options)?;
+            }
+            None => refused.push(winner.candidate.family()),
+        }
+    }
+    if drop_superfluous(session, &mut found)? {
+        round = look(session, &mut found, options)?;
+    }
+    let sensitivity = round.scan.sensitivity();
+    Ok(Selection { found, whitener: round.whitener, first_whitener, tests, sensitivity })
+}
+
+/// Fits what was found so far, with estimates written back, and tests all candidates against the fit.
+fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Round> {
+    let mut members = members(found);
+    let present = session.all_columns(&session.train, &members)?;
+    let whitener = session.whitener(&present);
+    session.settle(&mut members, &whitener)?;
+    found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
+    let all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+    let columns = session.all_columns(&session.train, &members)?;
+    let fit = Projection::new(&whitener.apply_all(&columns), &whitener.apply(&session.train.torque));
+    let scan = Scan::new(session, &all, &whitener, &fit);
+    Ok(Round { whitener, fit, all, scan })
+}
+
+fn members(found: &[Found]) -> Vec<Member> {
+    found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// What held-out rows say of an effect.
+struct Gain {
+    lower_bound: f64,
+    rms: [Vec<f64>; 2],
+}
+
+/// The winner as a member of the model with its gain on the held-out rows, if that is surely positive.
+fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, Gain)>> {
+    let member = Member::new(winner);
+    let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
+    let whitener = session.whitener(&session.all_columns(&session.train, &with)?);
+    let before = session.held_out_residual(members, &whitener)?;
+    let after = session.held_out_residual(&with, &whitener)?;
+    let unseen = whitener.on(&session.test.rows);
+    let bound = gain_lower_bound(&unseen, &before, &after, session.test.rows.len());
+    let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
+    Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
+}
+
+/// Lower 95 % bound of the share of the whitened sum of squares that is gained, from its scatter over stretches of the rows.
+fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, rows: usize) -> f64 {
+    let (before, after) = (unseen.apply(before), unseen.apply(after));
+    let mut gains = vec![0.0; rows / STRETCH + 1];
+    for (joint, values) in &before.parts {
+        let Some(others) = after.part(*joint) else { continue };
+        for ((place, b), a) in unseen.places(*joint).iter().zip(values).zip(others) {
+            gains[place / STRETCH] += b * b - a * a;
+        }
+    }
+    let total: f64 = gains.iter().sum();
+    let mean = total / gains.len() as f64;
+    let scatter: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
+    let std = (scatter * gains.len() as f64 / (gains.len() as f64 - 1.0).max(1.0)).sqrt();
+    (total - NORMAL_95_ONE_SIDED * std) / before.dot(&before).max(f64::MIN_POSITIVE)
+}
+
+/// Root mean square over the rows that count, `[joint]`.
+pub fn rms(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
+    valid
+        .iter()
+        .enumerate()
+        .map(|(joint, valid)| {
+            let values = residual.part(joint).into_iter().flatten().zip(valid);
+            let (sum, count) = values.filter(|(_, ok)| **ok).fold((0.0, 0usize), |(s, n), (r, _)| (s + r * r, n + 1));
+            (sum / count.max(1) as f64).sqrt()
+        })
+        .collect()
+}
+
+/// Drops effects that the others have made superfluous, the least needed first; tells whether it did.
+fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
+    let mut dropped = false;
+    while found.len() > 1 {
+        let all = members(found);
+        let whitener = session.whitener(&session.all_columns(&session.train, &all)?);
+        let torque = whitener.apply(&session.train.torque);
+        let mut least = (f64::NEG_INFINITY, 0);
+        for index in 0..all.len() {
+            let others: Vec<Member> =
+                all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, member)| member.clone()).collect();
+            let fit = Projection::new(&whitener.apply_all(&session.all_columns(&session.train, &others)?), &torque);
+            let log_p = fit.test(&whitener.apply_all(&all[index].candidate.columns)).map_or(0.0, |test| test.log_p());
+            if log_p > least.0 {
+                least = (log_p, index);
+            }
+        }
+        if least.0 < KEPT.ln() {
+            break;
+        }
+        found.remove(least.1);
+        dropped = true;
+    }
+    Ok(dropped)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rms_counts_valid_rows_only() {
+        let residual = Column::on(1, vec![3.0, 100.0, 4.0]);
+        let valid = vec![vec![true; 3], vec![true, false, true]];
+        assert_eq!(rms(&valid, &residual), [0.0, 12.5f64.sqrt()]);
+    }
+}

@@ -1,0 +1,380 @@
+//! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
+
+use super::arm::Arm;
+use super::candidates::{Candidate, bends, columns, is_level, linear, shapes, straight_below};
+use super::column::{Column, combined};
+use super::rows::{Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
+use super::score::{Projection, Test};
+use super::whitening::Whitener;
+use crate::effects::{Parameter, Placed};
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::recording::Recording;
+use crate::robot::Robot;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
+const SINGULAR: f64 = 1e-12;
+
+/// Halvings of the step in the search for a shape.
+const HALVINGS: usize = 6;
+
+/// Times the size at which a departure's column is taken is moved to its estimate.
+const SECANTS: usize = 3;
+
+/// Share of a level within which its column's factor must lie: it is cut off wholly or not at all.
+const LEVEL_FACTOR: std::ops::Range<f64> = 0.5..2.0;
+
+/// Factor within which the estimate of a departure must agree with the size at which its column was taken.
+const SIZE_FACTOR: f64 = 2.0;
+
+/// Standard deviations by which an estimate may lie beyond a bound.
+const BEYOND_BOUND: f64 = 3.0;
+
+/// Share of a shape's value over which its derivative is taken.
+const DIFFERENCE: f64 = 0.02;
+
+/// One kind of logs with all that is the same for every fit.
+#[derive(Debug)]
+pub struct Side {
+    /// The rows.
+    pub rows: Rows,
+    /// Columns of the baseline.
+    pub baseline: Vec<Column>,
+    /// Measured torque less what is believed.
+    pub torque: Column,
+}
+
+/// What is under diagnosis.
+#[derive(Debug)]
+pub struct Session<'a> {
+    /// The model of the arm.
+    pub model: &'a Model,
+    /// What is believed of it.
+    pub trust: Trust,
+    /// The arm as found so far.
+    pub arm: Arm,
+    /// Logs that are identified from.
+    pub train: Side,
+    /// Logs to judge by.
+    pub test: Side,
+    /// Cut-off of the positions' low-pass, Hz.
+    pub cutoff_hz: f64,
+}
+
+/// An effect in the model, with what it takes there.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// The effect with its parameters as estimated.
+    pub placed: Placed,
+    /// Standard deviation of every parameter; zero for those held.
+    pub std: Vec<f64>,
+    /// Where its columns are taken.
+    pub candidate: Candidate,
+    /// Factors of the columns.
+    pub factors: Vec<f64>,
+}
+
+/// A candidate with its test in some whitening.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// Its columns, whitened.
+    pub whitened: Vec<Column>,
+    /// Its test.
+    pub test: Test,
+}
+
+impl<'a> Session<'a> {
+    /// Makes the logs ready.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
+        let arm = Arm::new(model.robot(), trust);
+        let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
+        let side = |logs: &[&Recording], cutoff_hz: f64| -> Result<Side> {
+            let rows = Rows::new(logs, cutoff_hz)?;
+            let mut torque = Column::new(rows.torque.iter().cloned());
+            torque.add(-1.0, &arm.believed(&rows));
+            Ok(Side { baseline: arm.baseline(model, &rows), torque, rows })
+        };
+        // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
+        // encoder's noise into them.
+        let mut best: Option<(f64, f64, Side)> = None;
+        for hz in cutoffs_up_to(cutoff(&all)?) {
+            let Ok(side) = side(train, hz) else { continue };
+            let unexpected = Whitener::new(&side.rows, &side.torque, &side.baseline).mean_log_scale();
+            if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
+                best = Some((unexpected, hz, side));
+            }
+        }
+        let (cutoff_hz, train) = match best {
+            Some((_, hz, train)) => (hz, train),
+            // No cut-off leaves enough rows; the widest tells best why.
+            None => (WIDEST_HZ, side(train, WIDEST_HZ)?),
+        };
+        let test = side(test, cutoff_hz)?;
+        Ok(Session { model, trust, arm, train, test, cutoff_hz })
+    }
+
+    /// Takes the arm's parameters from `robot` instead of from a fit.
+    pub fn believe(&mut self, robot: &Robot) {
+        self.arm = Arm::new(robot, self.trust);
+    }
+
+    /// Largest torque of a joint of the arm as found, on the training rows, N m.
+    pub fn largest_torque(&self, joint: usize) -> f64 {
+        let torque = self.arm.all_torque(&self.train.rows);
+        torque.part(joint).unwrap_or_default().iter().fold(0.0f64, |m, v| m.max(v.abs()))
+    }
+
+    /// Columns of the model with effects: baseline, every effect's columns, derivatives to their shapes.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn all_columns(&self, side: &Side, members: &[Member]) -> Result<Vec<Column>> {
+        let mut all = side.baseline.clone();
+        for member in members {
+            all.extend(columns(&self.arm, &side.rows, std::slice::from_ref(&member.candidate.placed))?.concat());
+            all.extend(self.tangents(side, &member.candidate.placed, &member.factors)?);
+        }
+        Ok(all)
+    }
+
+    /// Derivatives of an effect's torque to its shapes.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn tangents(&self, side: &Side, placed: &Placed, factors: &[f64]) -> Result<Vec<Column>> {
+        let mut tangents = Vec::new();
+        for index in shapes(placed.effect) {
+            let parameter = &placed.effect.parameters()[index];
+            let step = DIFFERENCE * placed.parameters[index].abs().max(0.1 * parameter.typical.abs());
+            let moved = |by: f64| {
+                let mut moved = placed.clone();
+                moved.parameters[index] = bounded(parameter, placed.parameters[index] + by);
+                moved
+            };
+            let (ahead, behind) = (moved(step), moved(-step));
+            let apart = ahead.parameters[index] - behind.parameters[index];
+            let both = columns(&self.arm, &side.rows, &[ahead, behind])?;
+            let mut tangent = combined(&both[0], factors);
+            tangent.add(-1.0, &combined(&both[1], factors));
+            tangent.scale(1.0 / apart);
+            tangents.push(tangent);
+        }
+        Ok(tangents)
+    }
+
+    /// The noise under the baseline, the columns in `extra` and the rich regression.
+    pub fn whitener(&self, present: &[Column]) -> Whitener {
+        Whitener::new(&self.train.rows, &self.train.torque, present)
+    }
+
+    /// Tests a candidate; None where it cannot be told from what the fit has, or its estimate makes no sense.
+    pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
+        let whitened = whitener.apply_all(&candidate.columns);
+        let test = fit.test(&whitened)?;
+        is_physical(candidate, &test).then(|| Judged { candidate: candidate.clone(), whitened, test })
+    }
+
+    /// Moves the shapes and sizes of a candidate to where its test is largest.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let effect = start.candidate.placed.effect;
+        let mut best = start;
+        let at = |placed: Placed| -> Result<Option<Judged>> {
+            let columns = columns(&self.arm, &self.train.rows, std::slice::from_ref(&placed))?.concat();
+            Ok(self.judge(&Candidate { placed, columns }, whitener, fit))
+        };
+        let shapes = shapes(effect);
+        let mut share = 0.25;
+        for _ in 0..HALVINGS {
+            for &index in &shapes {
+                let parameter = &effect.parameters()[index];
+                for sign in [1.0, -1.0] {
+                    let mut placed = best.candidate.placed.clone();
+                    let value = &mut placed.parameters[index];
+                    *value = bounded(parameter, moved(parameter, *value, sign * share));
+                    if let Some(judged) = at(placed)?
+                        && judged.test.statistic > best.test.statistic
+                    {
+                        best = judged;
+                        break;
+                    }
+                }
+            }
+            share *= 0.5;
+            if shapes.is_empty() {
+                break;
+            }
+        }
+        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == crate::effects::Role::Departure);
+        for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
+            let mut placed = best.candidate.placed.clone();
+            for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
+                let parameter = &effect.parameters()[index];
+                // A size of next to nothing drowns in rounding.
+                let least = 1e-3 * parameter.typical.abs();
+                let size = if value.abs() < least { least } else { value };
+                placed.parameters[index] = bounded(parameter, size);
+            }
+            match at(placed)? {
+                Some(judged) => best = judged,
+                None => break,
+            }
+        }
+        Ok(best)
+    }
+
+    /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
+        let columns = self.all_columns(&self.train, members)?;
+        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
+        self.arm.take(self.model, &solved.values);
+        let mut place = self.train.baseline.len();
+        for member in members {
+            let effect = member.placed.effect;
+            for (k, index) in linear(effect).into_iter().enumerate() {
+                member.factors[k] = solved.values[place];
+                if !is_level(effect) {
+                    member.placed.parameters[index] = solved.values[place];
+                    member.std[index] = solved.std[place];
+                }
+                place += 1;
+            }
+            for index in shapes(effect) {
+                member.placed.parameters[index] = member.candidate.placed.parameters[index];
+                member.std[index] = solved.std[place];
+                place += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the model leaves on the held-out rows when it is fitted to the training rows.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn held_out_residual(&self, members: &[Member], whitener: &Whitener) -> Result<Column> {
+        self.residual_on(&self.test, members, whitener)
+    }
+
+    /// What the model leaves on either kind of rows.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn residual_on(&self, side: &Side, members: &[Member], whitener: &Whitener) -> Result<Column> {
+        let columns = self.all_columns(&self.train, members)?;
+        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
+        let mut residual = side.torque.clone();
+        for (column, value) in self.all_columns(side, members)?.iter().zip(solved.values) {
+            residual.add(-value, column);
+        }
+        Ok(residual)
+    }
+}
+
+impl Member {
+    /// A judged candidate as part of the model.
+    pub fn new(judged: &Judged) -> Self {
+        let placed = judged.candidate.placed.clone();
+        Member {
+            std: vec![0.0; placed.parameters.len()],
+            factors: judged.test.values.clone(),
+            candidate: judged.candidate.clone(),
+            placed,
+        }
+    }
+}
+
+/// A least-squares solution.
+#[derive(Debug, Clone)]
+pub struct Solved {
+    /// Factors of the columns.
+    pub values: Vec<f64>,
+    /// Their standard deviations.
+    pub std: Vec<f64>,
+}
+
+/// Fits whitened torque by whitened columns; directions that the rows cannot tell are left at zero.
+pub fn solve(columns: &[Column], torque: &Column) -> Solved {
+    let count = columns.len();
+    let norms: Vec<f64> = columns.iter().map(|c| c.dot(c).sqrt()).map(|n| if n > 0.0 { n } else { 1.0 }).collect();
+    let mut gram =
+        DMatrix::from_fn(
+            count,
+            count,
+            |r, c| {
+                if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
+            },
+        );
+    gram.fill_lower_triangle_with_upper_triangle();
+    let right = DVector::from_fn(count, |k, _| columns[k].dot(torque) / norms[k]);
+    let eigen = SymmetricEigen::new(gram);
+    let least = SINGULAR * eigen.eigenvalues.max();
+    let inverse = DVector::from_fn(count, |k, _| {
+        let value = eigen.eigenvalues[k];
+        if value > least { 1.0 / value } else { 0.0 }
+    });
+    let rotated = eigen.eigenvectors.tr_mul(&right).component_mul(&inverse);
+    let values = &eigen.eigenvectors * rotated;
+    let variance = |k: usize| -> f64 {
+        eigen.eigenvectors.row(k).iter().zip(inverse.iter()).map(|(v, inverse)| v * v * inverse).sum()
+    };
+    Solved {
+        values: values.iter().zip(&norms).map(|(value, norm)| value / norm).collect(),
+        std: (0..count).map(|k| variance(k).sqrt() / norms[k]).collect(),
+    }
+}
+
+/// Whether the estimate can be: within its bounds to within its uncertainty.
+fn is_physical(candidate: &Candidate, test: &Test) -> bool {
+    let effect = candidate.placed.effect;
+    if is_level(effect) {
+        let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
+        return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
+    }
+    if candidate.one_sided() && test.values[0] <= 0.0 {
+        return false;
+    }
+    if let [only] = linear(effect)[..]
+        && bends(effect, only)
+    {
+        // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
+        // as straight, and stands for everything below it.
+        let (size, smallest) = (candidate.placed.parameters[only], straight_below(effect, only));
+        let share = test.values[0] / size;
+        if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
+            return false;
+        }
+    }
+    let estimates = test.values.iter().zip(&test.std);
+    linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
+        let Parameter { lower, upper, .. } = effect.parameters()[index];
+        value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper
+    })
+}
+
+/// A value moved by a share of itself where it is positive and wide, else of its range.
+fn moved(parameter: &Parameter, value: f64, share: f64) -> f64 {
+    let (low, high) = (parameter.lower, parameter.upper);
+    match parameter.unit {
+        "1/turn" => value + 2.0 * share,
+        "s" if low == 0.0 => value + 4.0 * share,
+        _ if low >= 0.0 && (low == 0.0 || high / low > 10.0) => value * (4.0 * share).exp(),
+        _ => value + 0.4 * share * (high - low),
+    }
+}
+
+fn bounded(parameter: &Parameter, value: f64) -> f64 {
+    value.clamp(parameter.lower, parameter.upper)
+}

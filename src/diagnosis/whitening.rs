@@ -1,0 +1,263 @@
+//! Whitening: an autoregressive model of each joint's noise, taken from what a rich regression leaves.
+//!
+//! From the residual of the plain baseline the noise model would swallow what is to be found: a constant offset looks like
+//! very slow noise. A regression on much more than the baseline leaves little but noise; that it also takes some of the
+//! noise with it, slow noise most of all, is made good by sending simulated noise through it (Kunsch and others call the
+//! idea indirect inference).
+
+use super::column::Column;
+use super::rows::Rows;
+use crate::identification::noise::AutoregressiveNoise;
+use crate::random;
+use rayon::prelude::*;
+
+/// Order of the noise models.
+const ORDER: usize = 6;
+
+/// Rounds of, and draws in each round of, making good what the rich regression takes of the noise.
+const BIAS_ROUNDS: u64 = 3;
+const BIAS_DRAWS: u64 = 16;
+
+/// Share of a column's norm that must be left for it to count as independent of those before.
+const INDEPENDENT: f64 = 1e-6;
+
+/// Speed over which the low-speed part of friction fades in the rich regression, rad/s.
+const SLOW: f64 = 0.1;
+
+/// Turns the noise of every joint into white noise of unit variance.
+#[derive(Debug, Clone)]
+pub struct Whitener {
+    joints: Vec<JointWhitener>,
+}
+
+#[derive(Debug, Clone)]
+struct JointWhitener {
+    noise: AutoregressiveNoise,
+    /// Rows that count and whose past does.
+    rows: Vec<usize>,
+}
+
+impl Whitener {
+    /// From what `torque` has beyond the baseline, the effects in `present`, and the rich columns.
+    pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+        let joints = (0..rows.dof())
+            .into_par_iter()
+            .map(|joint| {
+                let mut columns: Vec<Vec<f64>> =
+                    present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
+                columns.extend(rich(rows, joint));
+                let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
+                JointWhitener::new(&rows.valid[joint], &signal, columns, joint)
+            })
+            .collect();
+        Whitener { joints }
+    }
+
+    /// A column whitened; the rows that do not count are gone.
+    pub fn apply(&self, column: &Column) -> Column {
+        let parts = column.parts.iter().map(|(joint, signal)| (*joint, self.joints[*joint].apply(signal)));
+        Column { parts: parts.collect() }
+    }
+
+    /// [`Whitener::apply`] of many.
+    pub fn apply_all(&self, columns: &[Column]) -> Vec<Column> {
+        columns.iter().map(|column| self.apply(column)).collect()
+    }
+
+    /// Rows that count, whitened, of each joint.
+    pub fn rows(&self) -> Vec<usize> {
+        self.joints.iter().map(|joint| joint.rows.len()).collect()
+    }
+
+    /// The same noise over other rows.
+    pub fn on(&self, rows: &Rows) -> Whitener {
+        let joints = self.joints.iter().zip(&rows.valid);
+        let joints = joints.map(|(joint, valid)| JointWhitener {
+            noise: joint.noise.clone(),
+            rows: with_past(valid, joint.noise.coefficients.len()),
+        });
+        Whitener { joints: joints.collect() }
+    }
+
+    /// Standard deviation of each joint's noise in the rows, N m.
+    pub fn noise_std(&self) -> Vec<f64> {
+        self.joints.iter().map(|joint| joint.std()).collect()
+    }
+
+    /// Sum over all rows of the logarithm of the standard deviation of what is new in them.
+    pub fn log_scale(&self) -> f64 {
+        self.joints.iter().map(|joint| joint.rows.len() as f64 * joint.noise.innovation_std.ln()).sum()
+    }
+
+    /// Sum over the joints of the logarithm of the standard deviation of what is new in a row.
+    pub fn mean_log_scale(&self) -> f64 {
+        self.joints.iter().map(|joint| joint.noise.innovation_std.ln()).sum()
+    }
+
+    /// Row of the logs of each whitened row of a joint.
+    pub fn places(&self, joint: usize) -> &[usize] {
+        &self.joints[joint].rows
+    }
+}
+
+impl JointWhitener {
+    fn new(valid: &[bool], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize) -> Self {
+        let masked = |signal: &[f64]| -> Vec<f64> {
+            signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect()
+        };
+        let columns: Vec<Vec<f64>> = columns.iter().map(|column| masked(column)).collect();
+        let basis = orthonormal(columns.clone());
+        let left = |signal: &[f64]| residual(&basis, masked(signal));
+        let observed = lags(&left(torque), valid);
+        let mut noise = AutoregressiveNoise::from_autocovariance(&observed);
+        for round in 0..BIAS_ROUNDS {
+            let mut corrected = observed.clone();
+            for draw in 0..BIAS_DRAWS {
+                let label = format!("noise bias of joint {joint}");
+                let mut source = random::stream(0, &label, round * BIAS_DRAWS + draw);
+                let drawn = noise.simulate(valid.len(), &mut source);
+                let (before, after) = (lags(&drawn, valid), lags(&left(&drawn), valid));
+                for ((target, b), a) in corrected.iter_mut().zip(before).zip(after) {
+                    *target += (b - a) / BIAS_DRAWS as f64;
+                }
+            }
+            noise = AutoregressiveNoise::from_autocovariance(&corrected);
+        }
+        noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
+        let mut whitener = JointWhitener { rows: with_past(valid, noise.coefficients.len()), noise };
+        // The scale once more from what is white: the autocovariances alone carry the error of the correction.
+        let white = orthonormal(columns.iter().map(|column| whitener.apply(column)).collect());
+        let rest = residual(&white, whitener.apply(torque));
+        let freedom = rest.len().saturating_sub(white.len()).max(1) as f64;
+        let scale = (rest.iter().map(|x| x * x).sum::<f64>() / freedom).sqrt();
+        if scale > 0.0 {
+            whitener.noise.innovation_std *= scale;
+        }
+        whitener
+    }
+
+    fn apply(&self, signal: &[f64]) -> Vec<f64> {
+        let AutoregressiveNoise { coefficients, innovation_std } = &self.noise;
+        self.rows
+            .iter()
+            .map(|&row| {
+                let past: f64 = coefficients.iter().enumerate().map(|(k, a)| a * signal[row - 1 - k]).sum();
+                (signal[row] - past) / innovation_std
+            })
+            .collect()
+    }
+
+    /// Standard deviation of the noise itself: the response to a unit of what is new, summed in squares.
+    fn std(&self) -> f64 {
+        const MEMORY: usize = 2000;
+        let mut response = vec![1.0];
+        for t in 1..MEMORY {
+            let past = self.noise.coefficients.iter().enumerate();
+            response.push(past.filter(|(k, _)| *k < t).map(|(k, a)| a * response[t - 1 - k]).sum());
+        }
+        self.noise.innovation_std * response.iter().map(|x: &f64| x * x).sum::<f64>().sqrt()
+    }
+}
+
+/// Rows that count and before which `order` rows count.
+fn with_past(valid: &[bool], order: usize) -> Vec<usize> {
+    (order..valid.len()).filter(|&row| valid[row - order..=row].iter().all(|&ok| ok)).collect()
+}
+
+/// Autocovariances from the pairs of which both count.
+fn lags(signal: &[f64], valid: &[bool]) -> Vec<f64> {
+    (0..=ORDER)
+        .map(|lag| {
+            let pairs = (lag..signal.len()).filter(|&t| valid[t] && valid[t - lag]);
+            let (sum, count) = pairs.fold((0.0, 0usize), |(s, n), t| (s + signal[t] * signal[t - lag], n + 1));
+            sum / count.max(1) as f64
+        })
+        .collect()
+}
+
+/// What smooth functions of a joint's own motion can do, friction-like and position-like, `[column][row]`.
+pub fn rich(rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
+    let law = |f: &dyn Fn(f64, f64) -> f64| {
+        rows.signal(|log| {
+            let (q, v) = (log.motion.q.channel(joint), log.motion.qd.channel(joint));
+            q.iter().zip(v).map(|(&q, &v)| f(q, v)).collect()
+        })
+    };
+    let mut columns = vec![
+        law(&|_, _| 1.0),
+        law(&|_, v| v.abs()),
+        law(&|q, _| q),
+        law(&|_, v| (-v.abs() / SLOW).exp() * v.signum()),
+        law(&|_, v| v * v.abs()),
+    ];
+    let positions: [fn(f64) -> f64; 4] = [f64::cos, f64::sin, |q| (2.0 * q).cos(), |q| (2.0 * q).sin()];
+    for position in positions {
+        columns.push(law(&|q, _| position(q)));
+        columns.push(law(&|q, v| position(q) * v.signum()));
+        columns.push(law(&|q, v| position(q) * v));
+    }
+    columns
+}
+
+/// An orthonormal basis of the columns (Gram-Schmidt, each twice).
+fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in columns {
+        let norm = norm(&column);
+        if !(norm > 0.0 && norm.is_finite()) {
+            continue;
+        }
+        let rest = residual(&basis, residual(&basis, column));
+        let left = self::norm(&rest);
+        if left > INDEPENDENT * norm {
+            basis.push(rest.iter().map(|x| x / left).collect());
+        }
+    }
+    basis
+}
+
+fn residual(basis: &[Vec<f64>], mut signal: Vec<f64>) -> Vec<f64> {
+    for direction in basis {
+        let along: f64 = direction.iter().zip(&signal).map(|(d, x)| d * x).sum();
+        signal.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
+    }
+    signal
+}
+
+fn norm(signal: &[f64]) -> f64 {
+    signal.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slow noise under columns that take much of it: the model found is that of the noise, not of what is left.
+    #[test]
+    fn noise_is_found_under_what_the_regression_takes() {
+        let truth = AutoregressiveNoise { coefficients: vec![0.85], innovation_std: 2.0 };
+        let samples = 1500;
+        let columns: Vec<Vec<f64>> = (0..40)
+            .map(|k| (0..samples).map(|t| (std::f64::consts::PI * f64::from(k) * t as f64 / 1500.0).cos()).collect())
+            .collect();
+        let valid: Vec<bool> = (0..samples).map(|t| t % 100 > 6).collect();
+        let (mut first, mut scale) = (0.0, 0.0);
+        let runs = 20;
+        for run in 0..runs {
+            let noise = truth.simulate(samples, &mut random::stream(3, "whitening", run));
+            let found = JointWhitener::new(&valid, &noise, columns.clone(), 0);
+            let lag = AutoregressiveNoise::from_autocovariance(&lags(&noise, &valid));
+            first += (found.noise.coefficients[0] - lag.coefficients[0]) / runs as f64;
+            scale += found.std() / runs as f64;
+        }
+        let stationary = 2.0 / (1.0f64 - 0.85 * 0.85).sqrt();
+        assert!(first.abs() < 0.03, "{first}");
+        assert!((scale / stationary - 1.0).abs() < 0.1, "{scale} against {stationary}");
+    }
+
+    #[test]
+    fn rows_after_a_gap_have_no_past() {
+        let valid = [true, true, true, false, true, true, true, true];
+        assert_eq!(with_past(&valid, 2), [2, 6, 7]);
+    }
+}

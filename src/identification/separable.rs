@@ -45,17 +45,20 @@ pub struct EffectFit {
 /// If the logs cannot tell the parameters apart or are too short.
 pub fn fit(model: &mut EffectModel) -> Result<EffectFit> {
     let nonlinear = model.nonlinear();
-    let mut sigma = first_sigma(model)?;
+    let (regression, linear) = solve_linear(model, &vec![1.0; model.joints()])?;
+    let mut sigma = sigmas(&regression, &linear);
+    let mut rows = regression.iter().map(JointRegression::rows).sum();
     if !nonlinear.is_empty() {
         choose_starts(model, &nonlinear, &sigma)?;
         for _ in 0..ROUNDS {
             let start = model.get(&nonlinear);
             let bounds = bounds(model, &nonlinear);
-            let mut problem = Projected { model, places: &nonlinear, sigma: &sigma };
+            let mut problem = Projected { model, places: &nonlinear, sigma: &sigma, rows };
             let found = minimize(&mut problem, &start, &Options { bounds: Some(bounds), ..search() })?;
             model.set(&nonlinear, &found.parameters);
             let (regression, linear) = solve_linear(model, &sigma)?;
             sigma = sigmas(&regression, &linear);
+            rows = regression.iter().map(JointRegression::rows).sum();
         }
     }
     finish(model, &nonlinear, &sigma)
@@ -64,13 +67,6 @@ pub fn fit(model: &mut EffectModel) -> Result<EffectFit> {
 /// Limits of the search: the models are smooth to about the step of their differences, not to rounding.
 fn search() -> Options {
     Options { gradient_tolerance: 1e-7, step_tolerance: 1e-8, max_iterations: 60, ..Options::default() }
-}
-
-/// Weights from the arm's own parameters and the amplitudes at the typical shapes.
-fn first_sigma(model: &mut EffectModel) -> Result<Vec<f64>> {
-    let unit = vec![1.0; model.regression()?.len()];
-    let (regression, linear) = solve_linear(model, &unit)?;
-    Ok(sigmas(&regression, &linear))
 }
 
 fn sigmas(regression: &[JointRegression], linear: &[f64]) -> Vec<f64> {
@@ -161,6 +157,8 @@ struct Projected<'m, 'a> {
     model: &'m mut EffectModel<'a>,
     places: &'m [Place],
     sigma: &'m [f64],
+    /// Rows that count at the start of the search.
+    rows: usize,
 }
 
 impl LeastSquaresProblem for Projected<'_, '_> {
@@ -169,7 +167,7 @@ impl LeastSquaresProblem for Projected<'_, '_> {
     }
 
     fn measurements(&self) -> usize {
-        self.model.regression().map_or(0, |joints| joints.iter().map(JointRegression::rows).sum())
+        self.rows
     }
 
     /// Normal equations with the derivative columns freed of what the linear parameters can do (Kaufman 1975).

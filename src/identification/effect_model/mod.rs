@@ -91,6 +91,11 @@ impl<'a> EffectModel<'a> {
         Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline })
     }
 
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.model.dof()
+    }
+
     /// The effects with their present parameters.
     pub fn placed(&self) -> &[Placed] {
         &self.placed

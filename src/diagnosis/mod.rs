@@ -5,7 +5,8 @@
 //! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`] |
-//! | noise of each joint, from what a rich regression leaves | [`whitening`] |
+//! | which bodies are believable | [`bodies`] |
+//! | noise of each joint, from what a rich regression leaves | [`whitening`], [`innovations`] |
 //! | score tests, and the level of the best of many | [`score`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
@@ -13,9 +14,11 @@
 //! | the answer | [`verdict`] |
 
 pub mod arm;
+pub mod bodies;
 pub mod candidates;
 pub mod column;
 pub mod contest;
+pub mod innovations;
 pub mod rows;
 pub mod score;
 pub mod selection;
@@ -45,6 +48,6 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { trust: Trust::Structure, alpha: 0.05, max_findings: 6, seed: 0, candidates: Vec::new() }
+        Options { trust: Trust::Structure, alpha: 0.05, max_findings: 12, seed: 0, candidates: Vec::new() }
     }
 }

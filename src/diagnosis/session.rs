@@ -3,10 +3,11 @@
 use super::arm::Arm;
 use super::candidates::{Candidate, bends, columns, is_level, linear, shapes, straight_below};
 use super::column::{Column, combined};
+use super::known::Known;
 use super::rows::{Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::{Projection, Test};
 use super::whitening::Whitener;
-use crate::effects::{Parameter, Placed};
+use crate::effects::{Parameter, Placed, Role};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -93,13 +94,33 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        let arm = Arm::new(model.robot(), trust);
-        let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
+        Self::knowing(model, trust, &Known::nothing(model.robot(), trust), train, test)
+    }
+
+    /// Makes the logs ready with what is known beside the robot description.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn knowing(
+        model: &'a Model,
+        trust: Trust,
+        known: &Known,
+        train: &[&Recording],
+        test: &[&Recording],
+    ) -> Result<Self> {
+        let arm = known.arm.clone();
+        let before = known.reference.len();
+        let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
+        let (train, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
         let side = |logs: &[&Recording], cutoff_hz: f64| -> Result<Side> {
-            let rows = Rows::new(logs, cutoff_hz)?;
+            let mut rows = Rows::new(logs, cutoff_hz)?;
+            rows.before = if std::ptr::eq(logs, train) { before } else { 0 };
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
-            Ok(Side { baseline: arm.baseline(model, &rows), torque, rows })
+            torque.add(-1.0, &known.torque(&rows)?);
+            let mut baseline = arm.baseline(model, &rows);
+            baseline.extend(known.derivatives(&rows)?);
+            Ok(Side { baseline, torque, rows })
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
@@ -178,7 +199,8 @@ impl<'a> Session<'a> {
     pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
         let whitened = whitener.apply_all(&candidate.columns);
         let test = fit.test(&whitened)?;
-        is_physical(candidate, &test).then(|| Judged { candidate: candidate.clone(), whitened, test })
+        let change = self.train.rows.before > 0;
+        is_physical(candidate, &test, change).then(|| Judged { candidate: candidate.clone(), whitened, test })
     }
 
     /// Moves the shapes and sizes of a candidate to where its test is largest.
@@ -214,7 +236,7 @@ impl<'a> Session<'a> {
                 break;
             }
         }
-        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == crate::effects::Role::Departure);
+        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure);
         for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
             let mut placed = best.candidate.placed.clone();
             for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
@@ -336,14 +358,14 @@ pub fn solve(columns: &[Column], torque: &Column) -> Solved {
     }
 }
 
-/// Whether the estimate can be: within its bounds to within its uncertainty.
-fn is_physical(candidate: &Candidate, test: &Test) -> bool {
+/// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
+fn is_physical(candidate: &Candidate, test: &Test, change: bool) -> bool {
     let effect = candidate.placed.effect;
     if is_level(effect) {
         let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
         return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
     }
-    if candidate.one_sided() && test.values[0] <= 0.0 {
+    if candidate.one_sided() && !change && test.values[0] <= 0.0 {
         return false;
     }
     if let [only] = linear(effect)[..]
@@ -359,8 +381,9 @@ fn is_physical(candidate: &Candidate, test: &Test) -> bool {
     }
     let estimates = test.values.iter().zip(&test.std);
     linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
-        let Parameter { lower, upper, .. } = effect.parameters()[index];
-        value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper
+        let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+        (change && role == Role::Amplitude)
+            || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
     })
 }
 

@@ -47,7 +47,7 @@ impl Whitener {
                     present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
                 columns.extend(rich(rows, joint));
                 let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
-                JointWhitener::new(&rows.valid[joint], &signal, columns, joint)
+                JointWhitener::new(&rows.valid[joint], &signal, rows.apart(columns), joint)
             })
             .collect();
         Whitener { joints }

@@ -159,7 +159,9 @@ pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
 /// Whether an effect can be told from the baseline at all.
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
-    is_wanted(effect, only) && !BASELINE.contains(&about.name) && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
+    is_wanted(effect, only)
+        && !BASELINE.contains(&about.name)
+        && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
 }
 
 /// Where an effect can be placed on an arm.

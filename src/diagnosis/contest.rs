@@ -52,7 +52,11 @@ impl Scan {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
-            .map(|one| Scanned { columns: &one.whitened, test: &one.test, one_sided: one.candidate.one_sided() && !self.change })
+            .map(|one| Scanned {
+                columns: &one.whitened,
+                test: &one.test,
+                one_sided: one.candidate.one_sided() && !self.change,
+            })
             .collect();
         effective_tests(fit, &scanned, &whitener.rows(), seed)
     }

@@ -109,7 +109,8 @@ impl Rows {
             for joint in 0..dof {
                 // A torque that is not a number is one that must not be used.
                 let torque = log.blocks(recording.tau.channel(joint));
-                let valid = usable(&log, joint, margin).into_iter().zip(&torque).map(|(ok, value)| ok && value.is_finite());
+                let valid =
+                    usable(&log, joint, margin).into_iter().zip(&torque).map(|(ok, value)| ok && value.is_finite());
                 rows.valid[joint].extend(valid);
                 rows.torque[joint].extend(torque.iter().map(|&value| if value.is_finite() { value } else { 0.0 }));
             }
@@ -161,6 +162,12 @@ impl Rows {
             signal.iter().enumerate().map(|(row, &x)| if (row >= change) == after { x } else { 0.0 }).collect()
         };
         signals.iter().flat_map(|signal| [part(signal, false), part(signal, true)]).collect()
+    }
+
+    /// A signal over the rows with zeros before the change.
+    pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
+        signal[..self.changed_from()].fill(0.0);
+        signal
     }
 
     /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.

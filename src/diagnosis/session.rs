@@ -54,6 +54,8 @@ pub struct Session<'a> {
     pub model: &'a Model,
     /// What is believed of it.
     pub trust: Trust,
+    /// What is known before anything is tested.
+    pub known: Known<'a>,
     /// The arm as found so far.
     pub arm: Arm,
     /// Logs that are identified from.
@@ -94,7 +96,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        Self::knowing(model, trust, &Known::nothing(model.robot(), trust), train, test)
+        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
     }
 
     /// Makes the logs ready with what is known beside the robot description.
@@ -104,7 +106,7 @@ impl<'a> Session<'a> {
     pub fn knowing(
         model: &'a Model,
         trust: Trust,
-        known: &Known,
+        known: Known<'a>,
         train: &[&Recording],
         test: &[&Recording],
     ) -> Result<Self> {
@@ -112,9 +114,9 @@ impl<'a> Session<'a> {
         let before = known.reference.len();
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
         let (train, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
-        let side = |logs: &[&Recording], cutoff_hz: f64| -> Result<Side> {
+        let side = |logs: &[&Recording], before: usize, cutoff_hz: f64| -> Result<Side> {
             let mut rows = Rows::new(logs, cutoff_hz)?;
-            rows.before = if std::ptr::eq(logs, train) { before } else { 0 };
+            rows.before = before;
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
             torque.add(-1.0, &known.torque(&rows)?);
@@ -126,7 +128,7 @@ impl<'a> Session<'a> {
         // encoder's noise into them.
         let mut best: Option<(f64, f64, Side)> = None;
         for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(side) = side(train, hz) else { continue };
+            let Ok(side) = side(train, before, hz) else { continue };
             let unexpected = Whitener::new(&side.rows, &side.torque, &side.baseline).mean_log_scale();
             if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
                 best = Some((unexpected, hz, side));
@@ -135,10 +137,10 @@ impl<'a> Session<'a> {
         let (cutoff_hz, train) = match best {
             Some((_, hz, train)) => (hz, train),
             // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, side(train, WIDEST_HZ)?),
+            None => (WIDEST_HZ, side(train, before, WIDEST_HZ)?),
         };
-        let test = side(test, cutoff_hz)?;
-        Ok(Session { model, trust, arm, train, test, cutoff_hz })
+        let test = side(test, 0, cutoff_hz)?;
+        Ok(Session { model, trust, known, arm, train, test, cutoff_hz })
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.

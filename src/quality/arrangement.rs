@@ -23,8 +23,10 @@ const POOR: f64 = 4.0;
 /// Samples on which other orders of the positions are tried.
 const FEW_ROWS: usize = 800;
 
-/// Share of the torque that friction must be, in power over sizes, to tell the sign of all.
-const FRICTION_TELLS: f64 = 0.03;
+/// Share of the torque that friction must be, in power over sizes, to tell the sign of a joint, and the mean share to tell
+/// that of all.
+const TELLS_OWN: f64 = 0.1;
+const TELLS_ALL: f64 = 0.03;
 
 /// Rows per base parameter below which nothing is said.
 const ROWS_PER_PARAMETER: usize = 4;
@@ -61,8 +63,12 @@ pub fn arrangement(model: &Model, motion: &Motion, tau: &Channels) -> Option<Arr
     }
     let positions =
         if !convincing && before > POOR * tables.used as f64 { swapped_positions(model, motion, tau) } else { None };
-    if positions.is_none() && tables.friction_power(&order)? < -FRICTION_TELLS {
-        order.signs.iter_mut().for_each(|sign| *sign = -*sign);
+    if positions.is_none() {
+        let power = tables.friction_power(&order)?;
+        let all = power.iter().sum::<f64>() / (dof as f64) < -TELLS_ALL;
+        for (sign, own) in order.signs.iter_mut().zip(power) {
+            *sign *= if all || own < -TELLS_OWN { -1.0 } else { 1.0 };
+        }
     }
     let flipped: Vec<usize> =
         if positions.is_some() { Vec::new() } else { (0..dof).filter(|&j| order.signs[j] < 0.0).collect() };
@@ -91,7 +97,15 @@ fn swapped_positions(model: &Model, motion: &Motion, tau: &Channels) -> Option<(
     let before = before.left(&straight)? / before.total();
     let pairs = (0..dof).flat_map(|a| (a + 1..dof).map(move |b| (a, b)));
     let tried = pairs.filter_map(|(a, b)| {
-        let place = |joint: usize| if joint == a { b } else if joint == b { a } else { joint };
+        let place = |joint: usize| {
+            if joint == a {
+                b
+            } else if joint == b {
+                a
+            } else {
+                joint
+            }
+        };
         let swap = |signals: &Channels| signals.map(|joint, _| signals.channel(place(joint)).to_vec());
         let other = Motion { q: swap(&motion.q), qd: swap(&motion.qd), qdd: swap(&motion.qdd) };
         let tables = Tables::new(model, &other, &tau)?;
@@ -229,13 +243,13 @@ impl Tables {
         Some((all - solution.dot(&right)).max(0.0))
     }
 
-    /// Power that friction takes over the sizes of torque and velocity, mean over the joints.
-    fn friction_power(&self, order: &Order) -> Option<f64> {
+    /// Power that friction takes over the sizes of torque and velocity, of each joint.
+    fn friction_power(&self, order: &Order) -> Option<Vec<f64>> {
         let (solution, _) = self.solve(order)?;
         let each = self.friction.iter().zip(&self.scale).map(|(friction, scale)| {
             friction.iter().map(|&(b, sum)| solution[b] * sum).sum::<f64>() / scale.max(f64::MIN_POSITIVE)
         });
-        Some(each.sum::<f64>() / self.gram.len() as f64)
+        Some(each.collect())
     }
 }
 

@@ -102,7 +102,8 @@ fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
         let runs_on = velocity.is_some_and(|qd| rms(&qd[start..end]) * length as f64 * view.period > PATH);
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
         let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);
-        let stops_dead = end == q.len() && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
+        let stops_dead =
+            end == q.len() && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
         length >= shortest && (makes_up || runs_on || stops_dead)
     })?;
     let seconds = length as f64 * view.period;
@@ -137,8 +138,8 @@ pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
     let (low, high) = extremes(tau);
     let at = |level: f64| {
         let long = runs(tau).filter(|&(start, length)| tau[start] == level && length >= CLIPPED_RUN);
-        let (count, first) =
-            long.fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
+        let (count, first) = long
+            .fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
         (level, count, first)
     };
     // A sensor that never says zero does not rest at its extreme unless it is cut off there.

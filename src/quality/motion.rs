@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 const STILL: f64 = 0.02;
 
 /// Positions of a joint are in another unit beyond this many times its limits; those of another joint may lie between.
-const BEYOND: f64 = 3.0;
+const BEYOND: f64 = 4.0;
 
 /// Range, speed and torque of a joint.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

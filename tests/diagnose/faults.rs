@@ -32,9 +32,8 @@ fn assert_found(kind: Kind, consequence: Consequence, place: &str, fault: impl F
         for mut log in [log.clone(), bare(log)] {
             fault(&mut log);
             let (_, faults) = screened(&log);
-            let found = faults.iter().any(|f| {
-                f.kind == kind && f.consequence == consequence && f.place.starts_with(place)
-            });
+            let found =
+                faults.iter().any(|f| f.kind == kind && f.consequence == consequence && f.place.starts_with(place));
             assert!(found, "motion {seed}, velocities {}: {kind:?} at {place}: {faults:?}", log.qd.is_some());
         }
     }

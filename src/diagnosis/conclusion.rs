@@ -184,6 +184,7 @@ fn answer<'a>(
         derived: derived(&members, &estimates, session.train.baseline.len(), session.model.robot()),
         not_found: not_found(&session, &found, tests, &sensitivity, options),
         noise_floor,
+        against_reference: session.train.rows.before > 0,
         before,
         found,
         unexplained,

@@ -9,6 +9,9 @@ const BINS: usize = 20;
 /// Rows in a stretch (one second).
 const STRETCH: usize = 50;
 
+/// Share from which on a variable is worth naming.
+const WORTH_NAMING: f64 = 0.2;
+
 /// Where the residual of one joint lives.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ResidualStructure {
@@ -45,16 +48,17 @@ pub struct Worst {
 }
 
 impl Follows {
-    /// The variable that the most follows, in words, with the share.
+    /// The variable that the most follows, in words, with the share. Along one motion all that is slow follows time, so time
+    /// is named only where none of the others is worth naming.
     pub fn most(&self) -> (&'static str, f64) {
         let all = [
             ("position", self.position),
             ("velocity", self.velocity),
             ("acceleration", self.acceleration),
             ("torque", self.torque),
-            ("time", self.time),
         ];
-        all.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or(all[0])
+        let most = all.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or(all[0]);
+        if most.1 < WORTH_NAMING && self.time > most.1 { ("time", self.time) } else { most }
     }
 }
 

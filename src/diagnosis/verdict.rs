@@ -73,6 +73,8 @@ pub struct Diagnosis {
     pub gap_closed_interval: [f64; 2],
     /// Where what the arm as described leaves of the held-out logs lives, and what the extended model leaves.
     pub structure: [Vec<ResidualStructure>; 2],
+    /// Whether the question is what changed since reference logs.
+    pub against_reference: bool,
     /// Effects that were there before the change in question: found in the reference logs, part of the model since.
     pub before: Vec<Found>,
     /// Effects found.

@@ -20,6 +20,12 @@ const CONVINCING: f64 = 0.3;
 /// leaves of its torque.
 const POOR: f64 = 4.0;
 
+/// Shorter logs do not tell friction from what else has a sign, s.
+const LONG_ENOUGH_S: f64 = 8.0;
+
+/// Standard deviations by which the power of friction must be negative.
+const SURELY: f64 = 10.0;
+
 /// Samples on which other orders of the positions are tried.
 const FEW_ROWS: usize = 800;
 
@@ -44,8 +50,8 @@ pub struct Arrangement {
     pub unexplained: [f64; 2],
 }
 
-/// The best arrangement; None where there are too few rows or nothing is better than the columns as they are.
-pub fn arrangement(model: &Model, motion: &Motion, tau: &Channels) -> Option<Arrangement> {
+/// The best arrangement of a log of so many seconds; None where there are too few rows or nothing is better than the columns as they are.
+pub fn arrangement(model: &Model, motion: &Motion, tau: &Channels, duration_s: f64) -> Option<Arrangement> {
     let tables = Tables::new(model, motion, tau)?;
     let dof = model.dof();
     let start = Order { torques: (0..dof).collect(), signs: vec![1.0; dof] };
@@ -63,7 +69,7 @@ pub fn arrangement(model: &Model, motion: &Motion, tau: &Channels) -> Option<Arr
     }
     let positions =
         if !convincing && before > POOR * tables.used as f64 { swapped_positions(model, motion, tau) } else { None };
-    if positions.is_none() {
+    if positions.is_none() && duration_s >= LONG_ENOUGH_S {
         let power = tables.friction_power(&order)?;
         let all = power.iter().sum::<f64>() / (dof as f64) < -TELLS_ALL;
         for (sign, own) in order.signs.iter_mut().zip(power) {
@@ -225,14 +231,17 @@ impl Tables {
 
     /// Parameters that fit an order best, with the right side they belong to.
     fn solve(&self, order: &Order) -> Option<(DVector<f64>, DVector<f64>)> {
-        let base = self.gram.first()?.nrows();
-        let (mut gram, mut right) = (DMatrix::zeros(base, base), DVector::zeros(base));
+        let mut right = DVector::zeros(self.gram.first()?.nrows());
         for (joint, &torque) in order.torques.iter().enumerate() {
-            let weight = self.weights[torque];
-            gram += weight * &self.gram[joint];
-            right += weight * order.signs[joint] * &self.right[joint][torque];
+            right += self.weights[torque] * order.signs[joint] * &self.right[joint][torque];
         }
-        Some((fitted(&gram, &right)?, right))
+        Some((fitted(&self.gram(order), &right)?, right))
+    }
+
+    /// Weighted normal matrix of an order.
+    fn gram(&self, order: &Order) -> DMatrix<f64> {
+        let weighted = order.torques.iter().zip(&self.gram).map(|(&torque, gram)| self.weights[torque] * gram);
+        weighted.reduce(|sum, gram| sum + gram).unwrap_or_default()
     }
 
     /// Weighted sum of squares that the best parameters leave.
@@ -243,13 +252,17 @@ impl Tables {
         Some((all - solution.dot(&right)).max(0.0))
     }
 
-    /// Power that friction takes over the sizes of torque and velocity, of each joint.
+    /// Power that friction takes over the sizes of torque and velocity, of each joint; zero where it is not certain.
     fn friction_power(&self, order: &Order) -> Option<Vec<f64>> {
         let (solution, _) = self.solve(order)?;
+        let gram = self.gram(order);
         let each = self.friction.iter().zip(&self.scale).map(|(friction, scale)| {
-            friction.iter().map(|&(b, sum)| solution[b] * sum).sum::<f64>() / scale.max(f64::MIN_POSITIVE)
+            let mut along = DVector::zeros(solution.len());
+            friction.iter().for_each(|&(b, sum)| along[b] = sum / scale.max(f64::MIN_POSITIVE));
+            let (power, variance) = (along.dot(&solution), fitted(&gram, &along)?.dot(&along));
+            Some(if power.abs() > SURELY * variance.max(0.0).sqrt() { power } else { 0.0 })
         });
-        Some(each.collect())
+        each.collect()
     }
 }
 

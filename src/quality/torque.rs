@@ -71,7 +71,8 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     let gains = nominal.map_or(vec![None; view.dof()], |nominal| gains(view, &nominal, &rows));
     let against: Vec<bool> = gains.iter().map(|gain| gain.is_some_and(|gain| gain < 0.0)).collect();
     let tau = view.tau.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
-    let best = model.as_ref().and_then(|model| arrangement(model, &motion, &tau)).unwrap_or_default();
+    let best =
+        model.as_ref().and_then(|model| arrangement(model, &motion, &tau, view.log.duration())).unwrap_or_default();
     let in_order = best.torques.is_empty() && best.positions.is_none();
     for (joint, fit) in fits.iter().enumerate() {
         let Some(fit) = fit else { continue };

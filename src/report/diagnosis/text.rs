@@ -7,6 +7,7 @@ use crate::diagnosis::gap::Share;
 use crate::diagnosis::screening::{Consequence, DataFault};
 use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
+use crate::quality::Kind;
 use crate::report::console::{significant, table};
 use crate::robot::Robot;
 
@@ -15,6 +16,9 @@ const MENTIONED: usize = 4;
 
 /// Faults of the data that are listed one by one.
 const FAULTS: usize = 6;
+
+/// A chance that is not told more exactly.
+const SURE: f64 = 1e-12;
 
 /// The answer in a few lines.
 pub fn lines(
@@ -35,7 +39,8 @@ pub fn lines(
     for (found, told) in diagnosis.found.iter().zip(findings(robot, diagnosis)) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
         let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
-        lines.push(format!("  Add to the model: {change} ({EXTENDED_SCENARIO} has it). {}", told.explanation));
+        let verb = if diagnosis.against_reference { "Changed by" } else { "Add to the model:" };
+        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}", told.explanation));
     }
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
@@ -72,19 +77,32 @@ pub fn stopped_lines(faults: &[DataFault]) -> String {
 
 /// What to do about the faults that stop a diagnosis.
 pub fn mend(faults: &[DataFault]) -> String {
-    let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
-    let mut places: Vec<&str> = stops.map(|fault| fault.place.as_str()).collect();
-    places.dedup();
-    format!("mend {} and diagnose again", places.join(", "))
+    let places = |still: bool| -> Vec<&str> {
+        let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
+        let mut places: Vec<&str> = stops
+            .filter(|fault| (fault.kind == Kind::HardlyMoves) == still)
+            .map(|fault| fault.place.as_str())
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    };
+    match (places(false), places(true)) {
+        (wrong, _) if !wrong.is_empty() => format!("mend {} and diagnose again", wrong.join(", ")),
+        (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),
+    }
 }
 
 fn headline(diagnosis: &Diagnosis) -> String {
-    let changed = !diagnosis.before.is_empty();
+    let changed = diagnosis.against_reference;
     let answer = match diagnosis.verdict {
         Verdict::Named if changed => "something changed, and the logs name it",
         Verdict::Named => "the logs name what the model misses",
+        Verdict::OneOf if changed => "something changed, and the logs leave a choice of what",
         Verdict::OneOf => "the logs leave a choice of what the model misses",
+        Verdict::Unexplained if changed => "something changed that no effect of the library explains",
         Verdict::Unexplained => "the model misses something that no effect of the library explains",
+        Verdict::None if changed => "nothing changed beyond the noise",
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
@@ -123,12 +141,12 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
     format!(
-        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {:.0e}).",
+        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {}).",
         robot.joints[joint].name,
         significant(before[joint]),
         significant(after[joint]),
         significant(diagnosis.noise_floor[joint]),
-        found.family_wise_p
+        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) }
     )
 }
 
@@ -163,7 +181,8 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 /// The table of held-out errors.
 fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
     let found = !diagnosis.found.is_empty();
-    let mut header = vec!["held-out rms, N m", "torque", "as described", "re-identified"];
+    let identified = if diagnosis.against_reference { "before the change" } else { "re-identified" };
+    let mut header = vec!["held-out rms, N m", "torque", "as described", identified];
     let mut columns = vec![&diagnosis.test_torque_rms, &diagnosis.simulation_test_rms, &diagnosis.baseline_rms[1]];
     if found {
         header.push("with findings");

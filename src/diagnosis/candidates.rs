@@ -200,7 +200,7 @@ pub fn all(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<
     let placed: Vec<Placed> = LIBRARY
         .iter()
         .copied()
-        .filter(|effect| is_candidate(*effect, trust, only))
+        .filter(|effect| is_candidate(*effect, trust, only) || (rows.before > 0 && is_wanted(*effect, only)))
         .flat_map(|effect| places(effect, rows.dof()).flat_map(move |joint| grid(effect, joint, rows)))
         .collect();
     let groups = columns(arm, rows, &placed)?;
@@ -225,11 +225,17 @@ pub fn is_event(effect: &dyn Effect) -> bool {
     EVENTS.contains(&effect.about().name)
 }
 
+/// Whether an effect is to be looked for: against logs from before a change nothing hides it.
+pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
+    only.is_empty() || only.iter().any(|name| name == effect.about().name)
+}
+
 /// Whether an effect can be told from the baseline at all.
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
-    let wanted = only.is_empty() || only.iter().any(|name| name == about.name);
-    wanted && !BASELINE.contains(&about.name) && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
+    is_wanted(effect, only)
+        && !BASELINE.contains(&about.name)
+        && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
 }
 
 /// Where an effect can be placed on an arm.

@@ -36,13 +36,15 @@ pub struct Alternative {
 #[derive(Debug)]
 pub struct Scan {
     judged: Vec<Judged>,
+    /// Whether a change is looked for, which may go either way.
+    change: bool,
 }
 
 impl Scan {
     /// Tests all candidates; those that cannot be told or make no sense are left out.
     pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
         let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
-        Scan { judged }
+        Scan { judged, change: session.train.rows.before > 0 }
     }
 
     /// How many independent tests the scan is worth.
@@ -50,7 +52,11 @@ impl Scan {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
-            .map(|one| Scanned { columns: &one.whitened, test: &one.test, one_sided: one.candidate.one_sided() })
+            .map(|one| Scanned {
+                columns: &one.whitened,
+                test: &one.test,
+                one_sided: one.candidate.one_sided() && !self.change,
+            })
             .collect();
         effective_tests(fit, &scanned, &whitener.rows(), seed)
     }

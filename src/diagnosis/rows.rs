@@ -96,6 +96,8 @@ pub struct Rows {
     pub valid: Vec<Vec<bool>>,
     /// Measured torque, `[joint][row]`.
     pub torque: Vec<Vec<f64>>,
+    /// The first so many logs are from before the change in question: what changed plays no part there.
+    pub before: usize,
 }
 
 impl Rows {
@@ -106,16 +108,27 @@ impl Rows {
     pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
         let dof = first.joints();
-        let mut rows =
-            Rows { logs: Vec::new(), starts: vec![0], valid: vec![Vec::new(); dof], torque: vec![Vec::new(); dof] };
+        let mut rows = Rows {
+            logs: Vec::new(),
+            starts: vec![0],
+            valid: vec![Vec::new(); dof],
+            torque: vec![Vec::new(); dof],
+            before: 0,
+        };
         for recording in recordings {
             let log = prepared(recording, cutoff_hz)?;
             let blocks = |periods: f64| (periods * recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
             let margin = blocks(MEMORY);
             let ends = rests(recording).map(|rests| blocks(if rests { MEMORY } else { MEMORY_OF_ENDS }));
             for joint in 0..dof {
-                rows.torque[joint].extend(log.blocks(recording.tau.channel(joint)));
-                rows.valid[joint].extend(usable(&log, joint, margin, ends));
+                // A torque that is not a number is one that must not be used.
+                let torque = log.blocks(recording.tau.channel(joint));
+                let valid = usable(&log, joint, margin, ends)
+                    .into_iter()
+                    .zip(&torque)
+                    .map(|(ok, value)| ok && value.is_finite());
+                rows.valid[joint].extend(valid);
+                rows.torque[joint].extend(torque.iter().map(|&value| if value.is_finite() { value } else { 0.0 }));
             }
             rows.starts.push(rows.torque[0].len());
             rows.logs.push(log);
@@ -148,6 +161,29 @@ impl Rows {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// First row from after the change in question.
+    pub fn changed_from(&self) -> usize {
+        self.starts[self.before]
+    }
+
+    /// Signals over the rows, each in two where there are rows from before the change: one for before, one for after.
+    pub fn apart(&self, signals: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let change = self.changed_from();
+        if change == 0 {
+            return signals;
+        }
+        let part = |signal: &[f64], after: bool| -> Vec<f64> {
+            signal.iter().enumerate().map(|(row, &x)| if (row >= change) == after { x } else { 0.0 }).collect()
+        };
+        signals.iter().flat_map(|signal| [part(signal, false), part(signal, true)]).collect()
+    }
+
+    /// A signal over the rows with zeros before the change.
+    pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
+        signal[..self.changed_from()].fill(0.0);
+        signal
     }
 
     /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.

@@ -4,6 +4,7 @@ use super::arm::Arm;
 use super::bodies;
 use super::candidates::{Candidate, bends, columns_in, is_level, linear, shape_bounds, shapes, straight_below};
 use super::column::{Column, combined};
+use super::known::Known;
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::{Projection, Test};
 use super::whitening::{Beside, Whitener};
@@ -60,6 +61,8 @@ pub struct Session<'a> {
     pub model: &'a Model,
     /// What is believed of it.
     pub trust: Trust,
+    /// What is known before anything is tested.
+    pub known: Known<'a>,
     /// The arm as found so far.
     pub arm: Arm,
     /// Logs that are identified from.
@@ -109,20 +112,39 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        let arm = Arm::new(model.robot(), trust);
-        let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
-        let side = |logs: &[&Recording], cutoff_hz: f64, fewest: usize| -> Result<Side> {
-            let rows = Rows::new(logs, cutoff_hz, fewest)?;
+        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
+    }
+
+    /// Makes the logs ready with what is known beside the robot description.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn knowing(
+        model: &'a Model,
+        trust: Trust,
+        known: Known<'a>,
+        train: &[&Recording],
+        test: &[&Recording],
+    ) -> Result<Self> {
+        let arm = known.arm.clone();
+        let before = known.reference.len();
+        let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
+        let (train, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
+        let side = |logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
+            let mut rows = Rows::new(logs, cutoff_hz, fewest)?;
+            rows.before = before;
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
-            let training = fewest == FEWEST_ROWS;
-            Ok(Side { baseline: arm.baseline(model, &rows), torque, rows, training })
+            torque.add(-1.0, &known.torque(&rows)?);
+            let mut baseline = arm.baseline(model, &rows);
+            baseline.extend(known.derivatives(&rows)?);
+            Ok(Side { baseline, torque, rows, training: fewest == FEWEST_ROWS })
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
         let mut best: Option<(f64, f64, Side)> = None;
         for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(side) = side(train, hz, FEWEST_ROWS) else { continue };
+            let Ok(side) = side(train, before, hz, FEWEST_ROWS) else { continue };
             let unexpected =
                 Whitener::new(&side.rows, &side.torque, &side.baseline, Beside::RichColumns).mean_log_scale();
             if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
@@ -132,10 +154,10 @@ impl<'a> Session<'a> {
         let (cutoff_hz, train) = match best {
             Some((_, hz, train)) => (hz, train),
             // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, side(train, WIDEST_HZ, FEWEST_ROWS)?),
+            None => (WIDEST_HZ, side(train, before, WIDEST_HZ, FEWEST_ROWS)?),
         };
-        let test = side(test, cutoff_hz, FEWEST_TEST_ROWS)?;
-        Ok(Session { model, trust, arm, train, test, cutoff_hz })
+        let test = side(test, 0, cutoff_hz, FEWEST_TEST_ROWS)?;
+        Ok(Session { model, trust, known, arm, train, test, cutoff_hz })
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
@@ -229,10 +251,11 @@ impl<'a> Session<'a> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);
         let effect = candidate.placed.effect;
+        let change = self.train.rows.before > 0;
         let spread = bodies::prior(self.model.robot(), &candidate.placed);
         loop {
             let test = fit.test_with_prior(&whitened, &spread)?;
-            if is_physical(&candidate, &test) {
+            if is_physical(&candidate, &test, change) {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
                 let believable = is_level(effect) || bodies::is_believable(self.model.robot(), &placed);
@@ -412,14 +435,14 @@ pub fn solve(columns: &[Column], torque: &Column) -> Solved {
     }
 }
 
-/// Whether the estimate can be: within its bounds to within its uncertainty.
-fn is_physical(candidate: &Candidate, test: &Test) -> bool {
+/// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
+fn is_physical(candidate: &Candidate, test: &Test, change: bool) -> bool {
     let effect = candidate.placed.effect;
     if is_level(effect) {
         let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
         return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
     }
-    if candidate.one_sided() && test.values[0] <= 0.0 {
+    if candidate.one_sided() && !change && test.values[0] <= 0.0 {
         return false;
     }
     if let [only] = linear(effect)[..]
@@ -435,8 +458,9 @@ fn is_physical(candidate: &Candidate, test: &Test) -> bool {
     }
     let estimates = test.values.iter().zip(&test.std);
     linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
-        let Parameter { lower, upper, .. } = effect.parameters()[index];
-        value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper
+        let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+        (change && role == Role::Amplitude)
+            || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
     })
 }
 

@@ -89,8 +89,10 @@ pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, a
         let best = blocks
             .into_iter()
             .filter_map(|(structure, block)| {
-                let block: Vec<Column> =
-                    block.into_iter().map(|signal| whitener.apply(&Column::on(joint, signal))).collect();
+                let block: Vec<Column> = block
+                    .into_iter()
+                    .map(|signal| whitener.apply(&Column::on(joint, session.train.rows.since_change(signal))))
+                    .collect();
                 Some((structure, fit.test(&block)?))
             })
             .min_by(|(_, a), (_, b)| a.log_p().total_cmp(&b.log_p()));

@@ -60,7 +60,7 @@ impl Whitener {
                     columns.extend(rich(rows, joint));
                 }
                 let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
-                JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, columns, joint)
+                JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint)
             })
             .collect();
         Whitener { joints }

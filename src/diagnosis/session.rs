@@ -255,6 +255,9 @@ impl<'a> Session<'a> {
         let spread = bodies::prior(self.model.robot(), &candidate.placed);
         loop {
             let test = fit.test_with_prior(&whitened, &spread)?;
+            if !test.values.iter().all(|value| value.is_finite()) {
+                return None;
+            }
             if is_physical(&candidate, &test, change) {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
@@ -265,7 +268,8 @@ impl<'a> Session<'a> {
             let parameters = effect.parameters();
             let beyond = linear(effect).into_iter().enumerate().filter(|(k, index)| {
                 let Parameter { role, lower, upper, .. } = parameters[*index];
-                role == Role::Amplitude && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
+                let there = role == Role::Amplitude && !whitened[*k].parts.is_empty();
+                there && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
             });
             let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
                 (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())

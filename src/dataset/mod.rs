@@ -15,6 +15,7 @@
 //! time = "stamp"
 //! q = ["enc1", "enc2"]
 //! tau = ["i1", "i2"]
+//! topic = "/joint_states"       # of a log of ROS 2 with several that tell of the joints
 //!
 //! [units]
 //! time = "ms"                   # s, ms, us, ns

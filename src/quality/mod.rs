@@ -38,6 +38,7 @@ pub enum Severity {
 #[allow(missing_docs, reason = "the names say it; the text of a finding explains")]
 pub enum Kind {
     TooShort,
+    CutOff,
     BadRows,
     DuplicateTime,
     BackwardTime,

@@ -76,6 +76,22 @@ impl JointRegression {
         self.torque.iter_mut().zip(column).for_each(|(torque, x)| *torque += value * x);
     }
 
+    /// The same without the parameters that are held, whose torque is taken off; the others, `kept` in order, are counted
+    /// anew.
+    pub(super) fn without(&self, held: &[(usize, f64)], kept: &[usize]) -> Self {
+        let (mut parameters, mut columns) = (Vec::new(), Vec::new());
+        let mut torque = self.torque.clone();
+        for (parameter, column) in self.parameters.iter().zip(self.columns.iter()) {
+            if let Some((_, value)) = held.iter().find(|(own, _)| own == parameter) {
+                torque.iter_mut().zip(column).for_each(|(torque, x)| *torque -= value * x);
+            } else if let Ok(place) = kept.binary_search(parameter) {
+                parameters.push(place);
+                columns.push(column.to_vec());
+            }
+        }
+        JointRegression { parameters, columns: Channels::from_vectors(&columns), torque, valid: self.valid.clone() }
+    }
+
     /// Number of rows that count.
     pub fn rows(&self) -> usize {
         self.valid.iter().filter(|&&ok| ok).count()
@@ -151,6 +167,21 @@ impl Estimate {
         self.covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 
+    /// The same with parameters that are held put back in their places, without uncertainty.
+    pub(super) fn with_held(mut self, held: &[(usize, f64)], count: usize) -> Self {
+        let value = |k: usize| held.iter().find(|(own, _)| *own == k).map(|(_, value)| *value);
+        let free: Vec<usize> = (0..count).filter(|&k| value(k).is_none()).collect();
+        let mut covariance = DMatrix::zeros(count, count);
+        for (r, &row) in free.iter().enumerate() {
+            for (c, &column) in free.iter().enumerate() {
+                covariance[(row, column)] = self.covariance[(r, c)];
+            }
+        }
+        let mut found = self.beta.iter().copied();
+        self.beta = (0..count).map(|k| value(k).or_else(|| found.next()).unwrap_or_default()).collect();
+        Estimate { covariance, ..self }
+    }
+
     /// 95 % confidence intervals of the base parameters.
     pub fn intervals(&self) -> Vec<[f64; 2]> {
         let half = |std: f64| NORMAL_95 * std;
@@ -189,15 +220,6 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
         beta,
         sigma,
     })
-}
-
-/// The solution for given joint standard deviations.
-///
-/// # Errors
-/// Names the parameters that the motion cannot tell apart.
-pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
-    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
-    Ok(solve(joints, sigma, &torques, names)?.0.as_slice().to_vec())
 }
 
 /// The weighted solution and the factored normal matrix for given joint standard deviations.

@@ -173,6 +173,13 @@ fn place(wanted: &[String], robot: &Robot) -> Result<Vec<Placed>> {
     Ok(placed)
 }
 
+/// What logs go through where nothing else is asked for: Savitzky-Golay of order six over [`DEFAULT_WINDOW_S`].
+pub(super) fn usual_preparation(log: &Recording) -> Preparation {
+    let window = ((DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1).max(9);
+    let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
+    Preparation { smoothing, band: 0.03 }
+}
+
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
     let spec = setup.map(|setup| &setup.scenario.identification);
     let default_window = (DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1;

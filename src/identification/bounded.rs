@@ -68,14 +68,17 @@ pub fn solve(
 /// The solution with some parameters held.
 fn free(normal: &DMatrix<f64>, right: &DVector<f64>, held: &[(usize, f64)], names: &[String]) -> Result<Vec<f64>> {
     let free: Vec<usize> = (0..names.len()).filter(|k| held.iter().all(|(own, _)| own != k)).collect();
+    let mut x = vec![0.0; names.len()];
+    held.iter().for_each(|&(k, value)| x[k] = value);
+    if free.is_empty() {
+        return Ok(x);
+    }
     let part = DMatrix::from_fn(free.len(), free.len(), |r, c| normal[(free[r], free[c])]);
     let known: DVector<f64> = DVector::from_fn(free.len(), |r, _| {
         right[free[r]] - held.iter().map(|&(k, value)| normal[(free[r], k)] * value).sum::<f64>()
     });
     let own: Vec<String> = free.iter().map(|&k| names[k].clone()).collect();
     let found = ScaledNormal::new(&part, &own)?.solve(&known);
-    let mut x = vec![0.0; names.len()];
-    held.iter().for_each(|&(k, value)| x[k] = value);
     free.iter().zip(found.iter()).for_each(|(&k, &value)| x[k] = value);
     Ok(x)
 }

@@ -26,6 +26,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// One joint's share of a linear regression: torque = columns * parameters.
 #[derive(Debug, Clone)]
 pub struct JointRegression {
+    /// Name of the joint.
+    pub joint: String,
     /// Which parameters the columns belong to.
     pub parameters: Vec<usize>,
     /// Columns, `[active parameter][row]`.
@@ -44,6 +46,7 @@ impl JointRegression {
         parameters.dedup();
         let samples: usize = parts.iter().map(|part| part.columns.samples() + separation).sum();
         let mut joined = JointRegression {
+            joint: parts.first().map_or(String::new(), |part| part.joint.clone()),
             columns: Channels::zeros(parameters.len(), samples),
             torque: vec![0.0; samples],
             valid: vec![false; samples],
@@ -89,7 +92,8 @@ impl JointRegression {
                 columns.push(column.to_vec());
             }
         }
-        JointRegression { parameters, columns: Channels::from_vectors(&columns), torque, valid: self.valid.clone() }
+        let columns = Channels::from_vectors(&columns);
+        JointRegression { joint: self.joint.clone(), parameters, columns, torque, valid: self.valid.clone() }
     }
 
     /// Number of rows that count.
@@ -196,14 +200,14 @@ impl Estimate {
 /// # Errors
 /// Names the parameters the motion does not excite, or the joint without rows.
 pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> Result<Estimate> {
-    for (index, joint) in joints.iter().enumerate() {
+    for joint in joints {
         if joint.rows() < 2 * joint.parameters.len() {
             let problem = format!(
                 "{} usable samples for {} parameters; the log is too short or the joint hardly moves",
                 joint.rows(),
                 joint.parameters.len()
             );
-            return Err(Error::request(format!("joint {}", index + 1), problem));
+            return Err(Error::request(joint.joint.as_str(), problem));
         }
     }
     let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();

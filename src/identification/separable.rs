@@ -10,6 +10,7 @@ use super::linear_problem::LinearProblem;
 use crate::effects::{Parameter, Role};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 /// Rounds of search between which the weights are taken anew from the residual.
 const ROUNDS: usize = 3;
@@ -93,14 +94,7 @@ struct Solved {
 fn solve_linear(model: &mut EffectModel, sigma: &[f64]) -> Result<Solved> {
     let names = model.linear_names();
     let amplitudes = model.amplitudes();
-    let bounds: Vec<Bound> = amplitudes
-        .iter()
-        .enumerate()
-        .map(|(k, &place)| {
-            let Parameter { lower, upper, .. } = parameter(model, place);
-            Bound { parameter: model.baseline_len() + k, lower, upper }
-        })
-        .collect();
+    let bounds = linear_bounds(model, &amplitudes);
     let mut turn = 0;
     loop {
         let regression = model.regression()?;
@@ -115,6 +109,18 @@ fn solve_linear(model: &mut EffectModel, sigma: &[f64]) -> Result<Solved> {
             return Ok(Solved { regression, linear, held });
         }
     }
+}
+
+/// Bounds of amplitudes, and of the arm's own friction where effects could be played off against it: a power of speed or a
+/// Stribeck rise less a negative friction of another law is any curve.
+fn linear_bounds(model: &EffectModel, amplitudes: &[Place]) -> Vec<Bound> {
+    let amplitude = |(k, &place): (usize, &Place)| {
+        let Parameter { lower, upper, .. } = parameter(model, place);
+        Bound { parameter: model.baseline_len() + k, lower, upper }
+    };
+    let frictions = if model.placed().is_empty() { Vec::new() } else { model.frictions() };
+    let friction = |parameter| Bound { parameter, lower: 0.0, upper: f64::INFINITY };
+    amplitudes.iter().enumerate().map(amplitude).chain(frictions.into_iter().map(friction)).collect()
 }
 
 /// Tries shapes and departures on a grid, all shapes of an effect together, and keeps the best of each. Departures are
@@ -245,16 +251,20 @@ impl LeastSquaresProblem for Projected<'_, '_> {
     }
 }
 
-/// A regression without the parameters that are held, whose torque is taken off, and the names of the others.
-fn without(
-    regression: &[JointRegression],
+/// A regression without the parameters that are held, whose torque is taken off, and the names of the others. Nothing is
+/// copied where none is held.
+fn without<'a>(
+    regression: &'a [JointRegression],
     held: &[(usize, f64)],
     names: &[String],
-) -> (Vec<JointRegression>, Vec<String>) {
+) -> (Cow<'a, [JointRegression]>, Vec<String>) {
+    if held.is_empty() {
+        return (Cow::Borrowed(regression), names.to_vec());
+    }
     let kept = |k: &usize| held.iter().all(|(own, _)| own != k);
     let places: Vec<usize> = (0..names.len()).filter(kept).collect();
     let joints = regression.iter().map(|joint| joint.without(held, &places)).collect();
-    (joints, places.iter().map(|&k| names[k].clone()).collect())
+    (Cow::Owned(joints), places.iter().map(|&k| names[k].clone()).collect())
 }
 
 /// Derivatives of the predicted torque with respect to the nonlinear parameters, `[parameter][joint][row]`, by differences.

@@ -235,4 +235,6 @@ fn size_quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 }
 
 #[cfg(test)]
+mod every_kind;
+#[cfg(test)]
 mod tests;

@@ -355,6 +355,16 @@ mod tests {
     }
 
     #[test]
+    fn a_quote_that_is_not_closed_costs_its_line_only() {
+        let text =
+            "t,note,q1,tau1\n0,\"a, b\",1,2\n1,c,\"1,2\n2,\"d,1,2\n3,e,1,2\n4,\"f\",\"1\",2\n5,g,1,\"2\n6,,1,2\n";
+        let sieved = read(text, &ColumnMap::default()).unwrap();
+        let found: Vec<_> = sieved.rejected.iter().map(|r| (r.line, r.column.as_str(), r.cause)).collect();
+        assert_eq!(found, [(3, "q1", Cause::Unreadable), (7, "tau1", Cause::Unreadable)]);
+        assert_eq!(sieved.recording.time, [0.0, 2.0, 3.0, 4.0, 6.0]);
+    }
+
+    #[test]
     fn a_time_that_jumps_ahead_costs_one_row() {
         let sieved = read("t,q1,tau1\n0,1,2\n1,1,2\n900,1,2\n3,1,2\n4,1,2\n", &ColumnMap::default()).unwrap();
         assert_eq!(sieved.recording.time, [0.0, 1.0, 3.0, 4.0]);

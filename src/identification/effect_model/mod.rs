@@ -113,6 +113,12 @@ impl<'a> EffectModel<'a> {
         self.arm.iter().map(|&parameter| self.model.unit_on_joint(leader(self.model, parameter))).collect()
     }
 
+    /// Indices of the arm's viscous and Coulomb frictions among its linear parameters: neither can be negative.
+    pub fn frictions(&self) -> Vec<usize> {
+        let is_friction = |parameter: ArmParameter| drive_of(self.model, parameter).is_some_and(|(_, which)| which > 0);
+        (0..self.arm.len()).filter(|&index| is_friction(self.arm[index])).collect()
+    }
+
     /// Number of linear parameters that belong to the arm.
     pub fn baseline_len(&self) -> usize {
         self.baseline.len()
@@ -223,6 +229,7 @@ impl<'a> EffectModel<'a> {
                 let columns: Vec<Vec<f64>> =
                     columns.iter().map(|(_, column)| prepared.thinned(column)).collect::<Result<_>>()?;
                 Ok(JointRegression {
+                    joint: self.model.robot().joints[joint].name.clone(),
                     parameters,
                     columns: Channels::from_vectors(&columns),
                     torque: prepared.thinned(&rest)?,

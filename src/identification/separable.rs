@@ -54,9 +54,14 @@ pub struct EffectFit {
 /// If the logs cannot tell the parameters apart or are too short.
 pub fn fit(model: &mut EffectModel) -> Result<EffectFit> {
     let nonlinear = model.nonlinear();
+    if model.placed().is_empty() {
+        // Weights are found on the way to the standard deviations, without a second pass over long logs.
+        return finish(model, &nonlinear, &vec![1.0; model.joints()]);
+    }
     let solved = solve_linear(model, &vec![1.0; model.joints()])?;
     let mut sigma = sigmas(&solved);
     let mut rows = solved.regression.iter().map(JointRegression::rows).sum();
+    drop(solved);
     if !nonlinear.is_empty() {
         choose_starts(model, &nonlinear, &sigma)?;
         for _ in 0..ROUNDS {

@@ -91,9 +91,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     };
     bar.finish_and_clear();
 
-    if let Some(found) = &consistent {
-        folder.write_text("identified.urdf", &robot::with_parameters(&found.robot(&robot))?)?;
-    }
+    let identified = match &consistent {
+        Some(found) => found.robot(&robot),
+        None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
+    };
+    folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
     let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;

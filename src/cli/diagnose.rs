@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0.05)]
     alpha: f64,
     /// Most effects that are named.
-    #[arg(long, default_value_t = 6)]
+    #[arg(long, default_value_t = 12)]
     max_findings: usize,
     /// Effect to look for; repeat for more. All of the library where absent.
     #[arg(long, value_name = "EFFECT")]

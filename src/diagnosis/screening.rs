@@ -133,9 +133,13 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::Spike
         | Kind::TooShort
         | Kind::NoMotion => Some(Consequence::Stops),
-        Kind::Clipped | Kind::Gap | Kind::Jitter | Kind::DuplicateTime | Kind::BackwardTime | Kind::BadRows => {
-            Some(Consequence::LeftOut)
-        }
+        Kind::CutOff
+        | Kind::Clipped
+        | Kind::Gap
+        | Kind::Jitter
+        | Kind::DuplicateTime
+        | Kind::BackwardTime
+        | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
         Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime => Some(Consequence::Told),
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {

@@ -4,7 +4,7 @@
 use super::Options;
 use super::candidates::{self, Candidate, Family, Slot};
 use super::column::Column;
-use super::contest::{Alternative, Scan, contest};
+use super::contest::{Alternative, Contest, Scan, contest};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
 use super::whitening::Whitener;
@@ -100,7 +100,8 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             break;
         }
         let members = members(&found);
-        let (winner, alternatives) = contest(session, &members, &best, &round.all, &open)?;
+        let Contest { winner, alternatives, close } = contest(session, &members, &best, &round.all, &open)?;
+        let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
@@ -136,6 +137,42 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
 
 fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
+/// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
+fn better_unseen(
+    session: &Session,
+    members: &[Member],
+    winner: Judged,
+    mut alternatives: Vec<Alternative>,
+    close: &[Judged],
+) -> Result<(Judged, Vec<Alternative>)> {
+    if winner.candidate.log.is_some() {
+        return Ok((winner, alternatives));
+    }
+    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([Member::new(judged)]).collect() };
+    let first = with(&winner);
+    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
+    let unseen = whitener.on(&session.test.rows);
+    let before = session.held_out_residual(&first, &whitener)?;
+    let mut best: Option<(f64, &Judged)> = None;
+    for rival in close.iter().filter(|rival| rival.candidate.log.is_none()) {
+        let mut joints = rival.candidate.joints();
+        joints.extend(winner.candidate.joints());
+        joints.sort_unstable();
+        joints.dedup();
+        let after = session.held_out_residual(&with(rival), &whitener)?;
+        let bound = gain_lower_bound(&unseen, &before, &after, &joints, session.test.rows.len());
+        tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
+        if bound > best.as_ref().map_or(0.0, |(best, _)| *best) {
+            best = Some((bound, rival));
+        }
+    }
+    let Some((_, rival)) = best else { return Ok((winner, alternatives)) };
+    alternatives.retain(|other| other.family != rival.candidate.family());
+    alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
+    Ok((rival.clone(), alternatives))
 }
 
 /// What held-out rows say of an effect.

@@ -147,6 +147,7 @@ impl<'a> Session<'a> {
             let Ok(side) = side(train, before, hz, FEWEST_ROWS) else { continue };
             let unexpected =
                 Whitener::new(&side.rows, &side.torque, &side.baseline, Beside::RichColumns).mean_log_scale();
+            tracing::debug!(hz, unexpected, rows = ?side.rows.valid.iter().map(|v| v.iter().filter(|ok| **ok).count()).collect::<Vec<_>>(), "cut-off");
             if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
                 best = Some((unexpected, hz, side));
             }

@@ -1,8 +1,9 @@
 //! Faults put into clean logs of several motions are found and named; clean logs have none.
 
-use super::{SETUP, logs};
+use super::{SETUP, logs, with};
 use std::sync::LazyLock;
 use tauscope::diagnosis::screening::{Consequence, DataFault, screen};
+use tauscope::effects::{LIBRARY, Placed, Scope, Site};
 use tauscope::quality::Kind;
 use tauscope::recording::Recording;
 use tauscope::recording::lenient::Sieved;
@@ -63,6 +64,20 @@ fn clean_logs_have_none() {
             assert!(faults.is_empty(), "{faults:?}");
             assert_eq!(pieces.len(), 1);
             assert!(pieces[0].tau.as_slice().iter().all(|v| v.is_finite()));
+        }
+    }
+}
+
+/// What an arm does, the diagnosis must get to see.
+#[test]
+fn physical_effects_are_no_faults_of_the_data() {
+    for effect in LIBRARY.iter().filter(|effect| effect.about().site != Site::Integrator) {
+        let joint = if effect.about().scope == Scope::Arm { 0 } else { 1 };
+        let log = &logs(&with(&[Placed::typical(*effect, joint)]), 200, 1)[0];
+        for log in [log.clone(), bare(log)] {
+            let (_, mut faults) = screened(&log);
+            faults.retain(|fault| fault.consequence == Consequence::Stops);
+            assert!(faults.is_empty(), "{}: {faults:?}", effect.about().name);
         }
     }
 }

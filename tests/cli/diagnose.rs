@@ -133,7 +133,7 @@ fn what_tells_nothing_is_refused() {
     for (log, words) in [
         ("no_motion.csv", vec!["no_motion.csv", "no joint moves"]),
         ("ten.csv", vec!["ten.csv", "10 samples"]),
-        ("short.csv", vec!["joint_"]),
+        ("short.csv", vec!["--train", "0.6 s"]),
         ("nan.csv", vec!["nan.csv", "tau1"]),
         ("empty.csv", vec!["empty.csv", "empty"]),
         ("other.csv", vec!["other.csv", "6 joints"]),

@@ -7,10 +7,11 @@ use super::derived::derived;
 use super::estimates::Estimates;
 use super::extended::ExtendedModel;
 use super::gap::{Share, gain, gap_closed};
+use super::inertias::all_inertias;
 use super::known::Known;
 use super::residual_structure::residual_structure;
 use super::resimulation::resimulate;
-use super::selection::{Found, Selection, rms, select};
+use super::selection::{Found, Gain, Selection, rms, select};
 use super::session::{Member, Session, Side};
 use super::unexplained::unexplained;
 use super::verdict::{Diagnosis, next_experiment, not_found, take_back, verdict};
@@ -97,10 +98,18 @@ pub fn conclude<'a>(
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
     let held_out = input.test.is_empty();
     let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
-    let mut session = Session::knowing(model, options.trust, known, train, test)?;
+    let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
     let simulation = as_described(&session, &input.present)?;
-    let selection = select(&mut session, options, progress)?;
-    answer(session, selection, simulation, before, options, held_out, input.present.clone())
+    let mut selection = select(&mut session, options, progress)?;
+    let mut inertias = None;
+    if options.trust == Trust::Nominal && input.reference.is_empty() {
+        let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
+        if let Some(free) = all_inertias(&session, &selection, free, train, test, options, progress)? {
+            (session, selection) = (free.session, free.selection);
+            inertias = Some(free.gain);
+        }
+    }
+    answer(session, selection, simulation, before, inertias, options, held_out, input.present.clone())
 }
 
 /// The arm as its reference logs show it, with the effects found there: they were there before the change.
@@ -157,6 +166,7 @@ fn answer<'a>(
     selection: Selection,
     simulation: Column,
     before: Vec<Found>,
+    inertias: Option<Gain>,
     options: &Options,
     held_out_from_training: bool,
     present: Vec<Placed>,
@@ -176,7 +186,7 @@ fn answer<'a>(
     let extended_test_rms = rms(&test.valid, &extended);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
     let diagnosis = Diagnosis {
-        verdict: verdict(&found, &unexplained),
+        verdict: verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,
         cutoff_hz: session.cutoff_hz,
         held_out_from_training,
@@ -192,6 +202,7 @@ fn answer<'a>(
         derived: derived(&members, &estimates, session.train.baseline.len(), session.model.robot()),
         not_found: not_found(&session, &found, tests, &sensitivity, options),
         noise_floor,
+        inertias,
         against_reference: session.train.rows.before > 0,
         before,
         found,

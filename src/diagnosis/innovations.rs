@@ -95,9 +95,9 @@ impl InnovationsFilter {
                 state.fill(0.0);
             }
             let predicted: f64 = coefficients.iter().zip(&state).map(|(a, e)| a * e).sum();
-            state.rotate_right(1);
-            if let Some(first) = state.first_mut() {
-                *first = predicted;
+            if !state.is_empty() {
+                state.rotate_right(1);
+                state[0] = predicted;
             }
             match &step.update {
                 Update::Unseen => {}

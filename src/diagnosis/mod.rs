@@ -12,6 +12,7 @@
 //! | score tests, and the level of the best of many | [`score`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
+//! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
@@ -26,6 +27,7 @@ pub mod derived;
 pub mod estimates;
 pub mod extended;
 pub mod gap;
+pub mod inertias;
 pub mod innovations;
 pub mod known;
 pub mod residual_structure;

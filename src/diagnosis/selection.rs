@@ -7,6 +7,7 @@ use super::column::Column;
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
+use super::unexplained::slow_cosines;
 use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -23,6 +24,9 @@ const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
 
 /// Share of the level of other effects that an event in one log must reach.
 const ONCE: f64 = 1e-3;
+
+/// Cosines over each log that stand for slow drifts.
+const DRIFTS: usize = 10;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
@@ -111,6 +115,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
+        let level = match winner.candidate.log {
+            None => level,
+            Some(_) => level.max(family_wise(beside_drift(session, &round, &winner), tests)),
+        };
         // No other log can confirm what happened once.
         let limit = if winner.candidate.log.is_some() { ONCE * options.alpha } else { options.alpha };
         let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
@@ -146,6 +154,16 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
 
 fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// Logarithm of the probability of what an event of one log takes beside slow drifts of all joints that it acts on: how strong
+/// slow noise is the rows tell poorly, how sharply a contact begins and ends they tell well.
+fn beside_drift(session: &Session, round: &Round, winner: &Judged) -> f64 {
+    let rows = &session.train.rows;
+    let joints = winner.candidate.joints();
+    let drifts: Vec<Column> = joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)).collect();
+    let fit = round.fit.with(&round.whitener.apply_all(&drifts));
+    fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p())
 }
 
 /// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
@@ -185,9 +203,12 @@ fn better_unseen(
 }
 
 /// What held-out rows say of an effect.
-struct Gain {
-    lower_bound: f64,
-    rms: [Vec<f64>; 2],
+#[derive(Debug, Clone)]
+pub struct Gain {
+    /// Lower 95 % bound of the share of the whitened sum of squares that it takes away.
+    pub lower_bound: f64,
+    /// Root mean square of the residual before and after, `[joint]`, N m.
+    pub rms: [Vec<f64>; 2],
 }
 
 /// The winner as a member of the model with its gain on the held-out rows, if that is surely positive. An event of one

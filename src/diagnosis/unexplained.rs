@@ -2,10 +2,13 @@
 
 use super::column::Column;
 use super::rows::Rows;
+use super::score::Projection;
 use super::selection::gain_lower_bound;
 use super::session::{Member, Session, solve};
 use super::whitening::{Whitener, rich};
 use crate::error::Result;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::ops::Range;
 
 /// Hats over the range of velocities, and slow cosines over each log.
 const HATS: usize = 8;
@@ -17,9 +20,6 @@ const HARMONICS: usize = 4;
 /// Share of the level of named effects at which structure counts: the columns are many and general, and what they find
 /// cannot be checked against a law.
 const STRICTER: f64 = 0.02;
-
-/// The same for structure that held-out logs cannot confirm.
-const ONCE: f64 = 1e-5;
 
 /// Structure that no candidate carries.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,8 +38,36 @@ pub struct Unexplained {
 struct Block {
     structure: &'static str,
     signals: Vec<Vec<f64>>,
-    /// Whether it is about a time that does not come again, so that other logs cannot confirm it.
-    once: bool,
+}
+
+/// Cosines number `orders` over the length of every log, on one joint.
+pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Column> {
+    let mut cosines = Vec::new();
+    for log in 0..rows.logs.len() {
+        let (start, end) = (rows.starts[log], rows.starts[log + 1]);
+        for k in orders.clone() {
+            let mut column = vec![0.0; rows.len()];
+            for (place, value) in column[start..end].iter_mut().enumerate() {
+                *value = (std::f64::consts::PI * k as f64 * place as f64 / (end - start) as f64).cos();
+            }
+            cosines.push(Column::on(joint, column));
+        }
+    }
+    cosines
+}
+
+/// The share of a joint's residual that drifts over each log, and the probability of as much by chance: the power at the
+/// slowest frequencies against that at those above them, since how strong slow noise is the rows themselves do not tell.
+fn drift(session: &Session, fit: &Projection, whitener: &Whitener, joint: usize, left: f64) -> Option<(f64, f64)> {
+    let rows = &session.train.rows;
+    let cosines = |orders: Range<usize>| whitener.apply_all(&slow_cosines(rows, joint, orders));
+    let slow = cosines(1..COSINES + 1);
+    let test = fit.test(&slow)?;
+    let above = fit.with(&slow).test(&cosines(COSINES + 1..3 * COSINES + 1))?;
+    let (freedom, above_freedom) = (test.freedom as f64, above.freedom as f64);
+    let ratio = test.statistic / freedom / (above.statistic / above_freedom);
+    let p = FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
+    Some((test.statistic / left.max(f64::MIN_POSITIVE), p))
 }
 
 /// The blocks of generic columns of a joint over `rows`; `fastest` is its top speed in the training logs, rad/s.
@@ -65,26 +93,10 @@ fn blocks(rows: &Rows, joint: usize, fastest: f64) -> Vec<Block> {
     let others = (0..rows.dof()).filter(|&other| other != joint).flat_map(|other| {
         [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
     });
-    let mut time = Vec::new();
-    for log in 0..rows.logs.len() {
-        let (start, end) = (rows.starts[log], rows.starts[log + 1]);
-        for k in 1..=COSINES {
-            let mut column = vec![0.0; rows.len()];
-            for (place, value) in column[start..end].iter_mut().enumerate() {
-                *value = (std::f64::consts::PI * k as f64 * place as f64 / (end - start) as f64).cos();
-            }
-            time.push(column);
-        }
-    }
     vec![
-        Block { structure: "changes with the joint's position", signals: position, once: false },
-        Block { structure: "depends on the joint's speed", signals: velocity, once: false },
-        Block {
-            structure: "depends on the other joints' positions and speeds",
-            signals: others.collect(),
-            once: false,
-        },
-        Block { structure: "drifts over time", signals: time, once: true },
+        Block { structure: "changes with the joint's position", signals: position },
+        Block { structure: "depends on the joint's speed", signals: velocity },
+        Block { structure: "depends on the other joints' positions and speeds", signals: others.collect() },
     ]
 }
 
@@ -106,32 +118,37 @@ pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, a
         let velocities = rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint));
         let fastest = velocities.fold(0.0f64, |m, v| m.max(v.abs()));
         let kinds = blocks(rows, joint, fastest);
-        let tests = (dof * kinds.len()) as f64;
+        let tests = (dof * (kinds.len() + 1)) as f64;
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds.into_iter().zip(blocks(unseen_rows, joint, fastest)) {
             let on = |signals: Vec<Vec<f64>>| signals.into_iter().map(|signal| Column::on(joint, signal)).collect();
             let seen: Vec<Column> = on(block.signals.into_iter().map(|signal| rows.since_change(signal)).collect());
             let Some(test) = fit.test(&whitener.apply_all(&seen)) else { continue };
             let family_wise_p = (tests * test.log_p().exp()).min(1.0);
-            let level = if block.once { ONCE } else { STRICTER } * alpha;
+            let level = STRICTER * alpha;
             if family_wise_p >= best.as_ref().map_or(level, |best| best.family_wise_p.min(level)) {
                 continue;
             }
-            if !block.once {
-                let with: Vec<Column> = columns.iter().chain(&seen).cloned().collect();
-                let solved = solve(&whitener.apply_all(&with), &whitener.apply(&session.train.torque));
-                let again: Vec<Column> = on(again.signals);
-                let mut after = session.test.torque.clone();
-                for (column, value) in unseen_columns.iter().chain(&again).zip(solved.values) {
-                    after.add(-value, column);
-                }
-                if gain_lower_bound(&unseen, &before, &after, &[joint], unseen_rows.len()) <= 0.0 {
-                    continue;
-                }
+            let with: Vec<Column> = columns.iter().chain(&seen).cloned().collect();
+            let solved = solve(&whitener.apply_all(&with), &whitener.apply(&session.train.torque));
+            let again: Vec<Column> = on(again.signals);
+            let mut after = session.test.torque.clone();
+            for (column, value) in unseen_columns.iter().chain(&again).zip(solved.values) {
+                after.add(-value, column);
+            }
+            if gain_lower_bound(&unseen, &before, &after, &[joint], unseen_rows.len()) <= 0.0 {
+                continue;
             }
             // The fit minimises over all joints, so that it can give more than this joint has.
             let share = (test.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
             best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p });
+        }
+        if best.is_none()
+            && let Some((share, p)) = drift(session, &fit, whitener, joint, left)
+            && (tests * p) < STRICTER * alpha
+        {
+            let family_wise_p = tests * p;
+            best = Some(Unexplained { joint, share: share.min(1.0), structure: "drifts over time", family_wise_p });
         }
         found.extend(best);
     }

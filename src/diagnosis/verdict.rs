@@ -5,7 +5,7 @@ use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
 use super::residual_structure::ResidualStructure;
-use super::selection::Found;
+use super::selection::{Found, Gain};
 use super::session::Session;
 use super::unexplained::Unexplained;
 use crate::effects::LIBRARY;
@@ -84,6 +84,8 @@ pub struct Diagnosis {
     pub found: Vec<Found>,
     /// What follows from the parameters of each.
     pub derived: Vec<Vec<Derived>>,
+    /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
+    pub inertias: Option<Gain>,
     /// Structure without a name.
     pub unexplained: Vec<Unexplained>,
     /// Effects not found.
@@ -92,10 +94,10 @@ pub struct Diagnosis {
     pub next_experiment: String,
 }
 
-/// The answer in a word.
-pub fn verdict(found: &[Found], unexplained: &[Unexplained]) -> Verdict {
+/// The answer in a word; `inertias` tells whether those of the description are wrong as a whole.
+pub fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> Verdict {
     let some = |verdict: Verdict| found.iter().any(|found| found.verdict == verdict);
-    match (some(Verdict::OneOf), some(Verdict::Named)) {
+    match (some(Verdict::OneOf), some(Verdict::Named) || inertias) {
         (true, _) => Verdict::OneOf,
         (false, true) => Verdict::Named,
         _ if found.is_empty() && unexplained.is_empty() => Verdict::None,

@@ -17,8 +17,11 @@ use rayon::prelude::*;
 const ORDER: usize = 6;
 
 /// Rounds of, and draws in each round of, making good what the rich regression takes of the noise.
-const BIAS_ROUNDS: u64 = 3;
-const BIAS_DRAWS: u64 = 16;
+const BIAS_ROUNDS: usize = 3;
+const BIAS_DRAWS: u64 = 12;
+
+/// Largest share of a step that the next may keep: beyond it the rows do not tell how much was taken.
+const SLOWEST_STEPS: f64 = 0.75;
 
 /// Share of a column's norm that must be left for it to count as independent of those before.
 const INDEPENDENT: f64 = 1e-6;
@@ -135,20 +138,29 @@ impl JointWhitener {
         let basis = orthonormal(columns.clone());
         let left = |signal: &[f64]| residual(&basis, masked(signal));
         let observed = lags(&left(torque), valid);
-        let mut noise = AutoregressiveNoise::from_autocovariance(&observed);
-        for round in 0..BIAS_ROUNDS {
+        // What the regression takes of noise with given autocovariances is added to what is observed. The same draws in every
+        // round make this a fixed point of a smooth map, and where most of the noise is taken its steps shrink slowly: every
+        // other step goes on to where they would end.
+        let corrected = |covariance: &[f64]| -> Vec<f64> {
+            let noise = AutoregressiveNoise::from_autocovariance(covariance);
             let mut corrected = observed.clone();
             for draw in 0..BIAS_DRAWS {
-                let label = format!("noise bias of joint {joint}");
-                let mut source = random::stream(0, &label, round * BIAS_DRAWS + draw);
+                let mut source = random::stream(0, &format!("noise bias of joint {joint}"), draw);
                 let drawn = noise.simulate(valid.len(), &mut source);
                 let (before, after) = (lags(&drawn, valid), lags(&left(&drawn), valid));
                 for ((target, b), a) in corrected.iter_mut().zip(before).zip(after) {
                     *target += (b - a) / BIAS_DRAWS as f64;
                 }
             }
-            noise = AutoregressiveNoise::from_autocovariance(&corrected);
+            corrected
+        };
+        let mut covariance = observed.clone();
+        for _ in 0..BIAS_ROUNDS {
+            let first = corrected(&covariance);
+            let second = corrected(&first);
+            covariance = extrapolated(&covariance, &first, &second);
         }
+        let mut noise = AutoregressiveNoise::from_autocovariance(&corrected(&covariance));
         noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
         let mut filter = InnovationsFilter::new(noise, valid, starts);
         // The scale once more from what is white: the autocovariances alone carry the error of the correction.
@@ -167,6 +179,17 @@ impl JointWhitener {
         white.iter_mut().for_each(|x| *x /= self.misfit);
         white
     }
+}
+
+/// Where the steps from `start` over `first` to `second` would end (Aitken).
+fn extrapolated(start: &[f64], first: &[f64], second: &[f64]) -> Vec<f64> {
+    let dot = |a: &[f64], b: &[f64], c: &[f64], d: &[f64]| -> f64 {
+        a.iter().zip(b).zip(c.iter().zip(d)).map(|((a, b), (c, d))| (a - b) * (c - d)).sum()
+    };
+    let before = dot(first, start, first, start);
+    let rate = if before > 0.0 { dot(second, first, first, start) / before } else { 0.0 };
+    let rate = rate.clamp(0.0, SLOWEST_STEPS);
+    first.iter().zip(second).map(|(first, second)| first + (second - first) / (1.0 - rate)).collect()
 }
 
 /// Autocovariances from the pairs of which both count.

@@ -126,9 +126,10 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
 
 /// Compares the answer with what was hidden; the second number counts other effects that were firmly named beside it.
 fn outcome(hidden: Option<&Placed>, diagnosis: &Diagnosis) -> (Outcome, usize) {
-    let firm = diagnosis.found.iter().filter(|found| found.verdict == Verdict::Named).count();
+    let inertias = usize::from(diagnosis.inertias.is_some());
+    let firm = inertias + diagnosis.found.iter().filter(|found| found.verdict == Verdict::Named).count();
     let told = diagnosis.found.iter().filter(|found| found.verdict != Verdict::Unexplained);
-    let names = told.clone().count();
+    let names = inertias + told.clone().count();
     let Some(hidden) = hidden else {
         return (if names == 0 { Outcome::Quiet } else { Outcome::FalseAlarm }, names);
     };

@@ -9,7 +9,7 @@ use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::gap::Share;
 use crate::diagnosis::residual_structure::ResidualStructure;
 use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::selection::Found;
+use crate::diagnosis::selection::{Found, Gain};
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::{self, Placed, Role, Scope};
 use crate::quality::Kind;
@@ -23,6 +23,10 @@ pub const SCHEMA: &str = "tauscope.diagnosis/1";
 pub const EXTENDED_SCENARIO: &str = "extended.toml";
 /// The URDF that [`EXTENDED_SCENARIO`] refers to.
 pub const EXTENDED_URDF: &str = "extended.urdf";
+
+/// What is said where the inertias of the description are wrong as a whole.
+const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on several links: no single effect explains the \
+                            logs, and re-identified base parameters do. extended.urdf holds them.";
 
 /// The content of `diagnosis.json`.
 #[derive(Debug, Default, Serialize)]
@@ -254,8 +258,26 @@ fn qualities(faults: &[DataFault]) -> Vec<Quality> {
 }
 
 fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
+    let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
     let found = diagnosis.found.iter().zip(&diagnosis.derived);
-    found.map(|(found, derived)| finding(robot, found, derived)).collect()
+    inertias.chain(found.map(|(found, derived)| finding(robot, found, derived))).collect()
+}
+
+/// The inertias of the description are wrong as a whole.
+fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
+    let [before, after] = gain.rms.clone();
+    Finding {
+        effect: "link_inertia_error",
+        joints: robot.joint_names(),
+        verdict: Verdict::Named,
+        alternatives: Vec::new(),
+        parameters: Vec::new(),
+        family_wise_p: 0.0,
+        test_rms_before_nm: before,
+        test_rms_after_nm: after,
+        gain_lower_bound: gain.lower_bound,
+        explanation: ALL_INERTIAS,
+    }
 }
 
 fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::Derived]) -> Finding {

@@ -36,7 +36,10 @@ pub fn lines(
         let place = place(robot, found.member.candidate.family());
         lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
     }
-    for (found, told) in diagnosis.found.iter().zip(findings(robot, diagnosis)) {
+    let told = findings(robot, diagnosis);
+    let ahead = told.len() - diagnosis.found.len();
+    lines.extend(told[..ahead].iter().map(|finding| format!("- {}", finding.explanation)));
+    for (found, told) in diagnosis.found.iter().zip(&told[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
         let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
         let verb = if diagnosis.against_reference { "Changed by" } else { "Add to the model:" };

@@ -1,0 +1,74 @@
+//! Whether it is not one effect but the description as a whole that is wrong: inertias believed, and none of them right.
+//!
+//! Against wrong inertias single effects explain a little each, and never all. Where trusted inertias leave structure or ask
+//! for several wrong links, the search is made once more with all base parameters free; if that predicts the held-out logs
+//! surely better, and leaves less without a name, the inertias are what is wrong.
+
+use super::Options;
+use super::known::Known;
+use super::selection::{Gain, Selection, gain_lower_bound, rms, select};
+use super::session::{Member, Session};
+use super::unexplained::unexplained;
+use crate::effects::Site;
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::recording::Recording;
+
+/// Wrong bodies beyond which it is simpler to say that all of them are.
+const WRONG_BODIES: usize = 2;
+
+/// Joints with structure left beyond which trusted inertias are doubted.
+const DOUBTFUL_JOINTS: usize = 1;
+
+/// The search with all inertias free.
+#[derive(Debug)]
+pub struct Free<'a> {
+    /// Logs and arm.
+    pub session: Session<'a>,
+    /// What was found with the inertias free.
+    pub selection: Selection,
+    /// What it gains on the held-out logs over the search with inertias trusted.
+    pub gain: Gain,
+}
+
+/// The search with all inertias free, if those of the description are what is wrong.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn all_inertias<'a>(
+    trusted: &Session<'a>,
+    selection: &Selection,
+    known: Known<'a>,
+    train: &[&Recording],
+    test: &[&Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Option<Free<'a>>> {
+    let members: Vec<Member> = selection.found.iter().map(|found| found.member.clone()).collect();
+    let bodies = members.iter().filter(|member| member.placed.effect.about().site == Site::Body).count();
+    let left = unexplained(trusted, &members, &selection.whitener, options.alpha)?.len();
+    if bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS {
+        return Ok(None);
+    }
+    let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
+    let free = select(&mut session, options, progress)?;
+    let own: Vec<Member> = free.found.iter().map(|found| found.member.clone()).collect();
+    let left_free = unexplained(&session, &own, &free.whitener, options.alpha)?.len();
+    if left_free > left || (left_free == left && own.len() >= members.len()) {
+        return Ok(None);
+    }
+    // Both are seen on rows that count for both, in the noise of the better one.
+    let mut rows = session.test.rows.clone();
+    for (valid, other) in rows.valid.iter_mut().zip(&trusted.test.rows.valid) {
+        valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
+    }
+    let before = trusted.held_out_residual(&members, &selection.whitener)?;
+    let after = session.held_out_residual(&own, &free.whitener)?;
+    let joints: Vec<usize> = (0..rows.dof()).collect();
+    let lower_bound = gain_lower_bound(&free.whitener.on(&rows), &before, &after, &joints, rows.len());
+    let rms = [rms(&rows.valid, &before), rms(&rows.valid, &after)];
+    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, gain: Gain { lower_bound, rms } }))
+}
+
+/// Least share of the whitened sum of squares that all inertias together must gain to be called wrong.
+const LEAST_GAIN: f64 = 0.1;

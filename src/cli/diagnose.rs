@@ -1,6 +1,7 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
 use super::{DONE, Global, print};
+use crate::dataset::Dataset;
 use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, screen, still_joints};
 use crate::diagnosis::{Input, Options, conclude};
 use crate::effects::{self, Placed};
@@ -9,7 +10,7 @@ use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
-use crate::recording::lenient::{self, ColumnMap};
+use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Arm, Scenario};
@@ -28,14 +29,17 @@ const EXTENDED_NOTE: &str = "\
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// URDF of the arm; that of the scenario where absent.
-    #[arg(long, value_name = "URDF", required_unless_present = "scenario")]
+    #[arg(long, value_name = "URDF", required_unless_present_any = ["scenario", "dataset"])]
     robot: Option<PathBuf>,
     /// Log to find from; repeat for more.
-    #[arg(long, value_name = "LOG", required = true)]
+    #[arg(long, value_name = "LOG", required_unless_present = "dataset")]
     train: Vec<PathBuf>,
     /// Log of another motion to judge by; repeat for more. Without any, the last part of every training log.
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
+    /// Description of logs: columns, units, motors, payload, mounting, which of them are found from and which judge.
+    #[arg(long, value_name = "TOML", conflicts_with_all = ["train", "test"])]
+    dataset: Option<PathBuf>,
     /// Log from before a change; repeat for more. The question is then what changed since: a payload, wear, a new hose.
     #[arg(long, value_name = "LOG")]
     reference: Vec<PathBuf>,
@@ -70,10 +74,18 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     for name in &arguments.candidates {
         effects::find(name)?;
     }
-    let Simulation { robot, effects, scenario } = simulation(arguments)?;
+    let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
+    let Simulation { robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
     let bar = spinner(global);
     let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
-    let (train, test, reference) = (load(&arguments.train)?, load(&arguments.test)?, load(&arguments.reference)?);
+    let (train, test) = match &dataset {
+        Some(dataset) => {
+            let [train, test] = dataset.sieved(&robot)?;
+            (described(train, &robot)?, described(test, &robot)?)
+        }
+        None => (load(&arguments.train)?, load(&arguments.test)?),
+    };
+    let reference = load(&arguments.reference)?;
     for (option, logs) in [("--train", &train), ("--test", &test), ("--reference", &reference)] {
         check_length(option, logs)?;
     }
@@ -152,17 +164,23 @@ struct Simulation {
     scenario: Option<Scenario>,
 }
 
-fn simulation(arguments: &Arguments) -> Result<Simulation> {
+fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simulation> {
     let check = match arguments.trust {
         Trust::Nominal => InertiaCheck::Required,
         Trust::Structure => InertiaCheck::Ignored,
     };
     let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
-    let mut robot = match (&arguments.robot, &arm) {
+    let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
+    let mut robot = match (&named, &arm) {
         (Some(path), _) => robot::load(path, check)?,
         (None, Some(arm)) => arm.known.clone(),
-        (None, None) => return Err(Error::request("--robot", "give the arm's URDF, or a --scenario that names one")),
+        (None, None) => {
+            return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
+        }
     };
+    if let Some(dataset) = dataset {
+        dataset.mount(&mut robot)?;
+    }
     if let Some(gravity) = &arguments.gravity {
         robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
     }
@@ -173,6 +191,10 @@ fn simulation(arguments: &Arguments) -> Result<Simulation> {
         }
     }
     Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
+}
+
+fn described(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
+    logs.into_iter().map(|(path, sieved)| screen(&path.display().to_string(), sieved, robot)).collect()
 }
 
 fn screened(path: &PathBuf, robot: &Robot) -> Result<Screened> {

@@ -19,6 +19,9 @@ pub struct Bound {
 /// Changes of the held set per bounded parameter before the search gives up; it needs a few.
 const TURNS: usize = 10;
 
+/// Parameters that stay at a bound, with their values.
+pub type Held = Vec<(usize, f64)>;
+
 /// Minimises x'Nx/2 - b'x within bounds. Returns x and the parameters that stay at a bound, with their values.
 ///
 /// # Errors
@@ -28,8 +31,8 @@ pub fn solve(
     right: &DVector<f64>,
     bounds: &[Bound],
     names: &[String],
-) -> Result<(Vec<f64>, Vec<(usize, f64)>)> {
-    let mut held: Vec<(usize, f64)> = Vec::new();
+) -> Result<(Vec<f64>, Held)> {
+    let mut held: Held = Vec::new();
     let mut x = free(normal, right, &held, names)?;
     for _ in 0..=TURNS * bounds.len() {
         let over = |bound: &Bound| (bound.lower - x[bound.parameter]).max(x[bound.parameter] - bound.upper);

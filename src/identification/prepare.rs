@@ -235,9 +235,9 @@ impl Prepared {
 
 fn filtered(input: &Channels, joints: &[String], apply: impl Fn(&[f64], &mut [f64]) -> Result<()>) -> Result<Channels> {
     let mut output = Channels::zeros(input.channels(), input.samples());
-    for joint in 0..input.channels() {
+    for (joint, name) in joints.iter().enumerate() {
         apply(input.channel(joint), output.channel_mut(joint))
-            .map_err(|e| Error::request(joints[joint].as_str(), e.to_string()))?;
+            .map_err(|e| Error::request(name.as_str(), e.to_string()))?;
     }
     Ok(output)
 }

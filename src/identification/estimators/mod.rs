@@ -100,7 +100,7 @@ pub fn find(name: &str) -> Result<&'static dyn Estimator> {
 const MOST_ROUNDS: usize = 15;
 
 /// Change of the predicted torque, root mean square over that of the residual, at which such an iteration has settled.
-const SETTLED: f64 = 1e-3;
+const SETTLED: f64 = 1e-2;
 
 /// Whether the torque that `rows` predict changes too little between two sets of parameters for the noise `sigma` to show.
 fn settled(rows: &[JointRegression], before: &[f64], after: &[f64], sigma: &[f64]) -> bool {

@@ -25,7 +25,8 @@ pub struct Arguments {
     /// Trials; those of the baseline where absent, 16 for a new one.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     trials: Option<u32>,
-    /// Blind diagnoses; those of the baseline where absent, none for a new one.
+    /// Blind diagnoses; those of the baseline where absent, none for a new one. Fewer than five can never show that
+    /// diagnosis has got worse beyond chance.
     #[arg(long, value_name = "N")]
     diagnoses: Option<usize>,
 }
@@ -34,9 +35,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let path = &arguments.baseline;
     let old = if path.exists() || !arguments.update { Some(Baseline::read(path)?) } else { None };
-    // Without a seed of its own the check draws what the baseline drew.
-    let seed = global.seed.or(old.as_ref().filter(|_| !arguments.update).map(|old| old.seed));
-    let setup = Setup::load(&arguments.scenario, seed)?;
+    // The scenario's seed keeps its motions and its controller; another seed makes other draws of noise alone.
+    let mut setup = Setup::load(&arguments.scenario, None)?;
+    let drawn_before = old.as_ref().map(|old| old.seed);
+    setup.scenario.seed = global.seed.or(drawn_before).unwrap_or(setup.scenario.seed);
     let trials = arguments.trials.map_or_else(|| old.as_ref().map_or(TRIALS, |old| old.trials), |n| n as usize);
     let runs = arguments.diagnoses.unwrap_or_else(|| old.as_ref().and_then(|old| old.diagnosis).map_or(0, |d| d.runs));
     let bar = progress::bar(global, "checking", trials + runs);

@@ -41,8 +41,8 @@ pub fn summary(summary: &Summary, times: &Timings) -> String {
     );
     for cell in summary.cells.iter().filter(|cell| cell.failed > 0) {
         let why = cell.failure.as_deref().unwrap_or_default();
-        let (estimator, window) = (&cell.estimator, cell.sg_window);
-        text += &format!("\n{estimator} with window {window} failed {} times, first: {why}", cell.failed);
+        let (at, window, estimator) = (noise(cell.encoder_rad), window(cell.sg_window), &cell.estimator);
+        text += &format!("\n{estimator} at noise {at}, window {window}, failed {} times, first: {why}", cell.failed);
     }
     if !summary.best_windows.is_empty() {
         let rows = summary

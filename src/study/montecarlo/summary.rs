@@ -1,7 +1,7 @@
 //! A study in numbers: bias, spread, coverage and quantiles by noise level, window and estimator.
 
 use super::plan::Identity;
-use super::table::{float, text, whole};
+use super::table::{float, text};
 use crate::error::Result;
 use arrow::array::{Array, RecordBatch};
 use serde::{Deserialize, Serialize};
@@ -149,7 +149,6 @@ impl Sums {
         let torque = columns(self.identity.joints.iter().map(|joint| format!("torque_std_{joint}")).collect())?;
         let numbered = |what: &str| (1..=self.identity.parameters.len()).map(|k| format!("{what}_{k}")).collect();
         let (beta, truth) = (columns(numbered("beta"))?, columns(numbered("true"))?);
-        whole(path, batch, "trial")?;
         for row in 0..batch.num_rows() {
             let cell = &mut self.cells[row % cells];
             if !failure.is_null(row) {

@@ -25,7 +25,7 @@ impl Estimator for InstrumentalVariables {
     }
 
     fn estimate(&self, data: &Data) -> Result<Estimate> {
-        let simulated = data.simulated(self.name())?;
+        let simulated = data.require_simulation(self.name())?;
         let mut beta = data.start.to_vec();
         let mut sigma: Option<Vec<f64>> = None;
         for _ in 0..MOST_ROUNDS {

@@ -35,7 +35,7 @@ pub struct Data<'a> {
 }
 
 impl<'a> Data<'a> {
-    fn simulated(&self, estimator: &str) -> Result<&'a dyn SimulatedRows> {
+    fn require_simulation(&self, estimator: &str) -> Result<&'a dyn SimulatedRows> {
         self.simulated.ok_or_else(|| {
             let problem =
                 "needs the arm's controller and reference motion to simulate it; measured logs do not have them";

@@ -15,7 +15,7 @@ mod trial;
 
 pub use folder::{Progress, StudyFolder};
 pub use join::{SUMMARY_SCHEMA, merge};
-pub use plan::{Overrides, Plan};
+pub use plan::{Identity, Overrides, Plan};
 pub use shard::Shard;
 pub use summary::{BestWindow, Cell, Quantiles, Summary};
 pub use table::Timings;

@@ -111,3 +111,21 @@ fn a_worse_identification_fails_the_check() {
     assert!(table.contains("have got worse") && table.contains("savitzky_golay: torque std of joint_2"), "{table}");
     assert!(!table.contains("raw:"), "raw signals are as they were: {table}");
 }
+
+#[test]
+fn the_montecarlo_key_at_fault() {
+    for (bad, words) in [
+        ("trials = 0", ["montecarlo.trials", "make no study"]),
+        ("plant_error = 1.0", ["montecarlo.plant_error", "0 .. 1"]),
+        ("start_error = -0.1", ["montecarlo.start_error", "0 .. 1"]),
+        ("raw_decimation = 0", ["montecarlo.raw_decimation", "1 or more"]),
+        ("noise = [{ encoder_rad = -1.0 }]", ["montecarlo.noise", "from zero up"]),
+        ("noise = [{ encoder = 1.0 }]", ["noise", "unknown field"]),
+        ("random_motion = { moves = 6, duration_s = 0.1 }", ["montecarlo.random_motion", "26 samples"]),
+        ("engine = \"bullet\"", ["engine", "unknown variant"]),
+    ] {
+        let case = case();
+        case.write("s.toml", &case.read("s.toml").replace("trials = 12", bad));
+        case.assert_refused(&words);
+    }
+}

@@ -8,6 +8,7 @@ mod excite;
 mod identify;
 mod inspect;
 mod interrupt;
+mod measured;
 mod montecarlo;
 mod paper;
 mod print;

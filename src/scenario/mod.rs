@@ -8,6 +8,7 @@ mod montecarlo;
 mod motions;
 mod setup;
 mod validate;
+mod written;
 
 pub use arm::Arm;
 pub use effects::{EffectSpec, joint as effect_joint};
@@ -15,6 +16,7 @@ pub use montecarlo::{MonteCarloSpec, NoiseLevel};
 pub(crate) use motions::drawable;
 pub(crate) use setup::misjudged;
 pub use setup::{Setup, drive_friction};
+pub use written::Measured;
 
 use crate::design::Workspace;
 use crate::error::{Error, Result};

@@ -3,6 +3,7 @@
 pub mod controller;
 pub mod engine;
 pub mod integrator;
+pub mod measured_motion;
 pub mod plant;
 pub mod rapier_arm;
 pub mod sensors;

@@ -3,6 +3,7 @@
 pub mod blind;
 pub mod check;
 pub mod closed_loop;
+pub mod measured;
 pub mod montecarlo;
 pub mod paper;
 pub mod score;

@@ -29,6 +29,7 @@ fn problem(column_noise: f64, torque_noise: [f64; 2], outliers: bool) -> (Vec<Jo
         let noisy: Vec<Vec<f64>> =
             columns.iter().map(|c| c.iter().map(|v| v + column_noise * normal()).collect()).collect();
         let rows = |table: &[Vec<f64>]| JointRegression {
+            joint: format!("joint_{}", joint + 1),
             parameters: parameters.clone(),
             columns: Channels::from_vectors(table),
             torque: torque.clone(),

@@ -155,7 +155,11 @@ pub fn contest(
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
     let mut alternatives = Vec::new();
     for rival in &strong {
-        if rival.candidate.family() == winner.candidate.family() {
+        // The same at another time is no other name, and what acts elsewhere is no other name for what is seen here.
+        let here = winner.candidate.joints();
+        if rival.candidate.family() == winner.candidate.family()
+            || !rival.candidate.joints().iter().any(|joint| here.contains(joint))
+        {
             continue;
         }
         let beside_rival = with_tangents(session, rival, &whitener, &fit)?;

@@ -7,6 +7,7 @@ use super::column::Column;
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
+use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -19,6 +20,9 @@ const STRETCH: usize = 50;
 
 /// One-sided 95 % point of the normal distribution.
 const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
+
+/// Share of the level of other effects that an event in one log must reach.
+const ONCE: f64 = 1e-3;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
@@ -39,6 +43,8 @@ pub struct Found {
     pub gain_lower_bound: f64,
     /// Root mean square of the held-out residual before and after, `[joint]`, N m.
     pub rms: [Vec<f64>; 2],
+    /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
+    pub verdict: Verdict,
 }
 
 /// What the search came to.
@@ -105,10 +111,13 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
-        let accepted = if level > options.alpha { None } else { accepted(session, &members, &winner)? };
+        // No other log can confirm what happened once.
+        let limit = if winner.candidate.log.is_some() { ONCE * options.alpha } else { options.alpha };
+        let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
-                found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms });
+                let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
+                found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms, verdict });
                 round = look(session, &mut found, options)?;
             }
             None => refused.push(winner.candidate.slot()),
@@ -207,7 +216,7 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
 /// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
-fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
+pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
     let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
     let mut gain = 0.0;
     let mut chance = vec![0.0; rows / STRETCH + 1];

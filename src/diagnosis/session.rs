@@ -142,22 +142,24 @@ impl<'a> Session<'a> {
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
-        let mut best: Option<(f64, f64, Side)> = None;
+        let both = |hz: f64| -> Result<[Side; 2]> {
+            Ok([side(train, before, hz, FEWEST_ROWS)?, side(test, 0, hz, FEWEST_TEST_ROWS)?])
+        };
+        let mut best: Option<(f64, f64, [Side; 2])> = None;
         for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(side) = side(train, before, hz, FEWEST_ROWS) else { continue };
-            let unexpected =
-                Whitener::new(&side.rows, &side.torque, &side.baseline, Beside::RichColumns).mean_log_scale();
-            tracing::debug!(hz, unexpected, rows = ?side.rows.valid.iter().map(|v| v.iter().filter(|ok| **ok).count()).collect::<Vec<_>>(), "cut-off");
+            let Ok(sides) = both(hz) else { continue };
+            let [Side { rows, torque, baseline, .. }, _] = &sides;
+            let unexpected = Whitener::new(rows, torque, baseline, Beside::RichColumns).mean_log_scale();
+            tracing::debug!(hz, unexpected, "cut-off");
             if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
-                best = Some((unexpected, hz, side));
+                best = Some((unexpected, hz, sides));
             }
         }
-        let (cutoff_hz, train) = match best {
-            Some((_, hz, train)) => (hz, train),
+        let (cutoff_hz, [train, test]) = match best {
+            Some((_, hz, sides)) => (hz, sides),
             // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, side(train, before, WIDEST_HZ, FEWEST_ROWS)?),
+            None => (WIDEST_HZ, both(WIDEST_HZ)?),
         };
-        let test = side(test, 0, cutoff_hz, FEWEST_TEST_ROWS)?;
         Ok(Session { model, trust, known, arm, train, test, cutoff_hz })
     }
 

@@ -3,7 +3,9 @@
 
 use serde::Deserialize;
 use tauscope::channels::Channels;
-use tauscope::dynamics::{Chain, Motion, block_row, inverse_dynamics, inverse_dynamics_at, mass_matrix, regressor};
+use tauscope::dynamics::{
+    Chain, EquationsOfMotion, Motion, block_row, inverse_dynamics, inverse_dynamics_at, mass_matrix, regressor,
+};
 use tauscope::robot::{self, InertiaCheck, PARAMETERS, Robot};
 use tauscope::simulation::rapier_arm::RapierArm;
 
@@ -142,6 +144,37 @@ fn rapiers_accelerations_satisfy_the_inverse_dynamics() {
                 unit[joint] -= 1.0;
                 assert!(unit.amax() < 1e-9, "{}: response of joint {joint}: {unit}", robot.name);
             }
+        }
+    }
+}
+
+#[test]
+fn forward_dynamics_agree_with_pinocchio_and_rapier() {
+    for (reference, mut robot) in references() {
+        let inertial = robot.inertial_parameters();
+        let none = vec![0.0; robot.dof()];
+        for state in &reference.states {
+            let chain = Chain::new(&robot).with_gravity(state.gravity);
+            let equations = EquationsOfMotion::new(&chain, &inertial, &none, &state.q, &state.qd);
+            let qdd = equations.accelerations(&state.tau);
+            assert!(difference(&qdd, &state.qdd) < 1e-10, "{}: {:e}", robot.name, difference(&qdd, &state.qdd));
+            // Torque on a joint answers to the mass matrix: M (M^-1 e) = e.
+            for joint in 0..robot.dof() {
+                let response = equations.response(joint);
+                let back: Vec<f64> =
+                    state.mass_matrix.iter().map(|row| row.iter().zip(&response).map(|(m, r)| m * r).sum()).collect();
+                let unit: Vec<f64> = (0..robot.dof()).map(|row| f64::from(row == joint)).collect();
+                assert!(difference(&back, &unit) < 1e-10, "{} joint {joint}: {back:?}", robot.name);
+            }
+
+            robot.gravity = state.gravity.into();
+            let armature: Vec<f64> = robot.joints.iter().map(|joint| joint.drive.armature).collect();
+            let with_rotors = EquationsOfMotion::new(&chain, &inertial, &armature, &state.q, &state.qd);
+            let mut rapier = vec![0.0; robot.dof()];
+            RapierArm::new(&robot).unwrap().forward_dynamics(&state.q, &state.qd, &state.tau, &mut rapier);
+            let own = with_rotors.accelerations(&state.tau);
+            assert!(difference(&own, &rapier) < 1e-12, "{}: {:e}", robot.name, difference(&own, &rapier));
+            assert!(with_rotors.smallest_pivot() > 0.0);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `tauscope excite`: search for an excitation motion, or compare the parametrisations.
 
-use super::{DONE, Global, print, progress};
+use super::{DONE, Global, interrupt, print, progress};
 use crate::design::comparison::{Judge, compare};
 use crate::design::criterion::KAPPA_WEIGHT;
 use crate::design::excite::{Outcome, Request, excite};
@@ -14,8 +14,7 @@ use crate::scenario::Arm;
 use clap::builder::PossibleValuesParser;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// Least time between two writings of the best motion so far.
@@ -82,7 +81,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let (None, Some(budget)) = (arguments.evaluations, arguments.budget_s) {
         request.evaluations = affordable(&problem, &request, budget)?;
     }
-    let stop = interrupt()?;
+    let stop = interrupt::flag()?;
     let go_on = || !stop.load(Ordering::Relaxed) && deadline.is_none_or(|deadline| Instant::now() < deadline);
     if arguments.compare {
         return run_comparison(&problem, &request, global, &go_on);
@@ -142,19 +141,6 @@ fn affordable(problem: &Problem, request: &Request, budget_s: f64) -> Result<usi
     });
     let each = started.elapsed().as_secs_f64() / SPEED_PROBES as f64;
     Ok(((budget_s / each) as usize).max(1))
-}
-
-/// A flag that ctrl-C raises; a second ctrl-C ends the program at once.
-fn interrupt() -> Result<Arc<AtomicBool>> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&flag);
-    ctrlc::set_handler(move || {
-        if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .map_err(|problem| Error::request("ctrl-C", format!("cannot be caught: {problem}")))?;
-    Ok(flag)
 }
 
 /// Where the motion goes.

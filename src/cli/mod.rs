@@ -1,12 +1,15 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
 mod blind;
+mod check;
 mod diagnose;
 mod effects;
 mod excite;
 mod identify;
 mod inspect;
+mod interrupt;
 mod measured;
+mod montecarlo;
 mod paper;
 mod print;
 mod progress;
@@ -85,6 +88,10 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Hide effects in simulated arms and count how often the diagnosis names them.
     Blind(blind::Arguments),
+    /// Repeat the identification on many draws of noise, plants or motions, and compare estimators and smoothing.
+    Montecarlo(Box<montecarlo::Arguments>),
+    /// Fail if identification has got worse than a baseline by more than chance.
+    Check(check::Arguments),
     /// List the physical effects there are, or tell all about one.
     Effects(effects::Arguments),
 }
@@ -102,6 +109,8 @@ pub fn main() -> ExitCode {
         Command::Excite(arguments) => excite::run(&arguments, &cli.global),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &cli.global),
         Command::Blind(arguments) => blind::run(&arguments, &cli.global),
+        Command::Montecarlo(arguments) => montecarlo::run(&arguments, &cli.global),
+        Command::Check(arguments) => check::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {

@@ -1,4 +1,4 @@
-//! Rigid-body dynamics of any serial chain: inverse dynamics, torque regressor, base parameters.
+//! Rigid-body dynamics of any serial chain: inverse and forward dynamics, torque regressor, base parameters.
 //!
 //! All functions are batched over samples laid out `[channel][time]`, and walk the chain in link frames, carrying the
 //! joints' screws forward (Featherstone 2008 for the recursions, Atkeson, An and Hollerbach 1986 for the linearity in
@@ -6,12 +6,14 @@
 
 mod base_parameters;
 mod chain;
+mod forward;
 mod lane;
 mod regressor;
 mod rnea;
 
 pub use base_parameters::{BaseParameters, Grouping};
 pub use chain::Chain;
+pub use forward::EquationsOfMotion;
 pub use lane::Lane;
 pub use regressor::{block_row, regressor};
 pub use rnea::{inverse_dynamics, inverse_dynamics_at, mass_matrix};

@@ -94,7 +94,7 @@ fn recursion<L: Lane>(
 
 /// Force and moment about the link origin that move the link's body as `link` says.
 #[inline(always)]
-fn wrench<L: Lane>(body: &[f64], link: &LinkState<L>) -> (Vec3<L>, Vec3<L>) {
+pub(super) fn wrench<L: Lane>(body: &[f64], link: &LinkState<L>) -> (Vec3<L>, Vec3<L>) {
     let p = |index: usize| L::splat(body[index]);
     let first = [p(1), p(2), p(3)];
     let inertia = |v: Vec3<L>| -> Vec3<L> {

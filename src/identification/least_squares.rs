@@ -8,7 +8,7 @@ use crate::random;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
 /// Order of the noise model behind the standard deviations.
-const NOISE_ORDER: usize = 12;
+pub(super) const NOISE_ORDER: usize = 12;
 
 /// Rounds of, and draws in each round of, correcting the noise model for what the fit swallows.
 const BIAS_ROUNDS: u64 = 2;
@@ -135,7 +135,7 @@ impl JointRegression {
     }
 
     /// Adds `weight` times the Gram matrix of `table`, `[active parameter][row]`, to `sum`.
-    fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
+    pub(super) fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
         let matrix = DMatrix::from_row_slice(self.parameters.len(), table.samples(), table.as_slice());
         let gram = &matrix * matrix.transpose();
         for (r, &row) in self.parameters.iter().enumerate() {
@@ -145,7 +145,7 @@ impl JointRegression {
         }
     }
 
-    fn masked(&self, signal: &[f64]) -> Vec<f64> {
+    pub(super) fn masked(&self, signal: &[f64]) -> Vec<f64> {
         signal.iter().zip(&self.valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect()
     }
 }
@@ -200,16 +200,7 @@ impl Estimate {
 /// # Errors
 /// Names the parameters the motion does not excite, or the joint without rows.
 pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> Result<Estimate> {
-    for joint in joints {
-        if joint.rows() < 2 * joint.parameters.len() {
-            let problem = format!(
-                "{} usable samples for {} parameters; the log is too short or the joint hardly moves",
-                joint.rows(),
-                joint.parameters.len()
-            );
-            return Err(Error::request(joint.joint.as_str(), problem));
-        }
-    }
+    require_rows(joints)?;
     let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
     let mut sigma = vec![1.0; joints.len()];
     for _ in 0..REWEIGHTINGS {
@@ -224,6 +215,30 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
         beta,
         sigma,
     })
+}
+
+/// Refuses a joint with fewer than twice as many rows as parameters.
+pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
+    for joint in joints {
+        if joint.rows() < 2 * joint.parameters.len() {
+            let problem = format!(
+                "{} usable samples for {} parameters; the log is too short or the joint hardly moves",
+                joint.rows(),
+                joint.parameters.len()
+            );
+            return Err(Error::request(joint.joint.as_str(), problem));
+        }
+    }
+    Ok(())
+}
+
+/// The solution for given joint standard deviations.
+///
+/// # Errors
+/// Names the parameters that the motion cannot tell apart.
+pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
+    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
+    Ok(solve(joints, sigma, &torques, names)?.0.as_slice().to_vec())
 }
 
 /// The weighted solution and the factored normal matrix for given joint standard deviations.
@@ -327,7 +342,7 @@ fn listed(names: &[&str]) -> String {
 pub(super) struct ScaledNormal {
     scale: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
-    condition_number: f64,
+    pub(super) condition_number: f64,
 }
 
 impl ScaledNormal {
@@ -365,7 +380,7 @@ impl ScaledNormal {
         self.factor.solve(&right.component_mul(&self.scale)).component_mul(&self.scale)
     }
 
-    fn inverse(&self) -> DMatrix<f64> {
+    pub(super) fn inverse(&self) -> DMatrix<f64> {
         let unit = self.factor.inverse();
         DMatrix::from_fn(unit.nrows(), unit.ncols(), |r, c| unit[(r, c)] * self.scale[r] * self.scale[c])
     }

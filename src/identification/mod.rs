@@ -3,6 +3,7 @@
 mod bounded;
 pub mod consistent;
 pub mod effect_model;
+pub mod estimators;
 pub mod fit;
 pub mod least_squares;
 pub mod levenberg_marquardt;

@@ -133,6 +133,21 @@ pub fn exact(time: &[f64], signals: &Signals, band: f64) -> Prepared {
 }
 
 impl Prepared {
+    /// The same torque and filter along another motion over the same times, as a simulation gives it: its columns, and the
+    /// rows that count, are those of that motion.
+    ///
+    /// # Panics
+    /// If the motion has another number of samples.
+    pub fn along(&self, motion: Motion) -> Prepared {
+        assert_eq!(motion.samples(), self.time.len(), "the motion must be over the same times");
+        Prepared { motion, ..self.clone() }
+    }
+
+    /// The same with only every n-th row used; 0 counts as 1.
+    pub fn every(self, decimation: usize) -> Prepared {
+        Prepared { decimation: decimation.max(1), ..self }
+    }
+
     /// Regression rows of `model`: torque and columns through the same filter, rows near reversals marked as not valid.
     ///
     /// # Errors

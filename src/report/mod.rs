@@ -7,6 +7,7 @@ pub mod excitation;
 pub mod fit;
 mod markdown;
 pub mod measured;
+pub mod montecarlo;
 pub mod paper;
 pub mod quality;
 pub mod results;

@@ -4,6 +4,7 @@
 mod arm;
 mod effects;
 mod locate;
+mod montecarlo;
 mod motions;
 mod setup;
 mod validate;
@@ -11,6 +12,9 @@ mod written;
 
 pub use arm::Arm;
 pub use effects::{EffectSpec, joint as effect_joint};
+pub use montecarlo::{MonteCarloSpec, NoiseLevel};
+pub(crate) use motions::drawable;
+pub(crate) use setup::misjudged;
 pub use setup::{Setup, drive_friction};
 pub use written::Measured;
 
@@ -50,6 +54,9 @@ pub struct Scenario {
     pub sensors: SensorSpec,
     /// How the measurements are turned into parameters.
     pub identification: IdentificationSpec,
+    /// What a Monte Carlo study of it draws and compares.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub montecarlo: Option<MonteCarloSpec>,
     /// Effects at work in the plant and its sensors, beyond the friction and rotor inertia of its drives.
     #[serde(default, rename = "effect", skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSpec>,

@@ -61,7 +61,7 @@ pub(super) fn motion(
 
 /// Limits to draw from: a joint that turns without end stays within half a turn either way, and one without a speed limit
 /// within the speed its acceleration could reach.
-fn drawable(limits: &[JointLimits], arm: &Robot, random: &RandomMotion) -> Vec<JointLimits> {
+pub(crate) fn drawable(limits: &[JointLimits], arm: &Robot, random: &RandomMotion) -> Vec<JointLimits> {
     use std::f64::consts::PI;
     limits
         .iter()

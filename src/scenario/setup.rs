@@ -10,6 +10,7 @@ use crate::robot::Robot;
 use crate::simulation::integrator::Integrator;
 use crate::simulation::sensors::JointSensors;
 use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
 /// Names of the copies of a scenario's inputs beside its results.
@@ -87,6 +88,17 @@ impl Setup {
         Ok(text + "\n" + &scenario)
     }
 
+    /// The same with another arm in place of the known one in the plant; the scenario's effects act on it as before.
+    pub fn with_plant(&self, mut robot: Robot) -> Setup {
+        let drives = drive_friction(&self.known).len();
+        let mut effects = drive_friction(&robot);
+        for placed in &self.effects[drives..] {
+            placed.effect.alter(&placed.parameters, placed.joint, &mut robot);
+            effects.push(placed.clone());
+        }
+        Setup { plant: robot, effects, ..self.clone() }
+    }
+
     fn new(scenario: Scenario, at: &Located) -> Result<Self> {
         let Arm { mut scenario, known, sensors, limits } = Arm::new(scenario, at)?;
         let motion = motions::motion(&scenario, "motion", &known, &limits, at)?;
@@ -114,7 +126,11 @@ impl Setup {
             return Err(at.error("plant.integrator", format!("rapier_native cannot carry `{name}`; use rk4")));
         }
         Ok(Setup {
-            nominal: misjudged(&known, scenario.controller.model_error, scenario.seed),
+            nominal: misjudged(
+                &known,
+                scenario.controller.model_error,
+                &mut random::stream(scenario.seed, "controller model", 0),
+            ),
             sensors,
             scenario,
             known,
@@ -127,7 +143,7 @@ impl Setup {
     }
 }
 
-/// The friction of an arm's drives as effects.
+/// The friction of an arm's drives as effects; what is not above zero is left out.
 pub fn drive_friction(plant: &Robot) -> Vec<Placed> {
     plant
         .joints
@@ -145,8 +161,7 @@ pub fn drive_friction(plant: &Robot) -> Vec<Placed> {
 
 /// A copy of `robot` in which every body, friction and rotor is wrong by a factor drawn from 1 - error .. 1 + error.
 /// A body is scaled as a whole, so that it stays one that can exist.
-fn misjudged(robot: &Robot, error: f64, seed: u64) -> Robot {
-    let mut source = random::stream(seed, "controller model", 0);
+pub(crate) fn misjudged(robot: &Robot, error: f64, source: &mut ChaCha8Rng) -> Robot {
     let mut factor = || if error > 0.0 { source.random_range(1.0 - error..=1.0 + error) } else { 1.0 };
     let mut wrong = robot.clone();
     for joint in &mut wrong.joints {

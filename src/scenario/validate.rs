@@ -12,7 +12,7 @@ const LARGEST: f64 = 1e9;
 const SMALLEST: f64 = 1e-12;
 
 /// Samples of one motion that are kept in memory (some gigabytes for six joints).
-const MOST_SAMPLES: usize = 1_000_000;
+pub(super) const MOST_SAMPLES: usize = 1_000_000;
 
 /// Plant steps of one motion (hours of computing).
 const MOST_STEPS: f64 = 1e9;
@@ -73,6 +73,9 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
     }
     for (key, value) in scenario.per_joint() {
         per_joint(key, value, at)?;
+    }
+    if let Some((key, problem)) = scenario.montecarlo.as_ref().and_then(|spec| spec.fault(scenario)) {
+        return Err(at.error(&format!("montecarlo.{key}"), problem));
     }
     motion("motion", &scenario.motion, at)?;
     motion("held_out", &scenario.held_out, at)

@@ -119,6 +119,7 @@ impl Measured {
                 low_pass_hz: None,
                 reversal_band_rad_s: 0.03,
             },
+            montecarlo: None,
             effects: Vec::new(),
         }
     }

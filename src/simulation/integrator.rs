@@ -146,12 +146,13 @@ impl<'a> Run<'a> {
         (high, joint, high_state)
     }
 
-    /// Rapier's own step. It knows no elastic gears: such scenarios are refused before they run.
+    /// Rapier's own step, where rapier is the engine. It knows no elastic gears: such scenarios are refused before they run.
     fn native_step(&mut self, first: &Response, end: f64) {
         let net: Vec<f64> = first.tau.iter().zip(&first.friction).map(|(motor, law)| motor - law).collect();
         let step = end - self.t;
         let (mut q, mut qd) = (self.state.q.clone(), self.state.qd.clone());
-        self.plant.arm.native_step(&mut q, &mut qd, &net, step);
+        let Some(arm) = self.plant.arm.rapier() else { return self.runge_kutta_step(first, end) };
+        arm.native_step(&mut q, &mut qd, &net, step);
         for joint in (0..q.len()).filter(|&joint| self.contacts[joint] == Contact::Stuck) {
             q[joint] = self.state.q[joint];
             qd[joint] = 0.0;

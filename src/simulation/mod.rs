@@ -1,6 +1,7 @@
 //! The arm in the loop: rapier as forward dynamics, friction and drives, controller, sensors.
 
 pub mod controller;
+pub mod engine;
 pub mod integrator;
 pub mod measured_motion;
 pub mod plant;
@@ -16,6 +17,7 @@ use crate::recording::{Recording, Signals};
 use crate::scenario::Setup;
 use crate::signal;
 use controller::ComputedTorque;
+use engine::EngineKind;
 use integrator::Run;
 use plant::Plant;
 use std::collections::BTreeMap;
@@ -39,6 +41,19 @@ pub struct Truth {
 /// # Errors
 /// If the plant cannot be built, or the motion runs away (speeds beyond any joint's, numbers no longer finite).
 pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(usize)) -> Result<Truth> {
+    simulate_with(EngineKind::Rapier, setup, reference, tick)
+}
+
+/// [`simulate`] with another engine than rapier.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_with(
+    engine: EngineKind,
+    setup: &Setup,
+    reference: &dyn Reference,
+    tick: &mut dyn FnMut(usize),
+) -> Result<Truth> {
     let scenario = &setup.scenario;
     let dof = setup.plant.dof();
     let per_sample = scenario.steps_per_sample();
@@ -49,7 +64,7 @@ pub fn simulate(setup: &Setup, reference: &dyn Reference, tick: &mut dyn FnMut(u
         scenario.controller.bandwidth_hz,
         scenario.controller.damping_ratio,
     );
-    let mut plant = Plant::new(&setup.plant, setup.effects.clone())?;
+    let mut plant = Plant::with_engine(engine, &setup.plant, setup.effects.clone())?;
     let start = plant.resting(start_position(reference));
     let mut run = Run::new(&mut plant, &controller, start);
     let zeros = || Channels::zeros(dof, samples);

@@ -1,9 +1,9 @@
-//! The simulated arm: rapier's forward dynamics with effects at its joints, sticking joints and elastic gears.
+//! The simulated arm: forward dynamics with effects at its joints, sticking joints and elastic gears.
 //!
-//! A joint has a motor side, which is measured and on which friction acts, and a link side, which rapier moves. Without an
+//! A joint has a motor side, which is measured and on which friction acts, and a link side, which the engine moves. Without an
 //! elastic gear the two are one. With one, the rotor is a body of its own and the gear's torque moves the link.
 
-use super::rapier_arm::RapierArm;
+use super::engine::{Engine, EngineKind};
 use crate::dynamics::{Chain, inverse_dynamics_at};
 use crate::effects::{Gear, Instant, Placed, Site};
 use crate::error::{Error, Result};
@@ -70,7 +70,7 @@ pub type Memory = Vec<Vec<f64>>;
 
 /// The arm and everything that acts on it but the motors.
 pub struct Plant {
-    pub(super) arm: RapierArm,
+    pub(super) arm: Engine,
     effects: Vec<Placed>,
     dry: Vec<bool>,
     /// The gears that are not rigid.
@@ -86,8 +86,16 @@ impl Plant {
     /// before; effects in sensors play no part here.
     ///
     /// # Errors
-    /// As [`RapierArm::new`]; and for an elastic gear without rotor inertia.
-    pub fn new(robot: &Robot, mut effects: Vec<Placed>) -> Result<Self> {
+    /// As [`super::rapier_arm::RapierArm::new`]; and for an elastic gear without rotor inertia.
+    pub fn new(robot: &Robot, effects: Vec<Placed>) -> Result<Self> {
+        Self::with_engine(EngineKind::Rapier, robot, effects)
+    }
+
+    /// [`Plant::new`] with another engine than rapier.
+    ///
+    /// # Errors
+    /// As [`Plant::new`].
+    pub fn with_engine(engine: EngineKind, robot: &Robot, mut effects: Vec<Placed>) -> Result<Self> {
         // What the integrator gets wrong comes of itself.
         effects.retain(|placed| placed.effect.about().site != Site::Integrator);
         let mut dry = vec![false; robot.dof()];
@@ -113,7 +121,7 @@ impl Plant {
             joint.drive.armature = 0.0;
         }
         Ok(Plant {
-            arm: RapierArm::new(&links)?,
+            arm: Engine::new(engine, &links)?,
             dry,
             gears,
             uses_acceleration: effects.iter().any(|placed| placed.effect.about().uses_acceleration),
@@ -301,7 +309,7 @@ impl Plant {
     }
 }
 
-/// The accelerations when friction holds some joints still (Karnopp 1985, with rapier's own inverse mass matrix) and laws
+/// The accelerations when friction holds some joints still (Karnopp 1985, with the engine's own inverse mass matrix) and laws
 /// depend on the accelerations themselves.
 struct Balance {
     stuck: Vec<usize>,

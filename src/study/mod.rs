@@ -1,7 +1,10 @@
 //! Studies on simulated arms, where the truth is known.
 
 pub mod blind;
+pub mod check;
+pub mod closed_loop;
 pub mod measured;
+pub mod montecarlo;
 pub mod paper;
 pub mod score;
 pub mod testbed;

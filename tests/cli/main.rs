@@ -7,6 +7,7 @@ mod effects;
 mod inputs;
 mod inspect;
 mod options;
+mod studies;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -45,6 +46,10 @@ impl Case {
 
     fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn read_bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap()
     }
 
     /// The URDF with an edit made.

@@ -1,0 +1,95 @@
+//! The `[montecarlo]` table: what a study draws, and what it compares.
+
+use super::{RandomMotion, Scenario};
+use crate::simulation::engine::EngineKind;
+use serde::{Deserialize, Serialize};
+
+/// A Monte Carlo study of a scenario. Every key has a default, and the table may be left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MonteCarloSpec {
+    /// Trials.
+    pub trials: usize,
+    /// Estimators by name: `ols`, `wls`, `irls`, `lm`, `tls`, `iv`, `didim`.
+    pub estimators: Vec<String>,
+    /// Savitzky-Golay windows in samples, 0 for no smoothing; empty for 0 and that of `[identification]`.
+    pub sg_windows: Vec<usize>,
+    /// Noise levels; empty for the scenario's own sensors.
+    pub noise: Vec<NoiseLevel>,
+    /// Without smoothing, every n-th row is used.
+    pub raw_decimation: usize,
+    /// Relative error of every body, friction and rotor of the plant from the known arm, drawn anew for each trial between
+    /// plus and minus this; 0 for the same plant in all trials.
+    pub plant_error: f64,
+    /// The same for the parameters that iterating estimators start from; 0 to start from the controller's model.
+    pub start_error: f64,
+    /// A training motion drawn anew for each trial, instead of the scenario's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub random_motion: Option<RandomMotion>,
+    /// Forward dynamics of trials that are simulated anew: `recursive` (fast) or `rapier`. What all trials share is
+    /// simulated in rapier.
+    pub engine: EngineKind,
+}
+
+impl Default for MonteCarloSpec {
+    fn default() -> Self {
+        MonteCarloSpec {
+            trials: 1000,
+            estimators: vec!["wls".to_owned()],
+            sg_windows: Vec::new(),
+            noise: Vec::new(),
+            raw_decimation: 1,
+            plant_error: 0.0,
+            start_error: 0.0,
+            random_motion: None,
+            engine: EngineKind::Recursive,
+        }
+    }
+}
+
+/// Sensors of one noise level; what is left out stays as in `[sensors]`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseLevel {
+    /// White noise on every position, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub encoder_rad: Option<f64>,
+    /// Noise on every torque, N m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_nm: Option<f64>,
+}
+
+impl NoiseLevel {
+    /// Whether the numbers are standard deviations.
+    pub fn is_possible(&self) -> bool {
+        [self.encoder_rad, self.torque_nm].into_iter().flatten().all(|std| std.is_finite() && (0.0..1e9).contains(&std))
+    }
+}
+
+impl MonteCarloSpec {
+    /// What is wrong with the table on its own, with its key.
+    pub(super) fn fault(&self, scenario: &Scenario) -> Option<(&'static str, String)> {
+        for (key, error) in [("plant_error", self.plant_error), ("start_error", self.start_error)] {
+            if !(0.0..1.0).contains(&error) {
+                return Some((key, format!("{error} must lie in 0 .. 1")));
+            }
+        }
+        if self.trials == 0 || u32::try_from(self.trials).is_err() {
+            return Some(("trials", format!("{} trials make no study; take 1 to {}", self.trials, u32::MAX)));
+        }
+        if self.raw_decimation == 0 {
+            return Some(("raw_decimation", "must be 1 or more".to_owned()));
+        }
+        if let Some(level) = self.noise.iter().find(|level| !level.is_possible()) {
+            return Some(("noise", format!("{level:?}: standard deviations are numbers from zero up")));
+        }
+        let motion = self.random_motion.as_ref()?;
+        if motion.moves < 2 || !(motion.duration_s.is_finite() && motion.duration_s > 0.0) {
+            return Some(("random_motion", "takes 2 moves or more and a duration above zero".to_owned()));
+        }
+        let (samples, window) = (scenario.samples(motion.duration_s), scenario.identification.smoothing_window);
+        (samples < window || samples > super::validate::MOST_SAMPLES).then(|| {
+            ("random_motion", format!("{} s are {samples} samples; take {window} to 1000000", motion.duration_s))
+        })
+    }
+}

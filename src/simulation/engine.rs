@@ -1,0 +1,84 @@
+//! What turns torques into accelerations: rapier, or the project's own recursions.
+
+use super::rapier_arm::RapierArm;
+use crate::dynamics::{Chain, EquationsOfMotion};
+use crate::error::Result;
+use crate::robot::Robot;
+
+/// Which forward dynamics a plant has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EngineKind {
+    /// Rapier's articulated bodies.
+    Rapier,
+    /// The project's own equations of motion: the same numbers to rounding, faster, and defined for parameters that are
+    /// no possible bodies, such as base parameters. They cannot take rapier's own time step.
+    #[default]
+    Recursive,
+}
+
+/// Forward dynamics of an arm, rotor inertias included, friction not.
+pub(super) enum Engine {
+    /// Rapier.
+    Rapier(Box<RapierArm>),
+    /// Own equations of motion.
+    Recursive(RecursiveArm),
+}
+
+/// An arm under its own equations of motion.
+pub(super) struct RecursiveArm {
+    chain: Chain,
+    inertial: Vec<f64>,
+    armature: Vec<f64>,
+    last: Option<EquationsOfMotion<f64>>,
+}
+
+impl Engine {
+    /// The forward dynamics of `robot`.
+    ///
+    /// # Errors
+    /// As [`RapierArm::new`].
+    pub fn new(kind: EngineKind, robot: &Robot) -> Result<Self> {
+        Ok(match kind {
+            EngineKind::Rapier => Engine::Rapier(Box::new(RapierArm::new(robot)?)),
+            EngineKind::Recursive => Engine::Recursive(RecursiveArm {
+                chain: Chain::new(robot),
+                inertial: robot.inertial_parameters(),
+                armature: robot.joints.iter().map(|joint| joint.drive.armature).collect(),
+                last: None,
+            }),
+        })
+    }
+
+    /// Joint accelerations at position `q` and velocity `qd` under joint torques `tau`; the mass matrix is kept for
+    /// [`Engine::response`].
+    pub fn forward_dynamics(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
+        match self {
+            Engine::Rapier(arm) => arm.forward_dynamics(q, qd, tau, qdd),
+            Engine::Recursive(arm) => {
+                let equations = EquationsOfMotion::new(&arm.chain, &arm.inertial, &arm.armature, q, qd);
+                qdd.copy_from_slice(&equations.accelerations(tau));
+                arm.last = Some(equations);
+            }
+        }
+    }
+
+    /// Accelerations of all joints per unit torque on `joint` at the last state.
+    ///
+    /// # Panics
+    /// Before the first [`Engine::forward_dynamics`].
+    pub fn response(&self, joint: usize) -> Vec<f64> {
+        match self {
+            Engine::Rapier(arm) => arm.response(joint),
+            Engine::Recursive(arm) => arm.last.as_ref().expect("forward dynamics come first").response(joint),
+        }
+    }
+
+    /// Rapier, if it is the engine.
+    pub fn rapier(&mut self) -> Option<&mut RapierArm> {
+        match self {
+            Engine::Rapier(arm) => Some(arm),
+            Engine::Recursive(_) => None,
+        }
+    }
+}

@@ -1,0 +1,1 @@
+def logs(*a): raise NotImplementedError

@@ -38,7 +38,7 @@ def names_of(set_name, number, mode, rng):
 def case(set_name, number, seed):
     """Everything about a case that is drawn before the arm is."""
     rng = np.random.default_rng([seed, sum(set_name.encode()), number])
-    structure = rng.random() < (0.25 if set_name == "first" else 0.4)
+    structure = rng.random() < 0.35
     mode = "structure" if structure else "nominal"
     return rng, {
         "set": set_name,
@@ -48,12 +48,13 @@ def case(set_name, number, seed):
         "names": names_of(set_name, number, mode, rng),
         "severity": 0.3 if set_name == "single03" else 1.0,
         "arm": ARMS[int(rng.integers(len(ARMS)))],
-        "motion": MOTIONS[number % 3],
-        "noise": list(NOISES)[int(rng.integers(3))] if number >= 24 else list(NOISES)[number // 3 % 3],
+        "motion": MOTIONS[(number + number // 9) % 3],
+        "noise": list(NOISES)[number // 3 % 3],
         "rate": float(rng.choice([500, 500, 500, 250, 1000])),
         "duration": 20.0,
         "noise_level": rng.uniform(0.005, 0.01),
         "quantised": bool(rng.random() < 0.25),
         "sign_width": float(rng.choice([1e-5, 1e-3, 1e-2])),
+        "at_rest": bool(rng.random() < 0.7),
         "urdf_drives": str(rng.choice(["right", "absent", "wrong"])),
     }

@@ -52,8 +52,10 @@ def add_payload(model, flange, p, joint):
 
 
 def add_link_error(model, flange, p, joint):
-    body = pin.Inertia(p["dm"], np.array([p["cx"], p["cy"], p["cz"]]), p["dm"] * p["spread"] ** 2 * np.eye(3))
-    model.inertias[joint + 1] = model.inertias[joint + 1] + body
+    com = np.array([p["cx"], p["cy"], p["cz"]])
+    body = pin.Inertia(1.0, com, p["spread"] ** 2 * np.eye(3)).toDynamicParameters()
+    changed = model.inertias[joint + 1].toDynamicParameters() + p["dm"] * body
+    model.inertias[joint + 1] = pin.Inertia.FromDynamicParameters(changed)
 
 
 def tilt(model, flange, p, joint):

@@ -28,7 +28,7 @@ def make(set_name, number, seed, folder):
     arm = random_arm(rng, truth["arm"])
     rate, duration, width = truth["rate"], truth["duration"], truth["sign_width"]
     reach = [joint.reach for joint in arm.joints]
-    motions = [random_motion(rng, truth["motion"], reach, duration) for _ in LOGS]
+    motions = [random_motion(rng, truth["motion"], reach, duration, truth["at_rest"]) for _ in LOGS]
     bare = Plant(arm, [], width)
     plain = [bare.log(motion, rate, duration, index) for index, motion in enumerate(motions)]
     noise = truth["noise_level"] * np.sqrt(np.mean(np.concatenate([tau for _, _, tau in plain]) ** 2, axis=0))

@@ -5,6 +5,8 @@ from scipy.interpolate import make_interp_spline
 from scipy.ndimage import convolve1d
 
 KNOT = 0.01  # s between knots of the spline
+REST = 0.5  # s of rest at either end of a log that begins and ends at rest
+RISE = 1.5  # s in which a Fourier motion comes up from there
 LEAD = 1.0  # s of motion known before the start and after the end, for delays
 
 
@@ -20,18 +22,22 @@ class Motion:
         return [rate(t) for rate in self.rates]
 
 
-def random_motion(rng, kind, reach, duration):
+def random_motion(rng, kind, reach, duration, at_rest):
     """A motion of the kind `fourier`, `quintic` (point to point with dwells) or `trapezoid`.
 
     `reach` is the largest position of every joint, rad or m; speeds come out at 0.5 to 2.5 rad/s at their largest.
+    The log begins and ends at rest, or is cut out of a longer motion.
     """
     times = np.arange(-LEAD, duration + LEAD + KNOT / 2, KNOT)
     q = np.empty((times.size, len(reach)))
     if kind == "fourier":
         for k, limit in enumerate(reach):
             q[:, k] = fourier(rng, times, duration, limit)
+        if at_rest:
+            q *= (step((times - REST) / RISE) * step((duration - REST - times) / RISE))[:, None]
     else:
-        q = point_to_point(rng, times, kind, np.asarray(reach))
+        start, end = (REST, duration - 2 * REST) if at_rest else (times[0], np.inf)
+        q = point_to_point(rng, times, kind, np.asarray(reach), start, end)
         # A controller limits the jerk; short smoothing stands for it.
         q = smoothed(q, rng.uniform(0.08, 0.2))
     return Motion(times, q)
@@ -50,23 +56,29 @@ def fourier(rng, times, duration, limit):
     return size * path + rng.uniform(-0.1, 0.1) * limit
 
 
-def point_to_point(rng, times, kind, reach):
-    """Moves of all joints that begin and end together, with dwells between most of them."""
-    joints, at = reach.size, times[0]
+def point_to_point(rng, times, kind, reach, start, end):
+    """Moves of all joints that begin and end together, with dwells between most of them; at rest outside start and end."""
+    joints, at = reach.size, start
     here = rng.uniform(-0.5, 0.5, joints) * reach
     q = np.tile(here, (times.size, 1))
     while at < times[-1]:
         there = rng.uniform(-0.8, 0.8, joints) * reach
         speed = rng.uniform(0.6, 2.2) * min(1.0, reach.min())
-        moved = np.abs(there - here).max()
         peak = 1.875 if kind == "quintic" else 1.4
-        time = max(0.5, peak * moved / speed)
+        time = max(0.5, peak * np.abs(there - here).max() / speed)
+        if at + time > end:
+            break
         s = np.clip((times - at) / time, 0.0, 1.0)
-        ease = s**3 * (10 - 15 * s + 6 * s**2) if kind == "quintic" else trapezoid(s)
         later = times >= at
-        q[later] = (here + np.outer(ease, there - here))[later]
+        q[later] = (here + np.outer(step(s) if kind == "quintic" else trapezoid(s), there - here))[later]
         here, at = there, at + time + (rng.uniform(0.1, 0.8) if rng.random() < 0.7 else 0.0)
     return q
+
+
+def step(s):
+    """From 0 to 1 with two continuous derivatives."""
+    s = np.clip(s, 0.0, 1.0)
+    return s**3 * (10 - 15 * s + 6 * s**2)
 
 
 def trapezoid(s, ramp=0.28):

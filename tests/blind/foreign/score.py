@@ -101,7 +101,7 @@ def line(case, truth, answer, judged, seconds):
     hidden = ["{}{}".format(e["effect"], ":" + e["joints"][0][6:] if e["joints"] else "") for e in truth["effects"]]
     alarm = [] if hidden else ["false_alarm" if firm or loose else "quiet" if answer else "failed"]
     unexplained = [f"{u['joint'][6:]}:{u['structure']}" for u in (answer or {}).get("unexplained", [])]
-    setting = [truth[key] for key in ("mode", "noise", "motion", "arm", "rate", "sign_width", "quantised", "urdf_drives")]
+    setting = [truth.get(key) for key in ("mode", "noise", "motion", "arm", "rate", "sign_width", "quantised", "urdf_drives", "at_rest")]
     sets = ["|".join(text(name) for name in one) for one in loose]
     fields = [
         case.name, " ".join(hidden) or "-", " ".join(outcomes if hidden else alarm),
@@ -116,10 +116,10 @@ def tables(judged):
     quiet = [(truth, answer, j) for truth, answer, j in judged if not truth["effects"] and answer]
     if quiet:
         print("\nNothing hidden: cases in which something is named, firmly or as a set")
-        for key in ("mode", "noise", "motion", "arm", "rate", "sign_width", "quantised", "urdf_drives"):
+        for key in ("mode", "noise", "motion", "arm", "rate", "sign_width", "quantised", "urdf_drives", "at_rest"):
             counts = defaultdict(list)
             for truth, _, j in quiet:
-                counts[truth[key]].append(bool(j[1] or j[2]))
+                counts[truth.get(key)].append(bool(j[1] or j[2]))
             print(f"  {key:12}", "   ".join(f"{value}: {sum(c)}/{len(c)}" for value, c in sorted(counts.items(), key=str)))
         alarms = sum(bool(j[1] or j[2]) for _, _, j in quiet)
         print(f"  all          {alarms}/{len(quiet)} = {wilson(alarms, len(quiet))}")
@@ -128,7 +128,7 @@ def tables(judged):
     hidden = [(truth, effect, outcome, j) for truth, _, j in judged for effect, outcome in zip(truth["effects"], j[0])]
     for title, key in [
         ("severity", lambda t, e: t["severity"]), ("mode", lambda t, e: t["mode"]), ("noise", lambda t, e: t["noise"]),
-        ("motion", lambda t, e: t["motion"]), ("arm", lambda t, e: t["arm"]), ("rate", lambda t, e: t["rate"]),
+        ("motion", lambda t, e: t["motion"]), ("at rest", lambda t, e: t.get("at_rest")), ("arm", lambda t, e: t["arm"]), ("rate", lambda t, e: t["rate"]),
         ("sign width", lambda t, e: t["sign_width"]), ("encoder", lambda t, e: "quantised" if t["quantised"] else "white"),
         ("effect", lambda t, e: e["effect"]),
     ]:  # fmt: skip

@@ -63,9 +63,9 @@ def point_to_point(rng, times, kind, reach, start, end):
     q = np.tile(here, (times.size, 1))
     while at < times[-1]:
         there = rng.uniform(-0.8, 0.8, joints) * reach
-        speed = rng.uniform(0.6, 2.2) * min(1.0, reach.min())
+        speed = rng.uniform(0.6, 2.2) * np.minimum(1.0, reach)
         peak = 1.875 if kind == "quintic" else 1.4
-        time = max(0.5, peak * np.abs(there - here).max() / speed)
+        time = max(0.5, peak * (np.abs(there - here) / speed).max())
         if at + time > end:
             break
         s = np.clip((times - at) / time, 0.0, 1.0)

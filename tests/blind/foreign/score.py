@@ -1,4 +1,4 @@
-"""Judges a tauscope binary on blind cases: score.py BINARY FOLDER... [--timeout S] [--tag NAME] [-j N] [--rescore].
+"""Judges a tauscope binary on blind cases: score.py BINARY FOLDER... [--tag NAME] [--where KEY=VALUE].
 
 Writes diagnosis.json and the console text into CASE/out-TAG, and prints tables; lines.tsv beside the cases has one line
 per case. A case that fails is counted as such and does not stop the rest.
@@ -161,6 +161,11 @@ def tables(judged):
         print("  outside:", {name: [round(float(z), 1) for z in zs] for name, zs in far.items() if any(abs(z) >= 3 for z in zs)})
 
 
+def wanted(path, conditions):
+    truth = json.loads(path.read_text())
+    return all(str(truth.get(key)) == value for key, value in (condition.split("=") for condition in conditions))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("binary", type=Path)
@@ -168,11 +173,12 @@ def main():
     parser.add_argument("--timeout", type=float, default=240)
     parser.add_argument("--tag", default="out")
     parser.add_argument("--rescore", action="store_true", help="only read what earlier runs wrote")
+    parser.add_argument("--where", action="append", default=[], help="KEY=VALUE of truth.json; only such cases")
     parser.add_argument("-j", type=int, default=1)
     options = parser.parse_args()
     judged, times = [], []
     for folder in options.folders:
-        cases = sorted(path.parent for path in folder.glob("*/truth.json"))
+        cases = sorted(path.parent for path in folder.glob("*/truth.json") if wanted(path, options.where))
 
         def run(case):
             truth, out = json.loads((case / "truth.json").read_text()), case / f"out-{options.tag}"

@@ -35,12 +35,12 @@ def names_of(set_name, number, mode, rng):
     raise SystemExit(f"there is no set {set_name}")
 
 
-def case(set_name, number, seed):
-    """Everything about a case that is drawn before the arm is."""
+def case(set_name, number, seed, fixed):
+    """Everything about a case that is drawn before the arm is; `fixed` overrules what is drawn."""
     rng = np.random.default_rng([seed, sum(set_name.encode()), number])
     structure = rng.random() < 0.35
-    mode = "structure" if structure else "nominal"
-    return rng, {
+    mode = fixed.get("mode", "structure" if structure else "nominal")
+    drawn = {
         "set": set_name,
         "case": number,
         "seed": seed,
@@ -58,3 +58,4 @@ def case(set_name, number, seed):
         "at_rest": bool(rng.random() < 0.7),
         "urdf_drives": str(rng.choice(["right", "absent", "wrong"])),
     }
+    return rng, drawn | fixed

@@ -23,8 +23,8 @@ from sizing import Severity, settle
 LOGS = ["a", "b", "c"]
 
 
-def make(set_name, number, seed, folder):
-    rng, truth = case(set_name, number, seed)
+def make(set_name, number, seed, folder, fixed):
+    rng, truth = case(set_name, number, seed, fixed)
     arm = random_arm(rng, truth["arm"])
     rate, duration, width = truth["rate"], truth["duration"], truth["sign_width"]
     reach = [joint.reach for joint in arm.joints]
@@ -88,11 +88,13 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--from", dest="first", type=int, default=0)
+    parser.add_argument("--fix", action="append", default=[], help="KEY=JSON of truth.json for all cases, as at_rest=true")
     options = parser.parse_args()
+    fixed = {key: json.loads(value) for key, value in (pair.split("=") for pair in options.fix)}
     for number in range(options.first, options.first + options.count):
         folder = options.folder / f"{number:04d}"
         if not (folder / "truth.json").exists():
-            make(options.set, number, options.seed, folder)
+            make(options.set, number, options.seed, folder, fixed)
             print(folder, flush=True)
 
 

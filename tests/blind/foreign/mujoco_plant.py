@@ -53,8 +53,10 @@ class Loop:
                 data.qfrc_applied[:] = 0.0
                 data.qfrc_applied[self.motors] = command - self.added(t[k])
                 mujoco.mj_step(model, data)
-        # The command is held for a step: its mean about the instant of the sample.
-        tau[1:] = 0.5 * (tau[1:] + tau[:-1])
+        # A command is held for a control step, which for MuJoCo's integrator is centred half a substep before its middle:
+        # the mean of two commands that is centred at the instant of the sample.
+        later = 0.5 + 0.5 / SUBSTEPS
+        tau[1:] = later * tau[1:] + (1 - later) * tau[:-1]
         if delay:
             tau = np.stack([np.interp(t - delay, t, signal) for signal in tau.T], axis=1)
         for effect in self.effects:

@@ -52,10 +52,11 @@ def main():
         print(f"structure {structure}: nothing hidden has severity {severity.of(logs, 1 / 500)[0].max():.1e}")
         for name in LIBRARY + OUTSIDE:
             effect = draw(rng, name, arm, 20.0)
-            reached, moving = settle(effect, arm, severity, motions, 500.0, 20.0, 1.0, 1e-3)
+            effect.held["peak"] = max(np.abs(tau[:, effect.joint]).max() for *_, tau in logs)
+            reached, moving, evidence = settle(effect, arm, severity, motions, 500.0, 20.0, 1.0, 1e-3)
             worst = int(np.argmax(reached)) + 1
             values = {key: float(f"{value:.3g}") for key, value in effect.values().items()}
-            print(f"  {name:28} on {effect.joint + 1}: {reached.max():.3f} at joint {worst}, away from reversals {moving.max():.3f}, {values}")
+            print(f"  {name:28} on {effect.joint + 1}: {reached.max():.3f} at joint {worst}, away from reversals {moving.max():.3f}, evidence {evidence:.0f}, {values}")
 
 
 if __name__ == "__main__":

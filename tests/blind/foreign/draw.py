@@ -11,6 +11,8 @@ def draw(rng, name, arm, duration, joint=None):
         joint = int(rng.integers(arm.dof - 1 if name == "joint_coupling" else arm.dof))
     if name == "joint_coupling":
         joint = min(joint, arm.dof - 2)
+    if name == "link_inertia_error":
+        joint = max(joint, 1)  # of an upright arm's first link the rotor hides everything
     make = globals().get("draw_" + name)
     parameters, sized = make(rng, arm, joint, duration)
     logs = (int(rng.integers(2)),) if name == "external_contact" and rng.random() < 0.5 else ()
@@ -173,6 +175,8 @@ def as_in_library(effect):
             return {"preload": preload, "stiffness": p["rate"] * s2, "geometry": 2 * p["a"] * p["b"] / s2, "angle": p["angle"]}
         case "backlash":
             return {"half_gap": p["half_gap"]}
+        case "torque_saturation":
+            return {"level": (1 - min(p["clipped"], 0.9)) * effect.held["peak"]}
         case "external_contact":
             return {name: p[name] for name in ("fx", "fy", "fz", "start", "end")}
     return p

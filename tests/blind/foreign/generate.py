@@ -36,14 +36,14 @@ def make(set_name, number, seed, folder, fixed):
     effects, sizes = [], []
     for name in truth.pop("names"):
         effect = draw(rng, name, arm, duration)
-        sizes.append(settle(effect, arm, severity, motions[:2], rate, duration, truth["severity"], width))
+        if effect.joint >= 0:  # saturation is a share of the largest torque
+            effect.held["peak"] = max(np.abs(tau[:, effect.joint]).max() for _, _, tau in plain)
+        sizes.append(settle(effect, arm, severity, motions[:2], rate, duration, truth["severity"], width, NOISES[truth["noise"]]))
         effects.append(effect)
     if set_name == "mujoco":
         logs = mujoco_plant.logs(rng, arm, effects, motions, rate, duration)
         truth["tracking_rms"] = [float(np.sqrt(np.mean((log[1] - motion.at(log[0])[0]) ** 2))) for log, motion in zip(logs, motions)]
     else:
-        for effect in effects:
-            effect.held.clear()
         plant = Plant(arm, effects, width)
         logs = [plant.log(motion, rate, duration, index) for index, motion in enumerate(motions)]
     folder.mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,7 @@ def believed_drives(rng, arm, kind):
 
 
 def described(effect, size, arm):
-    all_rows, moving = size
+    all_rows, moving, evidence = size
     outside = effect.name.startswith("outside")
     joint = int(np.argmax(all_rows)) if effect.name in WHOLE_ARM else effect.joint
     return {
@@ -77,7 +77,8 @@ def described(effect, size, arm):
         "logs": list(effect.logs),
         "severity": all_rows.tolist(),
         "severity_moving": moving.tolist(),
-        "parameters": effect.values() if outside else as_in_library(effect) | effect.held,
+        "evidence": evidence,
+        "parameters": effect.values() if outside else as_in_library(effect),
     }
 
 

@@ -47,16 +47,11 @@ class Plant:
             if effect.name in TORQUE_SENSOR:
                 values = effect.values()
                 if effect.name == "torque_saturation":
-                    values["level"] = (1 - min(values["clipped"], 0.9)) * self.peak(effect.joint, tau)
-                    effect.held.setdefault("level", values["level"])
-                    values["level"] = effect.held["level"]
+                    values["level"] = (1 - min(values["clipped"], 0.9)) * effect.held["peak"]
                 TORQUE_SENSOR[effect.name](values, t, tau, effect.joint)
             if effect.name in POSITION_SENSOR:
                 q[:, effect.joint] = POSITION_SENSOR[effect.name](effect.values(), q[:, effect.joint])
         return t[::finer], q[::finer], tau[::finer]
-
-    def peak(self, joint, tau):
-        return np.abs(tau[:, joint]).max()
 
     def torque(self, motion, t, acting):
         q, v, a = motion.at(t)

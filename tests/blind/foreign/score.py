@@ -111,6 +111,12 @@ def line(case, truth, answer, judged, seconds):
     return "\t".join(fields)
 
 
+def evidence(truth, effect):
+    """What a test of the true shape can expect, in classes: under 30 nothing over a whole library can find the effect."""
+    value = effect.get("evidence")
+    return "unknown" if value is None else next((name for top, name in ((30, "1: under 30"), (100, "2: to 100"), (1000, "3: to 1000")) if value < top), "4: more")
+
+
 def tables(judged):
     """`judged`: (truth, answer, judgement) of every case."""
     quiet = [(truth, answer, j) for truth, answer, j in judged if not truth["effects"] and answer]
@@ -130,7 +136,7 @@ def tables(judged):
         ("severity", lambda t, e: t["severity"]), ("mode", lambda t, e: t["mode"]), ("noise", lambda t, e: t["noise"]),
         ("motion", lambda t, e: t["motion"]), ("at rest", lambda t, e: t.get("at_rest")), ("arm", lambda t, e: t["arm"]), ("rate", lambda t, e: t["rate"]),
         ("sign width", lambda t, e: t["sign_width"]), ("encoder", lambda t, e: "quantised" if t["quantised"] else "white"),
-        ("effect", lambda t, e: e["effect"]),
+        ("evidence", evidence), ("effect", lambda t, e: e["effect"]),
     ]:  # fmt: skip
         rows = defaultdict(Counter)
         for truth, effect, outcome, _ in hidden:

@@ -1,6 +1,6 @@
 //! One round of the search: the scan of all candidates, and the contest of the best for the name.
 
-use super::candidates::{Candidate, Family, linear, shapes};
+use super::candidates::{Candidate, Family, Slot, linear, shapes};
 use super::score::{Projection, Scanned, effective_tests, log_survival};
 use super::session::{Judged, Member, Session};
 use super::whitening::Whitener;
@@ -14,6 +14,9 @@ const SHORTLIST: usize = 4;
 /// Share of the winner's statistic that a rival must reach to be looked at.
 const RIVAL: f64 = 0.3;
 
+/// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
+const CLOSE: f64 = 0.8;
+
 /// A rival is out when what the winner adds to it is less likely than this without need.
 const ENCOMPASSED: f64 = 1e-3;
 
@@ -22,6 +25,21 @@ const SUPERFLUOUS: f64 = 0.05;
 
 /// A rival with more parameters stays only within this gap of the information criterion.
 const CRITERION_GAP: f64 = 6.0;
+
+/// Smaller and larger effects on one joint that motion alone cannot tell: the larger one with nothing in its further parameter
+/// is the smaller one.
+const ONE_MORE: [(&str, &str); 1] = [("torque_offset", "friction_asymmetry")];
+
+/// What came of a contest.
+#[derive(Debug)]
+pub struct Contest {
+    /// The effect that explains the training logs best.
+    pub winner: Judged,
+    /// What else explains them.
+    pub alternatives: Vec<Alternative>,
+    /// Those that come close, whether or not the training logs exclude them.
+    pub close: Vec<Judged>,
+}
 
 /// Another effect that explains the same.
 #[derive(Debug, Clone)]
@@ -36,13 +54,15 @@ pub struct Alternative {
 #[derive(Debug)]
 pub struct Scan {
     judged: Vec<Judged>,
+    /// Whether a change is looked for, which may go either way.
+    change: bool,
 }
 
 impl Scan {
     /// Tests all candidates; those that cannot be told or make no sense are left out.
     pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
         let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
-        Scan { judged }
+        Scan { judged, change: session.train.rows.before > 0 }
     }
 
     /// How many independent tests the scan is worth.
@@ -50,16 +70,20 @@ impl Scan {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
-            .map(|one| Scanned { columns: &one.whitened, test: &one.test, one_sided: one.candidate.one_sided() })
+            .map(|one| Scanned {
+                columns: &one.whitened,
+                test: &one.test,
+                one_sided: one.candidate.one_sided() && !self.change,
+            })
             .collect();
         effective_tests(fit, &scanned, &whitener.rows(), seed)
     }
 
     /// The likeliest candidate of every family, the best first.
     pub fn best_per_family(&self) -> Vec<&Judged> {
-        let mut best: BTreeMap<Family, &Judged> = BTreeMap::new();
+        let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
         for judged in &self.judged {
-            let place = best.entry(judged.candidate.family()).or_insert(judged);
+            let place = best.entry(judged.candidate.slot()).or_insert(judged);
             if judged.test.log_p() < place.test.log_p() {
                 *place = judged;
             }
@@ -84,7 +108,7 @@ impl Scan {
     }
 }
 
-/// The winner among `best` (one per family, the best first) and what else explains the same.
+/// The winner among `best` (one per slot, the best first), what else explains the same, and what comes close.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -93,14 +117,14 @@ pub fn contest(
     members: &[Member],
     best: &[&Judged],
     all: &[Candidate],
-    open: &dyn Fn(&Family) -> bool,
-) -> Result<(Judged, Vec<Alternative>)> {
+    open: &dyn Fn(&Candidate) -> bool,
+) -> Result<Contest> {
     let present = session.all_columns(&session.train, members)?;
     let mut leader: Option<(f64, Candidate)> = None;
     for judged in best.iter().take(SHORTLIST) {
         let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
-        let whitener = session.whitener(&with);
-        let fit = Projection::new(&whitener.apply_all(&present), &whitener.apply(&session.train.torque));
+        let whitener = session.noise_under(&with).whitener;
+        let fit = whitener.fit(&present, &session.train.torque);
         let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { continue };
         let own = session.refined(own, &whitener, &fit)?;
         let left = fit.left() - own.test.statistic;
@@ -113,10 +137,10 @@ pub fn contest(
 
     // From here on all are seen in the same whitening, that under the leader.
     let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
-    let whitener = session.whitener(&with);
-    let fit = Projection::new(&whitener.apply_all(&present), &whitener.apply(&session.train.torque));
+    let whitener = session.noise_under(&with).whitener;
+    let fit = whitener.fit(&present, &session.train.torque);
     let again: Vec<Candidate> =
-        all.iter().filter(|candidate| open(&candidate.family())).cloned().chain([leader.clone()]).collect();
+        all.iter().filter(|candidate| open(candidate)).cloned().chain([leader.clone()]).collect();
     let scan = Scan::new(session, &again, &whitener, &fit);
     let ranked = scan.best_per_family();
     let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
@@ -125,31 +149,45 @@ pub fn contest(
         strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
     strong.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
     if strong.is_empty() {
-        return Ok((best[0].clone(), Vec::new()));
+        return Ok(Contest { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
     }
     let winner = strong.remove(0);
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
     let mut alternatives = Vec::new();
     for rival in &strong {
+        // The same at another time is no other name, and what acts elsewhere is no other name for what is seen here.
+        let here = winner.candidate.joints();
+        if rival.candidate.family() == winner.candidate.family()
+            || !rival.candidate.joints().iter().any(|joint| here.contains(joint))
+        {
+            continue;
+        }
         let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
         let gap = criterion(rival) - criterion(&winner);
         let needed = |test: Option<super::score::Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
         let winner_adds = needed(beside_rival.test(&winner.whitened), ENCOMPASSED);
         let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
         let larger = parameters(rival) > parameters(&winner);
-        if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP)) {
+        if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP) || is_one_more(&winner, rival)) {
             alternatives.push(Alternative {
                 family: rival.candidate.family(),
                 relative_likelihood: (-0.5 * gap.max(0.0)).exp(),
             });
         }
     }
-    Ok((winner, alternatives))
+    let least = CLOSE * winner.test.statistic;
+    let close = strong.into_iter().filter(|rival| rival.test.statistic > least).collect();
+    Ok(Contest { winner, alternatives, close })
+}
+
+fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
+    let (winner, rival) = (winner.candidate.family(), rival.candidate.family());
+    winner.joint == rival.joint && ONE_MORE.contains(&(winner.effect, rival.effect))
 }
 
 /// The fit with a candidate and the derivatives to its shapes.
 fn with_tangents(session: &Session, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<Projection> {
-    let tangents = session.tangents(&session.train, &judged.candidate.placed, &judged.test.values)?;
+    let tangents = session.tangents(&session.train, &judged.candidate, &judged.test.values)?;
     Ok(fit.with(&judged.whitened).with(&whitener.apply_all(&tangents)))
 }
 

@@ -1,26 +1,23 @@
 //! The answer: named, one of a few, unexplained, or none; with the evidence.
 
 use super::Options;
-use super::arm::Arm;
-use super::candidates::{Family, is_candidate, places};
-use super::column::{Column, combined};
+use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
-use super::selection::{Found, Selection, rms, select};
-use super::session::{Member, Session, Side};
-use super::unexplained::{Unexplained, unexplained};
+use super::derived::Derived;
+use super::residual_structure::ResidualStructure;
+use super::selection::Found;
+use super::session::Session;
+use super::unexplained::Unexplained;
 use crate::effects::LIBRARY;
-use crate::error::{Error, Result};
-use crate::identification::effect_model::Trust;
-use crate::identification::model::Model;
-use crate::recording::Recording;
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::BTreeMap;
+
+/// Share of a joint's excess over the noise that must be explained for the names on it to stand, where structure is left.
+const FIRM: f64 = 0.7;
 
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
-
-/// Share of a log that is held out where there is no other to judge by.
-const HELD_OUT: f64 = 0.3;
 
 /// What the diagnosis says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -34,6 +31,8 @@ pub enum Verdict {
     Unexplained,
     /// Nothing beyond the noise.
     None,
+    /// Faults of the data forbid an answer.
+    NotTestable,
 }
 
 /// An effect that was looked for and not found.
@@ -63,6 +62,8 @@ pub struct Diagnosis {
     pub effective_tests: f64,
     /// Noise of the torque.
     pub noise_floor: Vec<f64>,
+    /// Torque of the held-out logs.
+    pub test_torque_rms: Vec<f64>,
     /// What the arm as described leaves of the held-out logs.
     pub simulation_test_rms: Vec<f64>,
     /// What the fitted baseline leaves of the training logs and of the held-out logs.
@@ -71,8 +72,18 @@ pub struct Diagnosis {
     pub extended_test_rms: Vec<f64>,
     /// Share of the gap between baseline and noise floor that the effects found close on the held-out logs.
     pub gap_closed: f64,
+    /// Its 95 % interval.
+    pub gap_closed_interval: [f64; 2],
+    /// Where what the arm as described leaves of the held-out logs lives, and what the extended model leaves.
+    pub structure: [Vec<ResidualStructure>; 2],
+    /// Whether the question is what changed since reference logs.
+    pub against_reference: bool,
+    /// Effects that were there before the change in question: found in the reference logs, part of the model since.
+    pub before: Vec<Found>,
     /// Effects found.
     pub found: Vec<Found>,
+    /// What follows from the parameters of each.
+    pub derived: Vec<Vec<Derived>>,
     /// Structure without a name.
     pub unexplained: Vec<Unexplained>,
     /// Effects not found.
@@ -81,81 +92,47 @@ pub struct Diagnosis {
     pub next_experiment: String,
 }
 
-/// Diagnoses `robot` from logs. Without `test` logs the last part of every training log is held out. `progress` is told
-/// the number of effects found so far.
-///
-/// # Errors
-/// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
-pub fn diagnose(
-    robot: &Robot,
-    train: &[&Recording],
-    test: &[&Recording],
-    options: &Options,
-    progress: &mut dyn FnMut(usize),
-) -> Result<Diagnosis> {
-    if let Some(log) = train.iter().chain(test).find(|log| log.joints() != robot.dof()) {
-        let problem = format!("has {} joints, the arm {}; give logs of this arm", log.joints(), robot.dof());
-        return Err(Error::request("log", problem));
+/// The answer in a word.
+pub fn verdict(found: &[Found], unexplained: &[Unexplained]) -> Verdict {
+    let some = |verdict: Verdict| found.iter().any(|found| found.verdict == verdict);
+    match (some(Verdict::OneOf), some(Verdict::Named)) {
+        (true, _) => Verdict::OneOf,
+        (false, true) => Verdict::Named,
+        _ if found.is_empty() && unexplained.is_empty() => Verdict::None,
+        _ => Verdict::Unexplained,
     }
-    let model = Model::new(robot);
-    let split: Vec<(Recording, Recording)> = match test {
-        [] => train.iter().map(|log| split(log)).collect(),
-        _ => Vec::new(),
-    };
-    let (early, late): (Vec<&Recording>, Vec<&Recording>) = split.iter().map(|(early, late)| (early, late)).unzip();
-    let (train, test) = if test.is_empty() { (&early[..], &late[..]) } else { (train, test) };
-    let mut session = Session::new(&model, options.trust, train, test)?;
-    let simulation_test_rms = as_described(&session, robot)?;
-    let selection = select(&mut session, options, progress)?;
-    answer(&session, selection, simulation_test_rms, options, !split.is_empty())
 }
 
-fn split(log: &Recording) -> (Recording, Recording) {
-    let end = ((1.0 - HELD_OUT) * log.samples() as f64) as usize;
-    (log.slice(0..end), log.slice(end..log.samples()))
+/// Takes back the names on joints of which much stays unexplained. `residuals` are the mean squares that baseline and
+/// extended model leave of the held-out logs, `noise` the floor's, `[joint]`.
+pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
+    let [before, after] = residuals;
+    let open: Vec<usize> = unexplained
+        .iter()
+        .map(|left| left.joint)
+        .filter(|&joint| {
+            let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
+            excess(after) > (1.0 - FIRM) * excess(before)
+        })
+        .collect();
+    for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none()) {
+        let joints = one.member.candidate.joints();
+        // An effect on many joints does not fall with one of them.
+        if joints.iter().all(|joint| open.contains(joint)) {
+            one.verdict = Verdict::Unexplained;
+        }
+    }
 }
 
-/// What the arm as its URDF describes it leaves of the held-out logs.
-fn as_described(session: &Session, robot: &Robot) -> Result<Vec<f64>> {
-    let rows = &session.test.rows;
-    let mut residual = Column::new(rows.torque.iter().cloned());
-    let described = Arm::new(robot, Trust::Nominal);
-    residual.add(-1.0, &described.believed(rows));
-    let baseline = described.baseline(session.model, rows);
-    residual.add(-1.0, &combined(&baseline, &drives(session.model, robot)));
-    Ok(rms(&rows.valid, &residual))
-}
-
-/// Friction and rotors of the URDF in the order of a trusted arm's baseline.
-fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
-    let standard = Model::standard_values(robot);
-    let friction = (0..model.base().len()).filter(|&b| model.is_friction(b)).map(|b| standard[model.base().kept()[b]]);
-    friction.chain(robot.joints.iter().map(|joint| joint.drive.armature)).collect()
-}
-
-fn answer(
+/// Everything that was looked for and is not among `found`, with the size it would have needed. `tests` is the number of
+/// independent tests, `sensitivity` the standard deviation of every family's first parameter.
+pub fn not_found(
     session: &Session,
-    selection: Selection,
-    simulation_test_rms: Vec<f64>,
+    found: &[Found],
+    tests: f64,
+    sensitivity: &BTreeMap<Family, (usize, f64)>,
     options: &Options,
-    held_out_from_training: bool,
-) -> Result<Diagnosis> {
-    let Selection { found, whitener, first_whitener, tests, sensitivity } = selection;
-    let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
-    let unexplained = unexplained(session, &members, &whitener, options.alpha)?;
-    let baseline = |side: &Side| -> Result<Vec<f64>> {
-        Ok(rms(&side.rows.valid, &session.residual_on(side, &[], &first_whitener)?))
-    };
-    let baseline_rms = [baseline(&session.train)?, baseline(&session.test)?];
-    let extended = session.held_out_residual(&members, &whitener)?;
-    let extended_test_rms = rms(&session.test.rows.valid, &extended);
-    let noise_floor = whitener.noise_std();
-    let verdict = match (found.is_empty(), unexplained.is_empty()) {
-        (false, _) if found.iter().any(|found| !found.alternatives.is_empty()) => Verdict::OneOf,
-        (false, _) => Verdict::Named,
-        (true, false) => Verdict::Unexplained,
-        (true, true) => Verdict::None,
-    };
+) -> Vec<NotFound> {
     let normal = Normal::standard();
     let factor = normal.inverse_cdf(1.0 - options.alpha / (2.0 * tests)) + normal.inverse_cdf(POWER);
     let taken: Vec<Family> = found
@@ -165,9 +142,13 @@ fn answer(
             [found.member.candidate.family()].into_iter().chain(others)
         })
         .collect();
-    let not_found = LIBRARY
+    let change = session.train.rows.before > 0;
+    LIBRARY
         .iter()
-        .filter(|effect| is_candidate(**effect, options.trust, &options.candidates))
+        .filter(|effect| {
+            is_candidate(**effect, options.trust, &options.candidates)
+                || (change && is_wanted(**effect, &options.candidates))
+        })
         .flat_map(|effect| {
             places(*effect, session.model.dof())
                 .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
@@ -179,33 +160,11 @@ fn answer(
             let minimum_detectable = seen.map(|(_, std)| factor * std).filter(|size| size.is_finite() && *size > 0.0);
             NotFound { family, minimum_detectable, unit: effect.parameters()[index].unit }
         })
-        .collect();
-    Ok(Diagnosis {
-        verdict,
-        alpha: options.alpha,
-        cutoff_hz: session.cutoff_hz,
-        held_out_from_training,
-        effective_tests: tests,
-        gap_closed: gap_closed(&baseline_rms[1], &extended_test_rms, &noise_floor),
-        next_experiment: next_experiment(&found, &unexplained, session.model.robot()),
-        noise_floor,
-        simulation_test_rms,
-        baseline_rms,
-        extended_test_rms,
-        found,
-        unexplained,
-        not_found,
-    })
+        .collect()
 }
 
-/// Share of the gap to the noise floor that is closed, the joints weighted by their noise.
-fn gap_closed(baseline: &[f64], extended: &[f64], floor: &[f64]) -> f64 {
-    let excess = |rms: &[f64]| -> f64 { rms.iter().zip(floor).map(|(rms, floor)| (rms / floor).powi(2) - 1.0).sum() };
-    let gap = excess(baseline);
-    if gap <= 0.0 { 0.0 } else { (1.0 - excess(extended) / gap).clamp(0.0, 1.0) }
-}
-
-fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Robot) -> String {
+/// What to do next.
+pub fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Robot) -> String {
     let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
     if let Some((found, other)) = tied {
         let about = found.member.placed.effect.about();
@@ -222,6 +181,8 @@ fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Robot) 
     }
     match found.is_empty() {
         true => "a longer or livelier motion lowers the minimum detectable sizes".into(),
-        false => "repeat the diagnosis with the extended model on a new motion".into(),
+        false => {
+            "record a new motion and repeat the diagnosis with --scenario extended.toml: nothing should be left".into()
+        }
     }
 }

@@ -3,12 +3,14 @@
 //! Checks of single channels need nothing but the log. Those of torque fit a model to every joint: with a URDF the base
 //! parameters that act there, without one gravity, rotor and friction of the joint alone.
 
+mod arrangement;
 mod channels;
 mod clock;
 mod motion;
 mod torque;
 mod velocity;
 
+pub use channels::clipping;
 pub use motion::JointSummary;
 
 use crate::channels::Channels;
@@ -38,6 +40,7 @@ pub enum Severity {
 #[allow(missing_docs, reason = "the names say it; the text of a finding explains")]
 pub enum Kind {
     TooShort,
+    CutOff,
     BadRows,
     DuplicateTime,
     BackwardTime,
@@ -233,5 +236,7 @@ fn size_quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     *sizes.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+#[cfg(test)]
+mod every_kind;
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ pub mod diagnosis;
 pub mod excitation;
 pub mod fit;
 mod markdown;
+pub mod measured;
 pub mod paper;
 pub mod quality;
 pub mod results;

@@ -31,7 +31,7 @@ const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Highest speed of a transition at low speed, over the joint's top speed; range of a drift's time constant, over the longest
 /// log.
 const LOW_SPEED: f64 = 0.3;
-const SHORTEST_DRIFT: f64 = 0.05;
+const SHORTEST_DRIFT: f64 = 0.1;
 const LONGEST_DRIFT: f64 = 3.0;
 
 /// Share of a group's largest column below which a column is rounding.

@@ -70,7 +70,7 @@ pub fn resimulate(models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimula
 fn along(model: &ExtendedModel, log: &Log) -> Result<Channels> {
     let (robot, dof) = (&model.robot, model.robot.dof());
     let motion = true_motion(&model.effects, log)?;
-    let reference = MeasuredMotion::new(&motion, log.period);
+    let reference = MeasuredMotion::new(&motion, log.time[0], log.period);
     let controller = ComputedTorque::new(robot, &reference, BANDWIDTH_HZ, DAMPING_RATIO);
     let mut effects = crate::scenario::drive_friction(robot);
     effects.extend(model.effects.iter().cloned());
@@ -85,7 +85,7 @@ fn along(model: &ExtendedModel, log: &Log) -> Result<Channels> {
     let first = |table: &Channels| (0..dof).map(|joint| table.channel(joint)[0]).collect::<Vec<f64>>();
     let mut state: State = plant.resting(first(&motion.q));
     (state.qd, state.link_qd) = (first(&motion.qd), first(&motion.qd));
-    let mut run = Run::new(&mut plant, &controller, state);
+    let mut run = Run::starting_at(log.time[0], &mut plant, &controller, state);
     let mut torque = Channels::zeros(dof, log.time.len());
     for sample in 0..log.time.len() {
         for substep in 0..steps as usize {
@@ -99,7 +99,7 @@ fn along(model: &ExtendedModel, log: &Log) -> Result<Channels> {
                     return Err(Error::request(&robot.joints[joint].name, problem));
                 }
             }
-            let time = (sample as f64 * steps + substep as f64 + 1.0) * step;
+            let time = log.time[0] + (sample as f64 * steps + substep as f64 + 1.0) * step;
             run.advance(integrator, &response, time);
         }
     }

@@ -32,10 +32,15 @@ pub struct Run<'a> {
 impl<'a> Run<'a> {
     /// Starts at time zero in `state`.
     pub fn new(plant: &'a mut Plant, controller: &'a dyn Controller, state: State) -> Self {
+        Self::starting_at(0.0, plant, controller, state)
+    }
+
+    /// Starts at time `t` in `state`.
+    pub fn starting_at(t: f64, plant: &'a mut Plant, controller: &'a dyn Controller, state: State) -> Self {
         let mut contacts = plant.contacts(&state.qd);
         let memory = plant.fresh_memory();
-        plant.release(0.0, &state, &memory, &mut contacts, controller);
-        Run { plant, controller, t: 0.0, state, contacts, memory }
+        plant.release(t, &state, &memory, &mut contacts, controller);
+        Run { plant, controller, t, state, contacts, memory }
     }
 
     /// The present state.

@@ -6,13 +6,14 @@ use crate::excitation::Reference;
 /// Quintic pieces between samples that meet position, velocity and acceleration at every sample.
 pub struct MeasuredMotion<'a> {
     motion: &'a Motion,
+    start: f64,
     period: f64,
 }
 
 impl<'a> MeasuredMotion<'a> {
-    /// A motion of at least two samples, `period` seconds apart.
-    pub fn new(motion: &'a Motion, period: f64) -> Self {
-        MeasuredMotion { motion, period }
+    /// A motion of at least two samples, the first at `start`, `period` seconds apart.
+    pub fn new(motion: &'a Motion, start: f64, period: f64) -> Self {
+        MeasuredMotion { motion, start, period }
     }
 }
 
@@ -22,12 +23,12 @@ impl Reference for MeasuredMotion<'_> {
     }
 
     fn duration_s(&self) -> f64 {
-        (self.motion.samples().max(1) - 1) as f64 * self.period
+        self.start + (self.motion.samples().max(1) - 1) as f64 * self.period
     }
 
     fn at(&self, t_s: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         let last = self.motion.samples() - 1;
-        let place = (t_s / self.period).clamp(0.0, last as f64);
+        let place = ((t_s - self.start) / self.period).clamp(0.0, last as f64);
         let start = (place as usize).min(last.saturating_sub(1));
         let (h, s) = (self.period, place - start as f64);
         let (s2, s3) = (s * s, s * s * s);
@@ -61,16 +62,16 @@ mod tests {
         let sampled =
             |f: &dyn Fn(f64) -> f64| Channels::from_vectors(&[(0..5).map(|k| f(0.25 * f64::from(k))).collect()]);
         let motion = Motion { q: sampled(&x), qd: sampled(&v), qdd: sampled(&a) };
-        let reference = MeasuredMotion::new(&motion, 0.25);
+        let reference = MeasuredMotion::new(&motion, 3.0, 0.25);
         let (mut q, mut qd, mut qdd) = ([0.0], [0.0], [0.0]);
         for t in [0.0, 0.1, 0.25, 0.6, 1.0] {
-            reference.at(t, &mut q, &mut qd, &mut qdd);
+            reference.at(3.0 + t, &mut q, &mut qd, &mut qdd);
             assert!(
                 (q[0] - x(t)).abs() < 1e-12 && (qd[0] - v(t)).abs() < 1e-11 && (qdd[0] - a(t)).abs() < 1e-10,
                 "{t}"
             );
         }
-        reference.at(7.0, &mut q, &mut qd, &mut qdd);
+        reference.at(9.0, &mut q, &mut qd, &mut qdd);
         assert!((q[0] - x(1.0)).abs() < 1e-12);
     }
 }

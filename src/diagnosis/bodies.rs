@@ -1,4 +1,5 @@
-//! What is believable of a body: prior spreads of its parameters, and whether an estimate leaves a link that can be.
+//! What is believable: prior spreads of the parameters of bodies, whether an estimate leaves a link that can be, and whether
+//! hoses can pull that hard.
 //!
 //! Where the URDF is trusted, a link that differs from it is still about that link: its mass of the same order, its centre
 //! of mass within its length. Without that a wrong link explains what a balancer or a spring does, by a mass behind the
@@ -20,6 +21,9 @@ const REACH: f64 = 1.25;
 
 /// How many times its mass a link may weigh more than described.
 const HEAVIER: f64 = 3.0;
+
+/// Largest share of a joint's torque that hoses and cables take.
+const HOSES: f64 = 0.5;
 
 /// Least mass of a link over that of the arm, and of an arm, kg.
 const LIGHTEST_SHARE: f64 = 0.01;
@@ -67,6 +71,12 @@ fn arm_mass(robot: &Robot) -> f64 {
     robot.joints.iter().map(|joint| joint.inertia.mass()).sum::<f64>().max(LIGHTEST_ARM_KG)
 }
 
+/// Largest share of its joint's torque, in root mean square, that an effect can have, if there is one: hoses and cables do not
+/// carry an arm, what does is a balancer.
+pub fn largest_share(placed: &Placed) -> Option<f64> {
+    (placed.effect.about().name == "joint_spring").then_some(HOSES)
+}
+
 /// Length of a link: how far the next joint or its own centre of mass lies from its joint, m.
 fn length(robot: &Robot, joint: usize) -> f64 {
     let next = robot.joints.get(joint + 1).map_or(0.0, |next| next.origin.translation.norm());
@@ -97,6 +107,12 @@ mod tests {
         assert!(!is_believable(&robot, &error));
         error.parameters = vec![-1e3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert!(!is_believable(&robot, &error));
+    }
+
+    #[test]
+    fn hoses_do_not_carry_the_arm() {
+        assert!(largest_share(&Placed::typical(find("joint_spring").unwrap(), 1)).unwrap() < 1.0);
+        assert_eq!(largest_share(&Placed::typical(find("gravity_balancer").unwrap(), 1)), None);
     }
 
     #[test]

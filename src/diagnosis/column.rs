@@ -76,6 +76,19 @@ pub fn combined(columns: &[Column], values: &[f64]) -> Column {
     sum
 }
 
+/// Root mean square over the rows that count, `[joint]`.
+pub fn rms(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
+    valid
+        .iter()
+        .enumerate()
+        .map(|(joint, valid)| {
+            let values = residual.part(joint).into_iter().flatten().zip(valid);
+            let (sum, count) = values.filter(|(_, ok)| **ok).fold((0.0, 0usize), |(s, n), (r, _)| (s + r * r, n + 1));
+            (sum / count.max(1) as f64).sqrt()
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,5 +103,12 @@ mod tests {
         assert_eq!(a.parts, [(0, vec![6.0, 2.0]), (1, vec![1.0, 10.0])]);
         assert_eq!(combined(&[b.clone(), b.clone()], &[1.0, -1.0]).dot(&b), 0.0);
         assert!(!Column::default().is_sound());
+    }
+
+    #[test]
+    fn rms_counts_valid_rows_only() {
+        let residual = Column::on(1, vec![3.0, 100.0, 4.0]);
+        let valid = vec![vec![true; 3], vec![true, false, true]];
+        assert_eq!(rms(&valid, &residual), [0.0, 12.5f64.sqrt()]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::arm::Arm;
-use super::column::{Column, combined};
+use super::column::{Column, combined, rms};
 use super::derived::derived;
 use super::estimates::Estimates;
 use super::extended::ExtendedModel;
@@ -11,7 +11,7 @@ use super::inertias::all_inertias;
 use super::known::Known;
 use super::residual_structure::residual_structure;
 use super::resimulation::resimulate;
-use super::selection::{Found, Gain, Selection, rms, select};
+use super::selection::{Found, Gain, Selection, select};
 use super::session::{Member, Session, Side};
 use super::unexplained::unexplained;
 use super::verdict::{Diagnosis, next_experiment, not_found, take_back, verdict};

@@ -5,8 +5,9 @@
 //! surely better, and leaves less without a name, the inertias are what is wrong.
 
 use super::Options;
+use super::column::rms;
 use super::known::Known;
-use super::selection::{Gain, Selection, gain_lower_bound, rms, select};
+use super::selection::{Gain, Selection, gain_lower_bound, select};
 use super::session::{Member, Session};
 use super::unexplained::unexplained;
 use crate::effects::Site;

@@ -3,7 +3,7 @@
 
 use super::Options;
 use super::candidates::{self, Candidate, Family, Slot};
-use super::column::Column;
+use super::column::{Column, rms};
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
@@ -252,19 +252,6 @@ pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, join
     (gain - NORMAL_95_ONE_SIDED * std) / before.dot(&before).max(f64::MIN_POSITIVE)
 }
 
-/// Root mean square over the rows that count, `[joint]`.
-pub fn rms(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
-    valid
-        .iter()
-        .enumerate()
-        .map(|(joint, valid)| {
-            let values = residual.part(joint).into_iter().flatten().zip(valid);
-            let (sum, count) = values.filter(|(_, ok)| **ok).fold((0.0, 0usize), |(s, n), (r, _)| (s + r * r, n + 1));
-            (sum / count.max(1) as f64).sqrt()
-        })
-        .collect()
-}
-
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.
 fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
     let mut dropped = false;
@@ -288,16 +275,4 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
         dropped = true;
     }
     Ok(dropped)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rms_counts_valid_rows_only() {
-        let residual = Column::on(1, vec![3.0, 100.0, 4.0]);
-        let valid = vec![vec![true; 3], vec![true, false, true]];
-        assert_eq!(rms(&valid, &residual), [0.0, 12.5f64.sqrt()]);
-    }
 }

@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::bodies;
 use super::candidates::{Candidate, bends, columns_in, is_level, linear, shape_bounds, shapes, straight_below};
-use super::column::{Column, combined};
+use super::column::{Column, combined, rms};
 use super::known::Known;
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::{Projection, Test};
@@ -264,7 +264,8 @@ impl<'a> Session<'a> {
             if is_physical(&candidate, &test, change) {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
-                let believable = is_level(effect) || bodies::is_believable(self.model.robot(), &placed);
+                let believable = is_level(effect)
+                    || bodies::is_believable(self.model.robot(), &placed) && self.is_in_proportion(&candidate, &test);
                 return believable.then_some(Judged { candidate, whitened, test });
             }
             // An amplitude beyond its bound is one that is not there; the others may do without it.
@@ -283,6 +284,16 @@ impl<'a> Session<'a> {
                 return None;
             }
         }
+    }
+
+    /// Whether the torque of an estimate is not more than what can be of its joint's.
+    fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
+        let Some(share) = bodies::largest_share(&candidate.placed) else { return true };
+        let valid = &self.train.rows.valid;
+        let joint = candidate.placed.joint;
+        let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
+        let all = Column::on(joint, self.train.rows.torque[joint].clone());
+        of_effect <= share * rms(valid, &all)[joint]
     }
 
     /// Moves the shapes and sizes of a candidate to where its test is largest.

@@ -1,8 +1,8 @@
 //! Blind runs: an effect is hidden in a simulated arm, and the diagnosis, which sees the arm's description and the logs
 //! alone, has to name it.
 
+use crate::diagnosis::column::rms;
 use crate::diagnosis::score::Projection;
-use crate::diagnosis::selection::rms;
 use crate::diagnosis::session::Session;
 use crate::diagnosis::{Diagnosis, Options, Verdict, candidates, diagnose};
 use crate::effects::{Effect, LIBRARY, Placed, Role, Site};

@@ -1,5 +1,5 @@
-//! What is believable: prior spreads of the parameters of bodies, whether an estimate leaves a link that can be, and whether
-//! hoses can pull that hard.
+//! What is believable: prior spreads of the parameters of bodies, whether an estimate leaves a link that can be, and how hard
+//! hoses can pull.
 //!
 //! Where the URDF is trusted, a link that differs from it is still about that link: its mass of the same order, its centre
 //! of mass within its length. Without that a wrong link explains what a balancer or a spring does, by a mass behind the
@@ -22,8 +22,9 @@ const REACH: f64 = 1.25;
 /// How many times its mass a link may weigh more than described.
 const HEAVIER: f64 = 3.0;
 
-/// Largest share of a joint's torque that hoses and cables take.
-const HOSES: f64 = 0.5;
+/// Largest shares of a joint's torque that what is not meant to carry takes.
+const PARASITES: [(&str, f64); 4] =
+    [("joint_spring", 0.5), ("torque_offset", 0.5), ("friction_asymmetry", 0.5), ("torque_ripple", 0.3)];
 
 /// Least mass of a link over that of the arm, and of an arm, kg.
 const LIGHTEST_SHARE: f64 = 0.01;
@@ -71,10 +72,11 @@ fn arm_mass(robot: &Robot) -> f64 {
     robot.joints.iter().map(|joint| joint.inertia.mass()).sum::<f64>().max(LIGHTEST_ARM_KG)
 }
 
-/// Largest share of its joint's torque, in root mean square, that an effect can have, if there is one: hoses and cables do not
-/// carry an arm, what does is a balancer.
+/// Largest share of its joint's torque, in root mean square, that an effect can have, if there is one: hoses, teeth and
+/// amplifiers do not carry an arm, what does is a balancer.
 pub fn largest_share(placed: &Placed) -> Option<f64> {
-    (placed.effect.about().name == "joint_spring").then_some(HOSES)
+    let name = placed.effect.about().name;
+    PARASITES.iter().find(|(parasite, _)| *parasite == name).map(|(_, share)| *share)
 }
 
 /// Length of a link: how far the next joint or its own centre of mass lies from its joint, m.

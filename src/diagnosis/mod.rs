@@ -11,11 +11,13 @@
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
 //! | structure that no candidate carries | [`unexplained`] |
 //! | the answer | [`verdict`] |
+//! | what it rests on, row by row | [`evidence`] |
 
 pub mod arm;
 pub mod candidates;
 pub mod column;
 pub mod contest;
+pub mod evidence;
 pub mod rows;
 pub mod score;
 pub mod selection;

@@ -5,6 +5,7 @@ use super::arm::Arm;
 use super::candidates::{Family, is_candidate, places};
 use super::column::{Column, combined};
 use super::contest::Alternative;
+use super::evidence::Evidence;
 use super::selection::{Found, Selection, rms, select};
 use super::session::{Member, Session, Side};
 use super::unexplained::{Unexplained, unexplained};
@@ -79,6 +80,8 @@ pub struct Diagnosis {
     pub not_found: Vec<NotFound>,
     /// What to do next.
     pub next_experiment: String,
+    /// What the answer rests on, row by row.
+    pub evidence: Evidence,
 }
 
 /// Diagnoses `robot` from logs. Without `test` logs the last part of every training log is held out. `progress` is told
@@ -105,9 +108,9 @@ pub fn diagnose(
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = split.iter().map(|(early, late)| (early, late)).unzip();
     let (train, test) = if test.is_empty() { (&early[..], &late[..]) } else { (train, test) };
     let mut session = Session::new(&model, options.trust, train, test)?;
-    let simulation_test_rms = as_described(&session, robot)?;
+    let described = as_described(&session, robot);
     let selection = select(&mut session, options, progress)?;
-    answer(&session, selection, simulation_test_rms, options, !split.is_empty())
+    answer(&session, selection, described, options, !split.is_empty())
 }
 
 fn split(log: &Recording) -> (Recording, Recording) {
@@ -116,14 +119,14 @@ fn split(log: &Recording) -> (Recording, Recording) {
 }
 
 /// What the arm as its URDF describes it leaves of the held-out logs.
-fn as_described(session: &Session, robot: &Robot) -> Result<Vec<f64>> {
+fn as_described(session: &Session, robot: &Robot) -> Column {
     let rows = &session.test.rows;
     let mut residual = Column::new(rows.torque.iter().cloned());
     let described = Arm::new(robot, Trust::Nominal);
     residual.add(-1.0, &described.believed(rows));
     let baseline = described.baseline(session.model, rows);
     residual.add(-1.0, &combined(&baseline, &drives(session.model, robot)));
-    Ok(rms(&rows.valid, &residual))
+    residual
 }
 
 /// Friction and rotors of the URDF in the order of a trusted arm's baseline.
@@ -136,19 +139,21 @@ fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
 fn answer(
     session: &Session,
     selection: Selection,
-    simulation_test_rms: Vec<f64>,
+    described: Column,
     options: &Options,
     held_out_from_training: bool,
 ) -> Result<Diagnosis> {
-    let Selection { found, whitener, first_whitener, tests, sensitivity } = selection;
+    let Selection { found, whitener, first_whitener, tests, ranking, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let unexplained = unexplained(session, &members, &whitener, options.alpha)?;
-    let baseline = |side: &Side| -> Result<Vec<f64>> {
-        Ok(rms(&side.rows.valid, &session.residual_on(side, &[], &first_whitener)?))
-    };
-    let baseline_rms = [baseline(&session.train)?, baseline(&session.test)?];
+    let baseline = |side: &Side| session.residual_on(side, &[], &first_whitener);
+    let unseen = baseline(&session.test)?;
+    let baseline_rms =
+        [rms(&session.train.rows.valid, &baseline(&session.train)?), rms(&session.test.rows.valid, &unseen)];
     let extended = session.held_out_residual(&members, &whitener)?;
     let extended_test_rms = rms(&session.test.rows.valid, &extended);
+    let simulation_test_rms = rms(&session.test.rows.valid, &described);
+    let evidence = Evidence::new(session, &members, ranking, [&described, &unseen, &extended])?;
     let noise_floor = whitener.noise_std();
     let verdict = match (found.is_empty(), unexplained.is_empty()) {
         (false, _) if found.iter().any(|found| !found.alternatives.is_empty()) => Verdict::OneOf,
@@ -195,6 +200,7 @@ fn answer(
         found,
         unexplained,
         not_found,
+        evidence,
     })
 }
 

@@ -1,13 +1,14 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
 use super::{DONE, Global, print};
-use crate::diagnosis::{Options, diagnose};
+use crate::diagnosis::{self, Options, diagnose};
 use crate::effects;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
 use crate::recording::{self, Recording};
 use crate::report::diagnosis::{self as report, SCHEMA};
+use crate::report::viewer;
 use crate::robot::{self, InertiaCheck};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use std::path::PathBuf;
@@ -80,6 +81,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
     let result = report::result(&robot, &diagnosis);
     folder.write_json("diagnosis.json", SCHEMA, &result)?;
+    let held_out = diagnosis::held_out(&train, &test);
+    let logs: Vec<&Recording> = held_out.iter().collect();
+    viewer::add(&folder, || Ok(viewer::diagnosis::film(&robot, &logs, &diagnosis, None)))?;
     let path = folder.finish()?;
     print::result(global, SCHEMA, &result, || {
         format!("{}\nResults in {}", report::lines(&robot, &diagnosis), path.display())

@@ -3,7 +3,7 @@
 use super::{DONE, Global, print, progress, simulate};
 use crate::error::Result;
 use crate::identification::model::Model;
-use crate::report::{console, results};
+use crate::report::{console, results, viewer};
 use crate::study::testbed::{self, Variant};
 use std::path::PathBuf;
 
@@ -46,6 +46,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         &results::identification(&setup, &model, &scored),
     )?;
     folder.write_json("score.json", results::SCORE_SCHEMA, &scores)?;
+    viewer::add(&folder, || viewer::scenario::film(&setup, &runs, Some((&model, smoothed))))?;
     let path = folder.finish()?;
     print::result(global, results::SCORE_SCHEMA, &scores, || {
         let tables = console::scores(&setup, &scored, &gain, model.base().len());

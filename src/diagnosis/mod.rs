@@ -26,7 +26,7 @@ pub mod unexplained;
 pub mod verdict;
 pub mod whitening;
 
-pub use verdict::{Diagnosis, Verdict, diagnose};
+pub use verdict::{Diagnosis, Verdict, diagnose, held_out};
 
 use crate::identification::effect_model::Trust;
 

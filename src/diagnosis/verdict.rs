@@ -118,6 +118,14 @@ fn split(log: &Recording) -> (Recording, Recording) {
     (log.slice(0..end), log.slice(end..log.samples()))
 }
 
+/// The logs that a diagnosis judges by: the `test` logs, or else the last part of every training log.
+pub fn held_out(train: &[&Recording], test: &[&Recording]) -> Vec<Recording> {
+    match test {
+        [] => train.iter().map(|log| split(log).1).collect(),
+        _ => test.iter().map(|&log| log.clone()).collect(),
+    }
+}
+
 /// What the arm as its URDF describes it leaves of the held-out logs.
 fn as_described(session: &Session, robot: &Robot) -> Column {
     let rows = &session.test.rows;

@@ -246,7 +246,8 @@ pub fn lines(robot: &Robot, diagnosis: &Diagnosis) -> String {
     lines.join("\n")
 }
 
-fn place(robot: &Robot, family: Family) -> String {
+/// An effect with its joints, in words.
+pub fn place(robot: &Robot, family: Family) -> String {
     let joints = joints(robot, family);
     if joints.is_empty() { family.effect.to_owned() } else { format!("{} on {}", family.effect, joints.join(" and ")) }
 }

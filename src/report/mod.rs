@@ -10,3 +10,4 @@ pub mod paper;
 pub mod quality;
 pub mod results;
 pub mod svg;
+pub mod viewer;

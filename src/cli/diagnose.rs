@@ -8,6 +8,7 @@ use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
 use crate::recording::{self, Recording};
 use crate::report::diagnosis::{self as report, SCHEMA};
+use crate::report::html::{self, Provenance};
 use crate::report::viewer;
 use crate::robot::{self, InertiaCheck};
 use indicatif::{ProgressBar, ProgressDrawTarget};
@@ -83,6 +84,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     folder.write_json("diagnosis.json", SCHEMA, &result)?;
     let held_out = diagnosis::held_out(&train, &test);
     let logs: Vec<&Recording> = held_out.iter().collect();
+    let page = html::diagnosis::page(&robot, &diagnosis, &train, &logs, Provenance::here(Some(options.seed)));
+    folder.write_text(html::FILE, &page.render())?;
     viewer::add(&folder, || Ok(viewer::diagnosis::film(&robot, &logs, &diagnosis, None)))?;
     let path = folder.finish()?;
     print::result(global, SCHEMA, &result, || {

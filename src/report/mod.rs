@@ -5,6 +5,7 @@ pub mod console;
 pub mod diagnosis;
 pub mod excitation;
 pub mod fit;
+pub mod html;
 mod markdown;
 pub mod paper;
 pub mod quality;

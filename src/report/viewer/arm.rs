@@ -1,6 +1,6 @@
 //! The arm in 3-D: shapes on nested frames, poses over time.
 
-use super::Track;
+use super::{Track, part};
 use crate::robot::visuals::{Shape, Visual, Visuals};
 use crate::robot::{Pose, Robot};
 use rerun::{RecordingStream, RecordingStreamResult, TimeColumn};
@@ -37,7 +37,7 @@ pub fn paths(robot: &Robot, name: &str) -> Vec<String> {
     let mut path = format!("arm/{name}");
     let mut paths = vec![path.clone()];
     for joint in &robot.joints {
-        path = format!("{path}/{}", joint.name);
+        path = format!("{path}/{}", part(&joint.name));
         paths.push(path.clone());
     }
     paths

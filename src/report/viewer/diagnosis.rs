@@ -74,8 +74,8 @@ pub fn film<'a>(
         let torque: Vec<f64> = evidence.torque[j].iter().zip(&residual[j]).map(|(tau, left)| tau - left).collect();
         (row_time.clone(), rows(&torque))
     };
-    film.add(Quantity::Torque, "simulated, re-identified", Look::Simulated, |j| model(j, &evidence.baseline));
-    film.add(Quantity::Torque, "extended", Look::Extended, |j| model(j, &evidence.extended));
+    film.add(Quantity::Torque, "re-identified", Look::Simulated, |j| model(j, &evidence.baseline));
+    film.add(Quantity::Torque, "with findings", Look::Extended, |j| model(j, &evidence.extended));
     // Rows near reversals do not count, so they leave a gap.
     let counted = |j: usize, residual: &[Vec<f64>]| -> (Vec<f64>, Vec<f64>) {
         let valid = residual[j].iter().zip(&evidence.valid[j]);
@@ -83,8 +83,8 @@ pub fn film<'a>(
         (row_time.clone(), rows(&values))
     };
     film.add(Quantity::Residual, "as described", Look::Measured, |j| counted(j, &evidence.described));
-    film.add(Quantity::Residual, "before, re-identified", Look::Simulated, |j| counted(j, &evidence.baseline));
-    film.add(Quantity::Residual, "after, extended", Look::Extended, |j| counted(j, &evidence.extended));
+    film.add(Quantity::Residual, "re-identified", Look::Simulated, |j| counted(j, &evidence.baseline));
+    film.add(Quantity::Residual, "with findings", Look::Extended, |j| counted(j, &evidence.extended));
     film.add_noise(&diagnosis.noise_floor);
     film
 }
@@ -151,7 +151,9 @@ fn strongest(
 
 fn text(robot: &Robot, diagnosis: &Diagnosis) -> String {
     let lines = report::lines(robot, diagnosis);
-    let lines: Vec<&str> = lines.lines().filter(|line| !line.contains("rms") && !line.starts_with("Noise")).collect();
+    let numbers = ["Held-out rms", "Noise  "];
+    let lines = lines.lines().filter(|line| !numbers.iter().any(|start| line.starts_with(start)));
+    let lines: Vec<&str> = lines.map(str::trim_start).collect();
     format!(
         "# {}\n\n{}\n\nResiduals: arm as described grey, re-identified blue, with the findings orange, noise floor purple. \
          Gaps are reversals.\n",

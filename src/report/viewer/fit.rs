@@ -59,8 +59,8 @@ pub fn film<'a>(robot: &'a Robot, logs: Logs, plain: &Fitted, extended: Option<&
         });
     }
     if held_out {
-        let fits = [(plain, "identified", "before, without effects", Look::Simulated)];
-        let with = extended.map(|fitted| (fitted, "extended", "after, with effects", Look::Extended));
+        let fits = [(plain, "identified", "identified", Look::Simulated)];
+        let with = extended.map(|fitted| (fitted, "with effects", "with effects", Look::Extended));
         for (fitted, torque, residual, look) in fits.into_iter().chain(with) {
             film.add(Quantity::Torque, torque, look, |j| {
                 let left = fitted.test_residual[j].iter();

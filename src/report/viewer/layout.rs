@@ -1,19 +1,22 @@
 //! How the viewer opens: 3-D and verdict at the left, plots in tabs at the right, the whole run in view, paused.
 
-use super::{Film, Quantity};
+use super::{Film, Quantity, part};
 use crate::robot::Robot;
-use rerun::blueprint::components::{LinkAxis, PanelState, PlayState};
+use rerun::blueprint::components::{BackgroundKind, LinkAxis, PanelState, PlayState};
 use rerun::blueprint::{
     Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial3DView,
     Tabs, TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical,
 };
 use rerun::external::re_log_types::{BlueprintActivationCommand, StoreKind};
-use rerun::external::re_sdk_types::blueprint::archetypes::{EyeControls3D, PlotLegend, TimeAxis};
+use rerun::external::re_sdk_types::blueprint::archetypes::{Background, EyeControls3D, PlotLegend, TimeAxis};
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
 /// Plots beside each other in a tab.
 const COLUMNS: u32 = 2;
+
+/// Behind the arm.
+const BACKGROUND: [u8; 3] = [30, 34, 40];
 
 /// Properties of views, for which the blueprint has no typed interface: entity path in the blueprint, and what it holds.
 type Properties = Vec<(String, Box<dyn AsComponents>)>;
@@ -49,6 +52,9 @@ pub fn send(stream: &RecordingStream, film: &Film) -> RecordingStreamResult<()> 
 fn blueprint(film: &Film, properties: &mut Properties) -> Blueprint {
     let arm: ContainerLike = Spatial3DView::new("Arm").with_origin("/arm").with_contents(["/arm/**"]).into();
     property(properties, &arm, "EyeControls3D", eye(film.robot));
+    let [r, g, b] = BACKGROUND;
+    let background = Background::new(BackgroundKind::SolidColor).with_color(rerun::Color::from_rgb(r, g, b));
+    property(properties, &arm, "Background", background);
     let verdict: ContainerLike = TextDocumentView::new("Verdict").with_origin("/verdict").into();
     let left = Vertical::new([arm, verdict]).with_row_shares([3.0, 2.0]);
     let mut tabs: Vec<ContainerLike> = Vec::new();
@@ -78,7 +84,7 @@ fn blueprint(film: &Film, properties: &mut Properties) -> Blueprint {
 
 fn plot(film: &Film, quantity: Quantity, joint: usize, properties: &mut Properties) -> ContainerLike {
     let name = &film.robot.joints[joint].name;
-    let origin = format!("/{}/{name}", quantity.name());
+    let origin = format!("/{}/{}", quantity.name(), part(name));
     let title = format!("{name}, {}", quantity.unit(film.robot, joint));
     let view: ContainerLike = TimeSeriesView::new(title).with_origin(origin).into();
     let [from, to] = film.span().map(|seconds| (1e9 * seconds).round() as i64);
@@ -105,7 +111,7 @@ fn eye(robot: &Robot) -> EyeControls3D {
         robot.joints.iter().map(|joint| joint.origin.translation.norm()).sum::<f64>() + robot.flange.translation.norm();
     let scaled = |x: f64, y: f64, z: f64| [x, y, z].map(|part| (part * reach) as f32);
     EyeControls3D::new()
-        .with_position(scaled(1.1, -1.25, 0.75))
-        .with_look_target(scaled(0.12, 0.0, 0.33))
+        .with_position(scaled(0.85, -0.95, 0.6))
+        .with_look_target(scaled(0.1, 0.0, 0.3))
         .with_eye_up([0.0, 0.0, 1.0])
 }

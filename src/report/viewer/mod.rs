@@ -77,7 +77,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All, in the order of the tabs.
-    pub const ALL: [Quantity; 4] = [Quantity::Torque, Quantity::Residual, Quantity::Position, Quantity::Velocity];
+    pub const ALL: [Quantity; 4] = [Quantity::Residual, Quantity::Torque, Quantity::Position, Quantity::Velocity];
 
     /// Name in entity paths.
     pub fn name(self) -> &'static str {
@@ -156,8 +156,8 @@ pub struct Marker {
 impl Film<'_> {
     /// Entity path of a signal.
     pub fn path(&self, signal: &Signal) -> String {
-        let joint = &self.robot.joints[signal.joint].name;
-        format!("{}/{joint}/{}", signal.quantity.name(), signal.name.replace(' ', "_"))
+        let joint = part(&self.robot.joints[signal.joint].name);
+        format!("{}/{joint}/{}", signal.quantity.name(), part(signal.name))
     }
 
     /// First and last time of anything, s.
@@ -189,6 +189,11 @@ impl Film<'_> {
             self.add(Quantity::Residual, name, Look::Noise, |joint| (span.clone(), vec![sign * noise[joint]; 2]));
         }
     }
+}
+
+/// A name as a part of an entity path, in which few characters need no escape.
+pub fn part(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
 /// Where each of several logs starts on the timeline, as what is added to its own times. Each log's first and last time
@@ -236,6 +241,11 @@ pub fn add<'a>(folder: &ResultFolder, film: impl FnOnce() -> Result<Film<'a>>) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_parts_of_paths() {
+        assert_eq!(part("joint a/1.2"), "joint_a_1_2");
+    }
 
     #[test]
     fn logs_follow_each_other() {

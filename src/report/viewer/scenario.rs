@@ -62,17 +62,21 @@ pub fn film<'a>(setup: &'a Setup, runs: &Runs, identified: Option<(&Model, &Scor
     if let Some((model, scored)) = identified {
         let seen =
             [testbed::prepared(setup, both[0], scored.variant)?, testbed::prepared(setup, both[1], scored.variant)?];
+        // Where a joint hardly moves, the model does not know the direction of its friction.
+        let moving = |k: usize, j: usize, values: Vec<f64>| -> Vec<f64> {
+            values.into_iter().zip(seen[k].moving(j)).map(|(value, ok)| if ok { value } else { f64::NAN }).collect()
+        };
         let found = seen.each_ref().map(|seen| seen.predict(model, &scored.estimate.beta));
         let believed = model.base().values(&Model::standard_values(&setup.nominal));
         let believed = seen.each_ref().map(|seen| seen.predict(model, &believed));
         film.add(Quantity::Torque, "identified", Look::Extended, |j| {
-            (time.clone(), all(&|k| found[k].channel(j).to_vec()))
+            (time.clone(), all(&|k| moving(k, j, found[k].channel(j).to_vec())))
         });
-        film.add(Quantity::Residual, "before, controller's model", Look::Simulated, |j| {
-            (time.clone(), all(&|k| less(k, j, believed[k].channel(j))))
+        film.add(Quantity::Residual, "controller model", Look::Simulated, |j| {
+            (time.clone(), all(&|k| moving(k, j, less(k, j, believed[k].channel(j)))))
         });
-        film.add(Quantity::Residual, "after, identified", Look::Extended, |j| {
-            (time.clone(), all(&|k| less(k, j, found[k].channel(j))))
+        film.add(Quantity::Residual, "identified", Look::Extended, |j| {
+            (time.clone(), all(&|k| moving(k, j, less(k, j, found[k].channel(j)))))
         });
     } else {
         film.add(Quantity::Residual, "measured less simulated", Look::Simulated, |j| {
@@ -128,7 +132,7 @@ fn markers(offsets: &[f64], runs: &[&Run]) -> Vec<Marker> {
 
 fn text(setup: &Setup, scored: Option<&Scored>) -> String {
     let legend = "Solid arm: as measured. Outline: as commanded. Torque: measured grey, simulated blue, identified \
-                  orange. The held-out motion follows the training motion.";
+                  orange. The held-out motion follows the training motion. Gaps: the joint hardly moves.";
     let Some(scored) = scored else {
         return format!("# {}\n\nSimulated and measured; nothing was identified.\n\n{legend}\n", setup.scenario.name);
     };

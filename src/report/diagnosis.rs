@@ -182,7 +182,7 @@ fn finding(robot: &Robot, found: &Found) -> Finding {
 }
 
 /// Names of the joints of an effect; none for one on the whole arm.
-fn joints(robot: &Robot, family: Family) -> Vec<String> {
+pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
     let effect = effects::find(family.effect).ok();
     let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
     let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();

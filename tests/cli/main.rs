@@ -6,6 +6,7 @@ mod effects;
 mod inputs;
 mod inspect;
 mod options;
+mod reports;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

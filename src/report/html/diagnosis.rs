@@ -8,7 +8,7 @@ use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::{self, About, Role};
 use crate::recording::Recording;
 use crate::report::console::significant;
-use crate::report::diagnosis::place;
+use crate::report::diagnosis::joints;
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
@@ -57,6 +57,18 @@ fn contender(name: &str, color: Color) -> Contender {
     Contender { name: name.into(), color }
 }
 
+/// An effect with its joints, in words.
+fn named(robot: &Robot, family: Family) -> String {
+    let joints = joints(robot, family);
+    let on = if joints.is_empty() { String::new() } else { format!(" on {}", joints.join(" and ")) };
+    spaced(family.effect) + &on
+}
+
+/// Name of an effect in words.
+fn spaced(name: &str) -> String {
+    name.replace('_', " ")
+}
+
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
@@ -70,8 +82,8 @@ fn verdict(robot: &Robot, diagnosis: &Diagnosis) -> (String, Tone) {
         .found
         .iter()
         .map(|found| {
-            let own = place(robot, found.member.candidate.family()).replace('_', " ");
-            let others = found.alternatives.iter().map(|other| place(robot, other.family).replace('_', " "));
+            let own = named(robot, found.member.candidate.family());
+            let others = found.alternatives.iter().map(|other| named(robot, other.family));
             [own].into_iter().chain(others).collect::<Vec<_>>().join(" or ")
         })
         .collect();
@@ -94,9 +106,10 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
         lead.push(format!(
-            "{} {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
-            place(robot, found.member.candidate.family()).replace('_', " "),
-            format_args!("({}). {}", values(found).join(", "), sentence(about.explanation)),
+            "{} ({}): {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+            sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
+            values(found).join(", "),
+            about.explanation,
             joint.name,
             significant(before[most]),
             significant(after[most]),
@@ -117,7 +130,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     lead.push(format!(
         "Where nothing is wrong, at most {} % of diagnoses name anything: {:.0} independent tests were made, and the level \
          is corrected for them.",
-        significant(100.0 * diagnosis.alpha),
+        100.0 * diagnosis.alpha,
         diagnosis.effective_tests
     ));
     lead
@@ -203,7 +216,7 @@ fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         });
         blocks.push(Block::text(format!(
             "{}: {} Chance of a false alarm: {}. At least {:.0} % of the held-out sum of squares is gained (95 %).",
-            place(robot, found.member.candidate.family()).replace('_', " "),
+            named(robot, found.member.candidate.family()),
             sentence(about.explanation),
             probability(found.family_wise_p.log10()),
             100.0 * found.gain_lower_bound
@@ -221,7 +234,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
     if !found.alternatives.is_empty() {
         let rows = found.alternatives.iter().map(|other| {
             vec![
-                place(robot, other.family).replace('_', " "),
+                named(robot, other.family),
                 significant(other.relative_likelihood),
                 how(other.family.effect).to_owned(),
             ]
@@ -231,7 +244,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
             Block::table(["alternative", "relative likelihood", "how to tell"], rows.collect()),
         ];
     }
-    let rivals = about.rivals.iter().map(|rival| vec![rival.name.replace('_', " "), rival.how_to_tell.to_owned()]);
+    let rivals = about.rivals.iter().map(|rival| vec![spaced(rival.name), rival.how_to_tell.to_owned()]);
     let rivals: Vec<Vec<String>> = rivals.collect();
     match rivals.is_empty() {
         true => Vec::new(),
@@ -245,7 +258,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
 /// A probability from its decimal logarithm: one that underflows is still told.
 fn probability(log10: f64) -> String {
     match log10 {
-        p if p < -300.0 => "< 1e-300".into(),
+        p if p < -300.0 => "<1e-300".into(),
         p if p < -3.0 => format!("1e{:.0}", p.ceil()),
         p => significant(10f64.powf(p)),
     }
@@ -255,7 +268,7 @@ fn candidates(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     let row = |(index, ranked): (usize, &crate::diagnosis::evidence::Ranked)| {
         vec![
             (index + 1).to_string(),
-            place(robot, ranked.family).replace('_', " "),
+            named(robot, ranked.family),
             significant(ranked.statistic),
             ranked.freedom.to_string(),
             probability(ranked.log_p / std::f64::consts::LN_10),
@@ -263,7 +276,7 @@ fn candidates(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         ]
     };
     let rows: Vec<Vec<String>> = diagnosis.evidence.ranking.iter().enumerate().map(row).collect();
-    let header = ["rank", "candidate", "statistic", "degrees", "chance without it", ""];
+    let header = ["rank", "candidate", "statistic", "degrees", "chance without it", "verdict"];
     let (first, rest) = rows.split_at(RANKED.min(rows.len()));
     let mut blocks = vec![
         Block::text(
@@ -299,7 +312,7 @@ fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
             missed.map_or("".to_owned(), |missed| missed.minimum_detectable.map_or("-".to_owned(), significant))
         };
         let about = parameter.map_or(String::new(), |parameter| format!(", {}", parameter.name));
-        let head = [format!("{}{about}", name.replace('_', " ")), unit.to_owned()];
+        let head = [format!("{}{about}", spaced(name)), unit.to_owned()];
         head.into_iter().chain((0..robot.dof()).map(cell)).collect()
     });
     let header = ["effect and its parameter".to_owned(), "unit".to_owned()].into_iter().chain(robot.joint_names());
@@ -397,8 +410,8 @@ mod tests {
 
     #[test]
     fn probabilities_that_underflow_are_told() {
-        assert_eq!(probability(-520.3), "< 1e-300");
-        assert_eq!(probability(f64::NEG_INFINITY), "< 1e-300");
+        assert_eq!(probability(-520.3), "<1e-300");
+        assert_eq!(probability(f64::NEG_INFINITY), "<1e-300");
         assert_eq!(probability(-12.3), "1e-12");
         assert_eq!(probability(-1.0), "0.100");
     }

@@ -135,18 +135,22 @@ impl Trace {
     }
 }
 
-/// Whole decades on a logarithmic axis; on one without two of them, round values.
+/// Powers of ten on a logarithmic axis; where there are not two of them, 1, 2 and 5 times them.
 fn decades(y: &Scale) -> Vec<(f64, String)> {
-    let (first, last) = (y.low.ceil() as i32, y.high.floor() as i32);
-    if last <= first {
-        return ticks::ticks(y.low, y.high, 3)
-            .into_iter()
-            .map(|(v, _)| (v, format!("{:.1e}", 10f64.powf(v))))
-            .collect();
+    if !(y.low.is_finite() && y.high - y.low < 600.0) {
+        return Vec::new();
     }
-    let step = ((last - first) / 5 + 1) as usize;
-    let label = |e: i32| if (-3..=4).contains(&e) { format!("{}", 10f64.powi(e)) } else { format!("1e{e}") };
-    (first..=last).step_by(step).map(|exponent| (f64::from(exponent), label(exponent))).collect()
+    let (first, last) = (y.low.ceil() as i32, y.high.floor() as i32);
+    let step = ((last - first) / 5 + 1).max(1) as usize;
+    let digits: &[i32] = if last > first { &[1] } else { &[1, 2, 5] };
+    let label = |digit: i32, e: i32| match e {
+        -3..=0 => format!("{:.*}", -e as usize, f64::from(digit) * 10f64.powi(e)),
+        1..=4 => format!("{}", f64::from(digit) * 10f64.powi(e)),
+        _ => format!("{digit}e{e}"),
+    };
+    let all = (first - 1..=last).step_by(step).flat_map(|e| digits.iter().map(move |&digit| (digit, e)));
+    let places = all.map(|(digit, e)| (f64::from(digit).log10() + f64::from(e), label(digit, e)));
+    places.filter(|(at, _)| (y.low..=y.high).contains(at)).collect()
 }
 
 #[cfg(test)]
@@ -189,5 +193,8 @@ mod tests {
         let axis = Scale { low: -2.3, high: 1.2, from: 0.0, to: 1.0 };
         let labels: Vec<String> = decades(&axis).into_iter().map(|(_, label)| label).collect();
         assert_eq!(labels, ["0.01", "0.1", "1", "10"]);
+        let narrow = Scale { low: -2.2, high: -1.6, from: 0.0, to: 1.0 };
+        let labels: Vec<String> = decades(&narrow).into_iter().map(|(_, label)| label).collect();
+        assert_eq!(labels, ["0.01", "0.02"]);
     }
 }

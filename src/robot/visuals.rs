@@ -74,7 +74,7 @@ pub struct Visuals {
 pub fn load(robot: &Robot) -> Visuals {
     let mut visuals = Visuals::default();
     match urdf_rs::read_file(&robot.source) {
-        Ok(urdf) => Walk { urdf: &urdf, robot, visuals: &mut visuals }.from_root(),
+        Ok(urdf) => Walk { urdf: &urdf, robot, visuals: &mut visuals }.all(),
         Err(problem) => visuals.notes.push(format!("the URDF cannot be read again ({problem}): capsules are drawn")),
     }
     skeleton(robot, &mut visuals);
@@ -88,7 +88,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn from_root(&mut self) {
+    fn all(&mut self) {
         let is_child = |link: &str| self.urdf.joints.iter().any(|joint| joint.child.link == link);
         let Some(root) = self.urdf.links.iter().find(|link| !is_child(&link.name)) else { return };
         let mut open = vec![(root.name.as_str(), 0, Pose::identity())];

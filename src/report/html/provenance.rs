@@ -30,7 +30,7 @@ impl Provenance {
             p { code { (self.command) } }
             p {
                 @if let Some(seed) = self.seed { "Seed " (seed) ". " }
-                "tauscope " (env!("CARGO_PKG_VERSION")) ". The same command, inputs and seed give the same numbers."
+                "tauscope " (env!("CARGO_PKG_VERSION")) ", rapier3d " (rapier3d::VERSION) ". The same command, inputs and seed give the same numbers."
             }
         }
     }

@@ -29,7 +29,7 @@ fn record(path: &Path, film: &Film) -> RecordingStreamResult<RecordingStream> {
         arm::log(&stream, film.robot, &visuals, track)?;
     }
     for note in &visuals.notes {
-        tracing::warn!("{}: {note}; a capsule stands in", film.robot.name);
+        tracing::warn!("{}: {note}; it is not drawn", film.robot.name);
     }
     let notes: String = visuals.notes.iter().map(|note| format!("\n- not shown as the URDF has it: {note}")).collect();
     stream.log_static("verdict", &rerun::TextDocument::from_markdown(format!("{}\n{notes}", film.text)))?;

@@ -249,7 +249,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
     match rivals.is_empty() {
         true => Vec::new(),
         false => vec![
-            Block::text("These logs rule out all others. It is easily taken for:"),
+            Block::text("No other effect of the library explains these logs as well. It is easily taken for:"),
             Block::table(["effect", "how to tell"], rivals),
         ],
     }

@@ -33,24 +33,7 @@ pub struct Found<'a> {
 /// If the signals cannot be prepared.
 pub fn page(setup: &Setup, runs: &Runs, found: Found, provenance: Provenance) -> Result<Page> {
     let best = found.scored.iter().find(|one| one.variant == Variant::SavitzkyGolay).unwrap_or(&found.scored[0]);
-    let noise: Vec<f64> = setup.sensors.iter().map(|sensor| sensor.torque_noise).collect();
-    let above: Vec<&str> = setup
-        .plant
-        .joints
-        .iter()
-        .zip(best.score.torque_std_held_out_nm.iter().zip(&noise))
-        .filter(|(_, (error, noise))| error > noise)
-        .map(|(joint, _)| joint.name.as_str())
-        .collect();
-    let verdict = match above.is_empty() {
-        true => "The identified model predicts the torque of an unseen motion to within the noise of the torque sensors, on \
-                 every joint."
-            .to_owned(),
-        false => format!(
-            "The identified model misses the torque of an unseen motion by more than the sensors' noise on {}.",
-            above.join(", ")
-        ),
-    };
+    let (good, verdict) = console::verdict(setup, best);
     let (joints, contenders) = rows(setup, runs, found.model, best)?;
     let believed = joints.iter().map(|joint| rms(&valid(joint, 0))).zip(&joints).map(|(rms, joint)| rms / joint.noise);
     let worst = believed.fold(0.0, f64::max);
@@ -62,7 +45,7 @@ pub fn page(setup: &Setup, runs: &Runs, found: Found, provenance: Provenance) ->
     Ok(Page {
         kind: format!("Identification of {} in simulation: {}", setup.plant.name, setup.scenario.name),
         verdict,
-        tone: if above.is_empty() { Tone::Good } else { Tone::Warn },
+        tone: if good { Tone::Good } else { Tone::Warn },
         lead: vec![
             format!(
                 "{} base parameters of {} joints were identified from {:.1} s of motion with Savitzky-Golay smoothing and \

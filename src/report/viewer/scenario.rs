@@ -6,7 +6,7 @@ use crate::dynamics::Motion;
 use crate::error::Result;
 use crate::excitation::Reference;
 use crate::identification::model::Model;
-use crate::report::console::significant;
+use crate::report::console::{self, significant};
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Run, Runs, Scored};
 
@@ -148,9 +148,10 @@ fn text(setup: &Setup, scored: Option<&Scored>) -> String {
         })
         .collect();
     format!(
-        "# {}\n\n{} base parameters identified from the training motion.\n\n| joint | torque error, held out | torque noise \
+        "# {}\n\n{}\n\n{} base parameters identified from the training motion.\n\n| joint | torque error, held out | torque noise \
          |\n|---|---|---|\n{rows}\n{legend}\n",
         setup.scenario.name,
+        console::verdict(setup, scored).1,
         scored.estimate.beta.len()
     )
 }

@@ -186,7 +186,7 @@ fn findings_are_marked_in_time() {
     }
     assert_eq!(evidence.ranking[0].family.joint, 1);
 
-    let film = viewer::diagnosis::film(&setup.known, &[test], &found, None);
+    let film = viewer::diagnosis::film(&setup.known, &[test], &found, "Verdict", None);
     let marks: Vec<_> = film.markers.iter().filter(|marker| marker.finding).collect();
     assert!(!marks.is_empty() && marks.len() <= 5);
     for mark in marks {

@@ -1,16 +1,20 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
 use super::{DONE, Global, print};
-use crate::diagnosis::{self, Options, diagnose};
-use crate::effects;
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, screen, still_joints};
+use crate::diagnosis::{Input, Options, conclude, held_out};
+use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
 use crate::output::ResultFolder;
-use crate::recording::{self, Recording};
-use crate::report::diagnosis::{self as report, SCHEMA};
+use crate::recording::Recording;
+use crate::recording::lenient::{self, ColumnMap};
+use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
 use crate::report::html::{self, Provenance};
 use crate::report::viewer;
-use crate::robot::{self, InertiaCheck};
+use crate::robot::{self, InertiaCheck, Robot};
+use crate::scenario::{Arm, Scenario};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -18,15 +22,21 @@ use std::time::Duration;
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// URDF of the arm.
-    #[arg(long, value_name = "URDF")]
-    robot: PathBuf,
-    /// Log to identify from; repeat for more.
+    /// URDF of the arm; that of the scenario where absent.
+    #[arg(long, value_name = "URDF", required_unless_present = "scenario")]
+    robot: Option<PathBuf>,
+    /// Log to find from; repeat for more.
     #[arg(long, value_name = "LOG", required = true)]
     train: Vec<PathBuf>,
     /// Log of another motion to judge by; repeat for more. Without any, the last part of every training log.
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
+    /// Log from before a change; repeat for more. The question is then what changed since: a payload, wear, a new hose.
+    #[arg(long, value_name = "LOG")]
+    reference: Vec<PathBuf>,
+    /// The simulation as it stands: its arm, friction, gravity and effects are known, and what else is missing is asked.
+    #[arg(long, value_name = "SCENARIO")]
+    scenario: Option<PathBuf>,
     /// Whether the URDF's inertias are believed, or re-identified.
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
@@ -42,6 +52,9 @@ pub struct Arguments {
     /// Effect to look for; repeat for more. All of the library where absent.
     #[arg(long, value_name = "EFFECT")]
     candidates: Vec<String>,
+    /// Leave out the simulation of what was found along the held-out motion.
+    #[arg(long)]
+    no_resimulation: bool,
 }
 
 /// Diagnoses and writes the results folder.
@@ -52,21 +65,31 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     for name in &arguments.candidates {
         effects::find(name)?;
     }
-    let check = match arguments.trust {
-        Trust::Nominal => InertiaCheck::Required,
-        Trust::Structure => InertiaCheck::Ignored,
-    };
-    let mut robot = robot::load(&arguments.robot, check)?;
-    if let Some(gravity) = &arguments.gravity {
-        robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
-    }
-    let names = robot.joint_names();
-    let load = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
-        paths.iter().map(|path| recording::load(path, Some(&names))).collect()
-    };
-    let (train, test) = (load(&arguments.train)?, load(&arguments.test)?);
-    let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
+    let Simulation { robot, effects, scenario } = simulation(arguments)?;
+    let bar = spinner(global);
+    let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
+    let (train, test, reference) = (load(&arguments.train)?, load(&arguments.test)?, load(&arguments.reference)?);
+    refuse_twice("--test", arguments, &train, &test)?;
+    refuse_twice("--reference", arguments, &train, &reference)?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
+    let faults = faults(&train, &test, &reference, &robot);
+    if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
+        bar.finish_and_clear();
+        let result = report::stopped(&robot, arguments.alpha, &faults);
+        folder.write_json("diagnosis.json", SCHEMA, &result)?;
+        let path = folder.finish()?;
+        print::result(global, SCHEMA, &result, || {
+            format!("{}\nResults in {}", report::stopped_lines(&faults), path.display())
+        })?;
+        return Ok(DONE);
+    }
+
+    let input = Input {
+        train: recordings(&train),
+        test: recordings(&test),
+        reference: recordings(&reference),
+        present: effects,
+    };
     let options = Options {
         trust: arguments.trust,
         alpha: arguments.alpha,
@@ -74,31 +97,124 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         seed: global.seed.unwrap_or_default(),
         candidates: arguments.candidates.clone(),
     };
-    let bar = spinner(global);
-    let diagnosis = diagnose(&robot, &train, &test, &options, &mut |found| {
+    let model = Model::new(&robot);
+    let conclusion = conclude(&model, &input, &options, &mut |found| {
         bar.set_message(format!("{found} effects found so far, testing the next"));
     })?;
+    bar.set_message("simulating the extended model along the held-out motion");
+    let extended = conclusion.extended()?;
+    let resimulation = match arguments.no_resimulation {
+        true => None,
+        false => match conclusion.resimulate(&extended) {
+            Ok(run) => Some(run),
+            Err(problem) => {
+                tracing::warn!("the extended model was not simulated: {problem}");
+                None
+            }
+        },
+    };
     bar.finish_and_clear();
 
-    let result = report::result(&robot, &diagnosis);
+    let diagnosis = &conclusion.diagnosis;
+    let measured = conclusion.measured(&input.train);
+    let written = Scenario::of(
+        &extended.robot,
+        EXTENDED_URDF.as_ref(),
+        &extended.effects,
+        scenario.as_ref(),
+        &measured,
+        options.seed,
+    );
+    folder.write_text(EXTENDED_URDF, &robot::with_parameters(&extended.robot)?)?;
+    folder.write_text(EXTENDED_SCENARIO, &written.to_toml()?)?;
+    let result = report::result(&robot, diagnosis, resimulation.as_ref(), &faults);
     folder.write_json("diagnosis.json", SCHEMA, &result)?;
-    let held_out = diagnosis::held_out(&train, &test);
-    let logs: Vec<&Recording> = held_out.iter().collect();
-    let page = html::diagnosis::page(&robot, &diagnosis, &train, &logs, Provenance::here(Some(options.seed)));
+    let lines = report::lines(&robot, diagnosis, resimulation.as_ref(), &faults);
+    let held_out = held_out(&input);
+    let held_out: Vec<&Recording> = held_out.iter().collect();
+    let logs = html::diagnosis::Logs { train: &input.train, held_out: &held_out, faults: &faults };
+    let provenance = Provenance::here(Some(options.seed));
+    let page = html::diagnosis::page(&robot, diagnosis, resimulation.as_ref(), logs, provenance);
     folder.write_text(html::FILE, &page.render())?;
-    viewer::add(&folder, || Ok(viewer::diagnosis::film(&robot, &logs, &diagnosis, None)))?;
+    let simulated = resimulation.as_ref().map(|run| &run.positions[..]);
+    viewer::add(&folder, || Ok(viewer::diagnosis::film(&robot, &held_out, diagnosis, &lines, simulated)))?;
     let path = folder.finish()?;
-    print::result(global, SCHEMA, &result, || {
-        format!("{}\nResults in {}", report::lines(&robot, &diagnosis), path.display())
-    })?;
+    print::result(global, SCHEMA, &result, || format!("{lines}\nResults in {}", path.display()))?;
     Ok(DONE)
+}
+
+/// The simulation as it stands.
+struct Simulation {
+    robot: Robot,
+    effects: Vec<Placed>,
+    scenario: Option<Scenario>,
+}
+
+fn simulation(arguments: &Arguments) -> Result<Simulation> {
+    let check = match arguments.trust {
+        Trust::Nominal => InertiaCheck::Required,
+        Trust::Structure => InertiaCheck::Ignored,
+    };
+    let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
+    let mut robot = match (&arguments.robot, &arm) {
+        (Some(path), _) => robot::load(path, check)?,
+        (None, Some(arm)) => arm.known.clone(),
+        (None, None) => return Err(Error::request("--robot", "give the arm's URDF, or a --scenario that names one")),
+    };
+    if let Some(gravity) = &arguments.gravity {
+        robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
+    }
+    let mut effects = Vec::new();
+    if let (Some(path), Some(arm)) = (&arguments.scenario, &arm) {
+        for spec in &arm.scenario.effects {
+            effects.push(spec.place(&robot).map_err(|problem| Error::input(path, None, "effect", problem))?);
+        }
+    }
+    Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
+}
+
+fn screened(path: &PathBuf, robot: &Robot) -> Result<Screened> {
+    screen(&path.display().to_string(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot)
+}
+
+fn recordings(logs: &[Screened]) -> Vec<&Recording> {
+    logs.iter().flat_map(|log| &log.pieces).collect()
+}
+
+/// All faults; a joint that moves in no training log stops the diagnosis too.
+fn faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
+    let still = still_joints(train, robot);
+    let stills = still.into_iter().map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
+    let logs = train.iter().chain(test).chain(reference);
+    let mut all: Vec<DataFault> = stills.collect();
+    let told = logs.flat_map(|log| log.faults.iter().cloned());
+    let told: Vec<DataFault> =
+        told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
+    all.extend(told);
+    all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
+    all
+}
+
+/// A log that is given twice judges nothing.
+fn refuse_twice(option: &str, arguments: &Arguments, train: &[Screened], others: &[Screened]) -> Result<()> {
+    let same = |a: &Screened, b: &Screened| {
+        let pairs = a.pieces.iter().zip(&b.pieces);
+        a.pieces.len() == b.pieces.len() && pairs.clone().all(|(a, b)| a.time == b.time && a.q == b.q)
+    };
+    for (path, log) in arguments.train.iter().zip(train) {
+        if others.iter().any(|other| same(log, other)) {
+            let problem = format!("has the same log as --train {}; give a log of another motion", path.display());
+            return Err(Error::request(option, problem));
+        }
+    }
+    Ok(())
 }
 
 /// How many rounds it takes depends on what is found, so there is no bar to fill.
 fn spinner(global: &Global) -> ProgressBar {
     let hidden = global.quiet || global.json;
     let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(None, target).with_message("testing all candidates");
+    let bar = ProgressBar::with_draw_target(None, target).with_message("looking at the logs");
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }

@@ -32,6 +32,11 @@ impl Arm {
         Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust }
     }
 
+    /// The arm as found.
+    pub fn found(&self) -> &Robot {
+        &self.found
+    }
+
     /// Columns of the baseline: rotor inertia, viscous and Coulomb friction of every joint, and where the inertias are
     /// not believed all base parameters.
     pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
@@ -116,17 +121,32 @@ impl Arm {
         torque
     }
 
-    /// What each placed effect adds to the logged torque over the rows, against the arm as found.
+    /// What each placed effect adds to the logged torque over the rows from after the change in question (all rows where no
+    /// log is from before), against the arm as found.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn added(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+        self.added_since(rows.before, placed, rows)
+    }
+
+    /// [`Arm::added`] over all rows, those from before the change too.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn added_throughout(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+        self.added_since(0, placed, rows)
+    }
+
+    fn added_since(&self, first: usize, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+        let absent = |log: &Log| vec![Channels::zeros(rows.dof(), log.time.len()); BATCH];
         let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
         let batches: Vec<Vec<Column>> = jobs
             .into_par_iter()
             .map(|batch| {
-                let logs: Vec<Vec<Channels>> =
-                    rows.logs.iter().map(|log| self.added_to(batch, log)).collect::<Result<_>>()?;
+                let logs = rows.logs.iter().enumerate();
+                let logs = logs.map(|(k, log)| if k < first { Ok(absent(log)) } else { self.added_to(batch, log) });
+                let logs: Vec<Vec<Channels>> = logs.collect::<Result<_>>()?;
                 Ok((0..batch.len())
                     .map(|index| {
                         let of_logs: Vec<&Channels> = logs.iter().map(|log| &log[index]).collect();

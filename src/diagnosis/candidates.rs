@@ -13,6 +13,9 @@ const BASELINE: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_frict
 /// Effects whose departure is a level: absent at zero, smaller the higher it is.
 const LEVELS: [&str; 1] = ["torque_saturation"];
 
+/// Effects that come from outside.
+const EVENTS: [&str; 1] = ["external_contact"];
+
 /// Points over the range of a shape, alone or one of several, and how far the range reaches to either side of the typical
 /// size.
 const ALONE: usize = 10;
@@ -25,6 +28,15 @@ const CUT_OFF: [f64; 6] = [0.99, 0.96, 0.92, 0.87, 0.8, 0.7];
 /// Sizes of departures of which the torque is not linear, as multiples of the typical one.
 const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
+/// Highest speed of a transition at low speed, over the joint's top speed; range of a drift's time constant, over the longest
+/// log.
+const LOW_SPEED: f64 = 0.3;
+const SHORTEST_DRIFT: f64 = 0.05;
+const LONGEST_DRIFT: f64 = 3.0;
+
+/// Share of a group's largest column below which a column is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Highest harmonic of a ripple scan, and lengths of contacts, s.
 const HIGHEST_HARMONIC: f64 = 60.0;
 const CONTACTS_S: [f64; 3] = [1.5, 3.0, 6.0];
@@ -34,6 +46,8 @@ const CONTACTS_S: [f64; 3] = [1.5, 3.0, 6.0];
 pub struct Candidate {
     /// The effect; its amplitudes play no part, its departures are the sizes at which columns are taken.
     pub placed: Placed,
+    /// The training log in which it acts; None for all logs.
+    pub log: Option<usize>,
     /// Torque per unit of every amplitude and departure, not whitened.
     pub columns: Vec<Column>,
 }
@@ -45,11 +59,28 @@ impl Candidate {
         matches!(linear(self.placed.effect).as_slice(), [only] if parameters[*only].lower == 0.0)
     }
 
+    /// Joints on which it has torque.
+    pub fn joints(&self) -> Vec<usize> {
+        let mut joints: Vec<usize> =
+            self.columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints
+    }
+
+    /// What it is, whatever its parameters, and where it acts.
+    pub fn slot(&self) -> Slot {
+        (self.family(), self.log)
+    }
+
     /// What it is, whatever its parameters.
     pub fn family(&self) -> Family {
         Family { effect: self.placed.effect.about().name, joint: self.placed.joint }
     }
 }
+
+/// An effect at a place, in one log or in all.
+pub type Slot = (Family, Option<usize>);
 
 /// An effect at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -103,16 +134,42 @@ pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Colu
     Ok(placed
         .iter()
         .map(|one| {
-            linear(one.effect)
-                .into_iter()
-                .zip(added.by_ref())
-                .map(|(index, mut column)| {
-                    column.scale(1.0 / size(one, index));
-                    column
-                })
-                .collect()
+            let indices = linear(one.effect);
+            let mut group: Vec<Column> = added.by_ref().take(indices.len()).collect();
+            let typical = |index: usize| one.effect.parameters()[index].typical.abs();
+            for (column, &index) in group.iter_mut().zip(&indices) {
+                column.scale(1.0 / size(one, index));
+            }
+            // Rounding is all that a direction has on which nothing depends.
+            let reach: Vec<f64> =
+                group.iter().zip(&indices).map(|(column, &index)| column.dot(column).sqrt() * typical(index)).collect();
+            let largest = reach.iter().fold(0.0f64, |m, r| m.max(*r));
+            for (column, reach) in group.iter_mut().zip(reach) {
+                if reach < ROUNDING * largest {
+                    *column = Column::default();
+                }
+            }
+            group
         })
         .collect())
+}
+
+/// Columns of placed effects of which each acts in one log only, or in all.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn columns_in(arm: &Arm, rows: &Rows, log: Option<usize>, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
+    let mut groups = columns(arm, rows, placed)?;
+    if let Some(log) = log {
+        let own = rows.starts[log]..rows.starts[log + 1];
+        let outside = |column: &mut Column| {
+            for (_, values) in &mut column.parts {
+                values.iter_mut().enumerate().filter(|(row, _)| !own.contains(row)).for_each(|(_, value)| *value = 0.0);
+            }
+        };
+        groups.iter_mut().flatten().for_each(outside);
+    }
+    Ok(groups)
 }
 
 /// The effect with one amplitude or departure at a time.
@@ -143,19 +200,42 @@ pub fn all(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<
     let placed: Vec<Placed> = LIBRARY
         .iter()
         .copied()
-        .filter(|effect| is_candidate(*effect, trust, only))
+        .filter(|effect| is_candidate(*effect, trust, only) || (rows.before > 0 && is_wanted(*effect, only)))
         .flat_map(|effect| places(effect, rows.dof()).flat_map(move |joint| grid(effect, joint, rows)))
         .collect();
-    let columns = columns(arm, rows, &placed)?;
-    let candidates = placed.into_iter().zip(columns).map(|(placed, columns)| Candidate { placed, columns });
-    Ok(candidates.filter(|candidate| candidate.columns.iter().any(Column::is_sound)).collect())
+    let groups = columns(arm, rows, &placed)?;
+    let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate { placed, log: None, columns });
+    let mut candidates: Vec<Candidate> =
+        candidates.filter(|candidate| candidate.columns.iter().any(Column::is_sound)).collect();
+    // What happens to the arm from outside happens in one log.
+    if rows.logs.len() > 1 {
+        let events: Vec<Placed> =
+            candidates.iter().filter(|c| is_event(c.placed.effect)).map(|c| c.placed.clone()).collect();
+        for log in 0..rows.logs.len() {
+            let groups = columns_in(arm, rows, Some(log), &events)?;
+            let own = events.iter().cloned().zip(groups);
+            candidates.extend(own.map(|(placed, columns)| Candidate { placed, log: Some(log), columns }));
+        }
+    }
+    Ok(candidates)
+}
+
+/// Whether an effect comes and goes on its own, whatever the motion.
+pub fn is_event(effect: &dyn Effect) -> bool {
+    EVENTS.contains(&effect.about().name)
+}
+
+/// Whether an effect is to be looked for: against logs from before a change nothing hides it.
+pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
+    only.is_empty() || only.iter().any(|name| name == effect.about().name)
 }
 
 /// Whether an effect can be told from the baseline at all.
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
-    let wanted = only.is_empty() || only.iter().any(|name| name == about.name);
-    wanted && !BASELINE.contains(&about.name) && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
+    is_wanted(effect, only)
+        && !BASELINE.contains(&about.name)
+        && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
 }
 
 /// Where an effect can be placed on an arm.
@@ -215,8 +295,32 @@ fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> V
         .collect()
 }
 
-fn shape_grid(parameter: &Parameter, alone: bool, joint: usize, rows: &Rows) -> Vec<f64> {
+/// Bounds of a shape on a joint as it moves in these logs: what is called a transition at low speed must lie at low speed, and
+/// a time constant longer than the logs is a drift.
+pub fn shape_bounds(parameter: &Parameter, joint: usize, rows: &Rows) -> (f64, f64) {
     let (low, high) = (parameter.lower, parameter.upper);
+    let (least, most) = match parameter.unit {
+        "rad/s" => (0.0, LOW_SPEED * fastest(rows, joint)),
+        "s" if parameter.role == Role::Shape && low > 0.0 => {
+            let longest = duration(rows);
+            (SHORTEST_DRIFT * longest, LONGEST_DRIFT * longest)
+        }
+        _ => (low, high),
+    };
+    let least = low.max(least).min(high);
+    (least, high.min(most).max(least))
+}
+
+fn fastest(rows: &Rows, joint: usize) -> f64 {
+    rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint)).fold(0.0, |m, v| m.max(v.abs()))
+}
+
+fn duration(rows: &Rows) -> f64 {
+    rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max)
+}
+
+fn shape_grid(parameter: &Parameter, alone: bool, joint: usize, rows: &Rows) -> Vec<f64> {
+    let (low, high) = shape_bounds(parameter, joint, rows);
     if parameter.unit == "1/turn" {
         let step = (std::f64::consts::PI / (2.0 * range(rows, joint))).max(0.4);
         let count = ((HIGHEST_HARMONIC - low) / step) as usize;
@@ -239,7 +343,7 @@ fn range(rows: &Rows, joint: usize) -> f64 {
 
 /// Contacts of a few lengths, at any time of the longest log.
 fn contacts(typical: &Placed, rows: &Rows) -> Vec<Placed> {
-    let end = rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max);
+    let end = duration(rows);
     let of_length = |length: f64| {
         (0..).map(move |k| f64::from(k) * 0.5 * length).take_while(move |start| start + 0.5 * length < end).map(
             move |start| {

@@ -56,6 +56,11 @@ impl Column {
         Column { parts: parts.collect() }
     }
 
+    /// The same on some joints only.
+    pub fn only(&self, joints: &[usize]) -> Self {
+        Column { parts: self.parts.iter().filter(|(joint, _)| joints.contains(joint)).cloned().collect() }
+    }
+
     /// Whether all values are numbers and not all are zero.
     pub fn is_sound(&self) -> bool {
         !self.parts.is_empty() && self.parts.iter().flat_map(|(_, values)| values).all(|v| v.is_finite())

@@ -1,6 +1,6 @@
 //! One round of the search: the scan of all candidates, and the contest of the best for the name.
 
-use super::candidates::{Candidate, Family, linear, shapes};
+use super::candidates::{Candidate, Family, Slot, linear, shapes};
 use super::score::{Projection, Scanned, effective_tests, log_survival};
 use super::session::{Judged, Member, Session};
 use super::whitening::Whitener;
@@ -36,13 +36,15 @@ pub struct Alternative {
 #[derive(Debug)]
 pub struct Scan {
     judged: Vec<Judged>,
+    /// Whether a change is looked for, which may go either way.
+    change: bool,
 }
 
 impl Scan {
     /// Tests all candidates; those that cannot be told or make no sense are left out.
     pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
         let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
-        Scan { judged }
+        Scan { judged, change: session.train.rows.before > 0 }
     }
 
     /// How many independent tests the scan is worth.
@@ -50,16 +52,20 @@ impl Scan {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
-            .map(|one| Scanned { columns: &one.whitened, test: &one.test, one_sided: one.candidate.one_sided() })
+            .map(|one| Scanned {
+                columns: &one.whitened,
+                test: &one.test,
+                one_sided: one.candidate.one_sided() && !self.change,
+            })
             .collect();
         effective_tests(fit, &scanned, &whitener.rows(), seed)
     }
 
     /// The likeliest candidate of every family, the best first.
     pub fn best_per_family(&self) -> Vec<&Judged> {
-        let mut best: BTreeMap<Family, &Judged> = BTreeMap::new();
+        let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
         for judged in &self.judged {
-            let place = best.entry(judged.candidate.family()).or_insert(judged);
+            let place = best.entry(judged.candidate.slot()).or_insert(judged);
             if judged.test.log_p() < place.test.log_p() {
                 *place = judged;
             }
@@ -93,14 +99,14 @@ pub fn contest(
     members: &[Member],
     best: &[&Judged],
     all: &[Candidate],
-    open: &dyn Fn(&Family) -> bool,
+    open: &dyn Fn(&Candidate) -> bool,
 ) -> Result<(Judged, Vec<Alternative>)> {
     let present = session.all_columns(&session.train, members)?;
     let mut leader: Option<(f64, Candidate)> = None;
     for judged in best.iter().take(SHORTLIST) {
         let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
-        let whitener = session.whitener(&with);
-        let fit = Projection::new(&whitener.apply_all(&present), &whitener.apply(&session.train.torque));
+        let whitener = session.noise_under(&with).whitener;
+        let fit = whitener.fit(&present, &session.train.torque);
         let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { continue };
         let own = session.refined(own, &whitener, &fit)?;
         let left = fit.left() - own.test.statistic;
@@ -113,10 +119,10 @@ pub fn contest(
 
     // From here on all are seen in the same whitening, that under the leader.
     let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
-    let whitener = session.whitener(&with);
-    let fit = Projection::new(&whitener.apply_all(&present), &whitener.apply(&session.train.torque));
+    let whitener = session.noise_under(&with).whitener;
+    let fit = whitener.fit(&present, &session.train.torque);
     let again: Vec<Candidate> =
-        all.iter().filter(|candidate| open(&candidate.family())).cloned().chain([leader.clone()]).collect();
+        all.iter().filter(|candidate| open(candidate)).cloned().chain([leader.clone()]).collect();
     let scan = Scan::new(session, &again, &whitener, &fit);
     let ranked = scan.best_per_family();
     let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
@@ -149,7 +155,7 @@ pub fn contest(
 
 /// The fit with a candidate and the derivatives to its shapes.
 fn with_tangents(session: &Session, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<Projection> {
-    let tangents = session.tangents(&session.train, &judged.candidate.placed, &judged.test.values)?;
+    let tangents = session.tangents(&session.train, &judged.candidate, &judged.test.values)?;
     Ok(fit.with(&judged.whitened).with(&whitener.apply_all(&tangents)))
 }
 

@@ -76,6 +76,10 @@ impl Evidence {
             (0..rows.dof()).map(|joint| column.part(joint).map_or_else(zeros, <[f64]>::to_vec)).collect()
         };
         let effect = |member: &Member| -> Result<Vec<Vec<f64>>> {
+            // What happened in a training log did not happen here.
+            if member.candidate.log.is_some() {
+                return Ok(table(&Column::default()));
+            }
             let columns = columns(&session.arm, rows, std::slice::from_ref(&member.candidate.placed))?.concat();
             Ok(table(&combined(&columns, &member.factors)))
         };

@@ -2,31 +2,47 @@
 //!
 //! | step | file |
 //! |---|---|
+//! | faults of the data, before any physics | [`screening`] |
+//! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`] |
-//! | noise of each joint, from what a rich regression leaves | [`whitening`] |
+//! | which bodies are believable | [`bodies`] |
+//! | noise of each joint, from what a rich regression leaves | [`whitening`], [`innovations`] |
 //! | score tests, and the level of the best of many | [`score`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
 //! | structure that no candidate carries | [`unexplained`] |
-//! | the answer | [`verdict`] |
+//! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
+//! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
 
 pub mod arm;
+pub mod bodies;
 pub mod candidates;
 pub mod column;
+pub mod conclusion;
 pub mod contest;
+pub mod derived;
+pub mod estimates;
 pub mod evidence;
+pub mod extended;
+pub mod gap;
+pub mod innovations;
+pub mod known;
+pub mod residual_structure;
+pub mod resimulation;
 pub mod rows;
 pub mod score;
+pub mod screening;
 pub mod selection;
 pub mod session;
 pub mod unexplained;
 pub mod verdict;
 pub mod whitening;
 
-pub use verdict::{Diagnosis, Verdict, diagnose, held_out};
+pub use conclusion::{Conclusion, Input, conclude, diagnose, held_out};
+pub use verdict::{Diagnosis, Verdict};
 
 use crate::identification::effect_model::Trust;
 
@@ -47,6 +63,6 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { trust: Trust::Structure, alpha: 0.05, max_findings: 6, seed: 0, candidates: Vec::new() }
+        Options { trust: Trust::Structure, alpha: 0.05, max_findings: 12, seed: 0, candidates: Vec::new() }
     }
 }

@@ -35,8 +35,20 @@ const REVERSAL_NEIGHBOURS: usize = 2;
 /// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
 const MEMORY: f64 = 1.0;
 
-/// Fewest rows that count on every joint.
-const FEWEST_ROWS: usize = 200;
+/// The same at an end of the log at which the arm moves: the filter starts from a motion that it cannot know, and a tiny
+/// share of an arm's torque is much against its noise.
+const MEMORY_OF_ENDS: f64 = 5.0;
+
+/// Stretch at an end that tells whether the arm moves there, s.
+const END_S: f64 = 0.1;
+
+/// Share of a joint's motion that reversals may not take.
+const KEPT_SHARE: f64 = 0.6;
+
+/// Fewest rows that count on every joint, to identify from.
+pub const FEWEST_ROWS: usize = 100;
+/// Fewest rows that count on every joint, to judge by.
+pub const FEWEST_TEST_ROWS: usize = 30;
 
 /// One log made ready, at its own rate.
 #[derive(Debug, Clone)]
@@ -84,36 +96,51 @@ pub struct Rows {
     pub valid: Vec<Vec<bool>>,
     /// Measured torque, `[joint][row]`.
     pub torque: Vec<Vec<f64>>,
+    /// The first so many logs are from before the change in question: what changed plays no part there.
+    pub before: usize,
 }
 
 impl Rows {
-    /// Makes logs ready with positions smoothed at `cutoff_hz`.
+    /// Makes logs ready with positions smoothed at `cutoff_hz`; `fewest` rows must count on every joint.
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
-    pub fn new(recordings: &[&Recording], cutoff_hz: f64) -> Result<Self> {
+    pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
         let dof = first.joints();
-        let mut rows =
-            Rows { logs: Vec::new(), starts: vec![0], valid: vec![Vec::new(); dof], torque: vec![Vec::new(); dof] };
+        let mut rows = Rows {
+            logs: Vec::new(),
+            starts: vec![0],
+            valid: vec![Vec::new(); dof],
+            torque: vec![Vec::new(); dof],
+            before: 0,
+        };
         for recording in recordings {
             let log = prepared(recording, cutoff_hz)?;
-            let margin = (MEMORY * recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
+            let blocks = |periods: f64| (periods * recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
+            let margin = blocks(MEMORY);
+            let ends = rests(recording).map(|rests| blocks(if rests { MEMORY } else { MEMORY_OF_ENDS }));
             for joint in 0..dof {
-                rows.torque[joint].extend(log.blocks(recording.tau.channel(joint)));
-                rows.valid[joint].extend(usable(&log, joint, margin));
+                // A torque that is not a number is one that must not be used.
+                let torque = log.blocks(recording.tau.channel(joint));
+                let valid = usable(&log, joint, margin, ends)
+                    .into_iter()
+                    .zip(&torque)
+                    .map(|(ok, value)| ok && value.is_finite());
+                rows.valid[joint].extend(valid);
+                rows.torque[joint].extend(torque.iter().map(|&value| if value.is_finite() { value } else { 0.0 }));
             }
             rows.starts.push(rows.torque[0].len());
             rows.logs.push(log);
         }
         for (joint, valid) in rows.valid.iter().enumerate() {
             let count = valid.iter().filter(|&&ok| ok).count();
-            if count < FEWEST_ROWS {
+            if count < fewest {
                 let problem = format!(
                     "only {:.1} s of the logs are usable (the joint moves faster than {REVERSAL_BAND} rad/s there); a \
                      diagnosis needs {:.0} s or more: record a longer motion in which this joint takes part",
                     count as f64 * BLOCK_S,
-                    FEWEST_ROWS as f64 * BLOCK_S
+                    fewest as f64 * BLOCK_S
                 );
                 return Err(Error::request(format!("joint `{}`", first.joints[joint]), problem));
             }
@@ -134,6 +161,29 @@ impl Rows {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// First row from after the change in question.
+    pub fn changed_from(&self) -> usize {
+        self.starts[self.before]
+    }
+
+    /// Signals over the rows, each in two where there are rows from before the change: one for before, one for after.
+    pub fn apart(&self, signals: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let change = self.changed_from();
+        if change == 0 {
+            return signals;
+        }
+        let part = |signal: &[f64], after: bool| -> Vec<f64> {
+            signal.iter().enumerate().map(|(row, &x)| if (row >= change) == after { x } else { 0.0 }).collect()
+        };
+        signals.iter().flat_map(|signal| [part(signal, false), part(signal, true)]).collect()
+    }
+
+    /// A signal over the rows with zeros before the change.
+    pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
+        signal[..self.changed_from()].fill(0.0);
+        signal
     }
 
     /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.
@@ -218,9 +268,22 @@ fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
     Ok(Log { time: recording.time.clone(), motion, period: 1.0 / rate, low_pass, block })
 }
 
-/// Blocks of a joint away from the ends of the log and from reversals.
-fn usable(log: &Log, joint: usize, margin: usize) -> Vec<bool> {
-    let neighbours = margin.max(REVERSAL_NEIGHBOURS);
+/// Whether all joints rest at the start and at the end of a log.
+fn rests(recording: &Recording) -> [bool; 2] {
+    let samples = recording.samples();
+    let stretch = ((END_S * recording.rate_hz()) as usize).clamp(1, samples - 1);
+    let moved = |from: usize| {
+        (0..recording.joints()).any(|joint| {
+            let q = recording.q.channel(joint);
+            (q[from + stretch] - q[from]).abs() > REVERSAL_BAND * END_S
+        })
+    };
+    [!moved(0), !moved(samples - 1 - stretch)]
+}
+
+/// Blocks of a joint away from the ends of the log and from reversals. The full memory of the low-pass is left out around
+/// reversals where that leaves most of the motion; a joint that turns round all the time keeps more.
+fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
     let slow: Vec<bool> = log
         .motion
         .qd
@@ -231,12 +294,19 @@ fn usable(log: &Log, joint: usize, margin: usize) -> Vec<bool> {
             turns || block.iter().any(|v| v.abs() < REVERSAL_BAND)
         })
         .collect();
-    (0..slow.len())
-        .map(|row| {
-            let near = row.saturating_sub(neighbours)..(row + neighbours + 1).min(slow.len());
-            row >= margin && row + margin < slow.len() && !slow[near].contains(&true)
-        })
-        .collect()
+    let away = |neighbours: usize| -> Vec<bool> {
+        (0..slow.len())
+            .map(|row| {
+                let near = row.saturating_sub(neighbours)..(row + neighbours + 1).min(slow.len());
+                row >= ends[0] && row + ends[1] < slow.len() && !slow[near].contains(&true)
+            })
+            .collect()
+    };
+    let count = |rows: &[bool]| rows.iter().filter(|&&ok| ok).count() as f64;
+    let most = away(REVERSAL_NEIGHBOURS);
+    let enough = KEPT_SHARE * count(&most);
+    let fewer = (REVERSAL_NEIGHBOURS + 1..=margin).rev().map(away);
+    fewer.into_iter().find(|rows| count(rows) >= enough).unwrap_or(most)
 }
 
 #[cfg(test)]
@@ -268,15 +338,20 @@ mod tests {
 
     #[test]
     fn rows_near_reversals_and_ends_do_not_count() {
-        let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let mut q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        // At rest in the beginning.
+        let start = q.channel(0)[125];
+        q.channel_mut(0)[..125].fill(start);
         let tau = Channels::zeros(1, 10_000);
         let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
         let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
-        let rows = Rows::new(&[&log], 5.0).unwrap();
+        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
         assert_eq!(rows.len(), 1000);
-        // The first reversal is at a quarter of the period of 2.5 s, block 31.
-        assert!(!rows.valid[0][0] && !rows.valid[0][31] && !rows.valid[0][999]);
-        assert!(rows.valid[0][20] && rows.valid[0][60]);
-        assert!(Rows::new(&[&log.time_slice(0.0..3.0)], 5.0).unwrap_err().to_string().contains("`a`"));
+        // A reversal every half period of 2.5 s: blocks 31, 94, ..
+        assert!(!rows.valid[0][0] && !rows.valid[0][94] && !rows.valid[0][999]);
+        assert!(rows.valid[0][60] && rows.valid[0][120]);
+        // At the end the arm moves: nothing counts within five periods of the low-pass, 1 s.
+        assert!(rows.valid[0][950..].iter().all(|&ok| !ok) && rows.valid[0][930..950].contains(&true));
+        assert!(Rows::new(&[&log.time_slice(0.0..1.5)], 5.0, FEWEST_ROWS).unwrap_err().to_string().contains("`a`"));
     }
 }

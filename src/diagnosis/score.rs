@@ -72,6 +72,12 @@ impl Projection {
 
     /// The score test of a group of whitened columns; None where the baseline can do all they can.
     pub fn test(&self, columns: &[Column]) -> Option<Test> {
+        self.test_with_prior(columns, &vec![f64::INFINITY; columns.len()])
+    }
+
+    /// The score test of columns whose factors are known beforehand to lie near zero, with these standard deviations: an
+    /// observation of zero is added for each.
+    pub fn test_with_prior(&self, columns: &[Column], spread: &[f64]) -> Option<Test> {
         let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
         if !norms.iter().all(|norm| norm.is_finite()) {
             return None;
@@ -85,9 +91,18 @@ impl Projection {
         });
         gram.fill_lower_triangle_with_upper_triangle();
         gram -= along.tr_mul(&along);
-        let eigen = SymmetricEigen::new(gram);
+        let known = DMatrix::from_fn(count, count, |r, c| if r == c { (norms[c] * spread[c]).powi(-2) } else { 0.0 });
+        let eigen = SymmetricEigen::new(&gram + &known);
         let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > TESTABLE).collect();
-        if kept.is_empty() {
+        // Directions that the prior holds more than the rows do are not free.
+        let free: f64 = kept
+            .iter()
+            .map(|&k| {
+                let direction = eigen.eigenvectors.column(k);
+                direction.dot(&(&gram * direction)) / eigen.eigenvalues[k]
+            })
+            .sum();
+        if free < 0.5 {
             return None;
         }
         let directions = DMatrix::from_fn(count, kept.len(), |r, k| {
@@ -99,7 +114,7 @@ impl Projection {
         let covariance = &directions * directions.transpose();
         Some(Test {
             statistic: scores.norm_squared(),
-            freedom: kept.len(),
+            freedom: free.round() as usize,
             values: values.iter().zip(&norms).map(|(v, norm)| v / norm).collect(),
             std: covariance.diagonal().iter().zip(&norms).map(|(v, norm)| v.sqrt() / norm).collect(),
             along,

@@ -2,12 +2,12 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::candidates::{self, Family};
+use super::candidates::{self, Candidate, Family, Slot};
 use super::column::Column;
 use super::contest::{Alternative, Scan, contest};
 use super::evidence::{Ranked, ranking};
 use super::score::{Projection, family_wise};
-use super::session::{Judged, Member, Session};
+use super::session::{Judged, Member, Noise, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -21,8 +21,11 @@ const STRETCH: usize = 50;
 /// One-sided 95 % point of the normal distribution.
 const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
 
+/// Candidates of each round that the log names.
+const LOGGED: usize = 14;
+
 /// Candidates that held-out logs may refuse before the search ends.
-const REFUSALS: usize = 3;
+const REFUSALS: usize = 12;
 
 /// An effect that was found.
 #[derive(Debug, Clone)]
@@ -60,7 +63,7 @@ pub struct Selection {
 struct Round {
     whitener: Whitener,
     fit: Projection,
-    all: Vec<candidates::Candidate>,
+    all: Vec<Candidate>,
     scan: Scan,
 }
 
@@ -70,19 +73,33 @@ struct Round {
 /// If a log is too short to differentiate.
 pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
-    let mut refused: Vec<Family> = Vec::new();
+    let mut refused: Vec<Slot> = Vec::new();
     let mut round = look(session, &mut found, options)?;
     let first_whitener = round.whitener.clone();
     let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && refused.len() < REFUSALS {
         progress(found.len());
-        let taken: Vec<Family> = found.iter().map(|found| found.member.candidate.family()).collect();
-        let open = |family: &Family| !taken.contains(family) && !refused.contains(family);
+        let taken: Vec<Slot> = found.iter().map(|found| found.member.candidate.slot()).collect();
+        let open = |candidate: &Candidate| {
+            let slot = candidate.slot();
+            !refused.contains(&slot)
+                && !taken.iter().any(|(family, log)| *family == slot.0 && (*log == slot.1 || log.is_none()))
+        };
         let mut best = round.scan.best_per_family();
-        best.retain(|judged| open(&judged.candidate.family()));
+        best.retain(|judged| open(&judged.candidate));
         let Some(first) = best.first() else { break };
         let level = family_wise(first.test.log_p(), tests);
+        for judged in best.iter().take(LOGGED) {
+            let (family, test) = (judged.candidate.family(), &judged.test);
+            tracing::debug!(
+                ?family,
+                statistic = test.statistic,
+                freedom = test.freedom,
+                log_p = test.log_p(),
+                "candidate"
+            );
+        }
         if level > options.alpha {
             break;
         }
@@ -90,13 +107,14 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         let (winner, alternatives) = contest(session, &members, &best, &round.all, &open)?;
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
         let accepted = if level > options.alpha { None } else { accepted(session, &members, &winner)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms });
                 round = look(session, &mut found, options)?;
             }
-            None => refused.push(winner.candidate.family()),
+            None => refused.push(winner.candidate.slot()),
         }
     }
     if drop_superfluous(session, &mut found)? {
@@ -110,12 +128,12 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
 fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Round> {
     let mut members = members(found);
     let present = session.all_columns(&session.train, &members)?;
-    let whitener = session.whitener(&present);
+    let Noise { whitener, .. } = session.noise_under(&present);
     session.settle(&mut members, &whitener)?;
     found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
     let all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
     let columns = session.all_columns(&session.train, &members)?;
-    let fit = Projection::new(&whitener.apply_all(&columns), &whitener.apply(&session.train.torque));
+    let fit = whitener.fit(&columns, &session.train.torque);
     let scan = Scan::new(session, &all, &whitener, &fit);
     Ok(Round { whitener, fit, all, scan })
 }
@@ -130,34 +148,45 @@ struct Gain {
     rms: [Vec<f64>; 2],
 }
 
-/// The winner as a member of the model with its gain on the held-out rows, if that is surely positive.
+/// The winner as a member of the model with its gain on the held-out rows, if that is surely positive. An event of one
+/// training log shows in no other: its gain is that on the training rows.
 fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, Gain)>> {
     let member = Member::new(winner);
     let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
-    let whitener = session.whitener(&session.all_columns(&session.train, &with)?);
+    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
     let before = session.held_out_residual(members, &whitener)?;
     let after = session.held_out_residual(&with, &whitener)?;
-    let unseen = whitener.on(&session.test.rows);
-    let bound = gain_lower_bound(&unseen, &before, &after, session.test.rows.len());
+    let joints = winner.candidate.joints();
+    let bound = match winner.candidate.log {
+        None => gain_lower_bound(&whitener.on(&session.test.rows), &before, &after, &joints, session.test.rows.len()),
+        Some(_) => {
+            let [before, after] =
+                [members, &with].map(|members| session.residual_on(&session.train, members, &whitener));
+            gain_lower_bound(&whitener, &before?, &after?, &joints, session.train.rows.len())
+        }
+    };
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
+    tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
     Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
-/// Lower 95 % bound of the share of the whitened sum of squares that is gained, from its scatter over stretches of the rows.
-fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, rows: usize) -> f64 {
-    let (before, after) = (unseen.apply(before), unseen.apply(after));
-    let mut gains = vec![0.0; rows / STRETCH + 1];
+/// Lower 95 % bound of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
+///
+/// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
+/// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
+fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
+    let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
+    let mut gain = 0.0;
+    let mut chance = vec![0.0; rows / STRETCH + 1];
     for (joint, values) in &before.parts {
         let Some(others) = after.part(*joint) else { continue };
         for ((place, b), a) in unseen.places(*joint).iter().zip(values).zip(others) {
-            gains[place / STRETCH] += b * b - a * a;
+            gain += b * b - a * a;
+            chance[place / STRETCH] += 2.0 * a * (b - a);
         }
     }
-    let total: f64 = gains.iter().sum();
-    let mean = total / gains.len() as f64;
-    let scatter: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-    let std = (scatter * gains.len() as f64 / (gains.len() as f64 - 1.0).max(1.0)).sqrt();
-    (total - NORMAL_95_ONE_SIDED * std) / before.dot(&before).max(f64::MIN_POSITIVE)
+    let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
+    (gain - NORMAL_95_ONE_SIDED * std) / before.dot(&before).max(f64::MIN_POSITIVE)
 }
 
 /// Root mean square over the rows that count, `[joint]`.
@@ -178,13 +207,12 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
     let mut dropped = false;
     while found.len() > 1 {
         let all = members(found);
-        let whitener = session.whitener(&session.all_columns(&session.train, &all)?);
-        let torque = whitener.apply(&session.train.torque);
+        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &all)?);
         let mut least = (f64::NEG_INFINITY, 0);
         for index in 0..all.len() {
             let others: Vec<Member> =
                 all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, member)| member.clone()).collect();
-            let fit = Projection::new(&whitener.apply_all(&session.all_columns(&session.train, &others)?), &torque);
+            let fit = whitener.fit(&session.all_columns(&session.train, &others)?, &session.train.torque);
             let log_p = fit.test(&whitener.apply_all(&all[index].candidate.columns)).map_or(0.0, |test| test.log_p());
             if log_p > least.0 {
                 least = (log_p, index);

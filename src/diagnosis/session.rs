@@ -1,12 +1,14 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
 use super::arm::Arm;
-use super::candidates::{Candidate, bends, columns, is_level, linear, shapes, straight_below};
+use super::bodies;
+use super::candidates::{Candidate, bends, columns_in, is_level, linear, shape_bounds, shapes, straight_below};
 use super::column::{Column, combined};
-use super::rows::{Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
+use super::known::Known;
+use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::{Projection, Test};
-use super::whitening::Whitener;
-use crate::effects::{Parameter, Placed};
+use super::whitening::{Beside, Whitener};
+use crate::effects::{Parameter, Placed, Role};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -32,6 +34,10 @@ const SIZE_FACTOR: f64 = 2.0;
 /// Standard deviations by which an estimate may lie beyond a bound.
 const BEYOND_BOUND: f64 = 3.0;
 
+/// Mean square of a joint's whitened residual from which it counts as misfit, and rounds of growing the noise to it.
+const MISFIT: f64 = 1.2;
+const MISFIT_ROUNDS: usize = 2;
+
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
 
@@ -44,6 +50,8 @@ pub struct Side {
     pub baseline: Vec<Column>,
     /// Measured torque less what is believed.
     pub torque: Column,
+    /// Whether it is identified from.
+    pub training: bool,
 }
 
 /// What is under diagnosis.
@@ -53,6 +61,8 @@ pub struct Session<'a> {
     pub model: &'a Model,
     /// What is believed of it.
     pub trust: Trust,
+    /// What is known before anything is tested.
+    pub known: Known<'a>,
     /// The arm as found so far.
     pub arm: Arm,
     /// Logs that are identified from.
@@ -76,6 +86,15 @@ pub struct Member {
     pub factors: Vec<f64>,
 }
 
+/// The noise under a model and the model's fit in its units.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    /// Makes the noise white.
+    pub whitener: Whitener,
+    /// The fit of the model.
+    pub fit: Projection,
+}
+
 /// A candidate with its test in some whitening.
 #[derive(Debug, Clone)]
 pub struct Judged {
@@ -93,20 +112,41 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        let arm = Arm::new(model.robot(), trust);
-        let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
-        let side = |logs: &[&Recording], cutoff_hz: f64| -> Result<Side> {
-            let rows = Rows::new(logs, cutoff_hz)?;
+        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
+    }
+
+    /// Makes the logs ready with what is known beside the robot description.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn knowing(
+        model: &'a Model,
+        trust: Trust,
+        known: Known<'a>,
+        train: &[&Recording],
+        test: &[&Recording],
+    ) -> Result<Self> {
+        let arm = known.arm.clone();
+        let before = known.reference.len();
+        let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
+        let (train, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
+        let side = |logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
+            let mut rows = Rows::new(logs, cutoff_hz, fewest)?;
+            rows.before = before;
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
-            Ok(Side { baseline: arm.baseline(model, &rows), torque, rows })
+            torque.add(-1.0, &known.torque(&rows)?);
+            let mut baseline = arm.baseline(model, &rows);
+            baseline.extend(known.derivatives(&rows)?);
+            Ok(Side { baseline, torque, rows, training: fewest == FEWEST_ROWS })
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
         let mut best: Option<(f64, f64, Side)> = None;
         for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(side) = side(train, hz) else { continue };
-            let unexpected = Whitener::new(&side.rows, &side.torque, &side.baseline).mean_log_scale();
+            let Ok(side) = side(train, before, hz, FEWEST_ROWS) else { continue };
+            let unexpected =
+                Whitener::new(&side.rows, &side.torque, &side.baseline, Beside::RichColumns).mean_log_scale();
             if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
                 best = Some((unexpected, hz, side));
             }
@@ -114,10 +154,10 @@ impl<'a> Session<'a> {
         let (cutoff_hz, train) = match best {
             Some((_, hz, train)) => (hz, train),
             // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, side(train, WIDEST_HZ)?),
+            None => (WIDEST_HZ, side(train, before, WIDEST_HZ, FEWEST_ROWS)?),
         };
-        let test = side(test, cutoff_hz)?;
-        Ok(Session { model, trust, arm, train, test, cutoff_hz })
+        let test = side(test, 0, cutoff_hz, FEWEST_TEST_ROWS)?;
+        Ok(Session { model, trust, known, arm, train, test, cutoff_hz })
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
@@ -138,8 +178,15 @@ impl<'a> Session<'a> {
     pub fn all_columns(&self, side: &Side, members: &[Member]) -> Result<Vec<Column>> {
         let mut all = side.baseline.clone();
         for member in members {
-            all.extend(columns(&self.arm, &side.rows, std::slice::from_ref(&member.candidate.placed))?.concat());
-            all.extend(self.tangents(side, &member.candidate.placed, &member.factors)?);
+            if side.training || member.candidate.log.is_none() {
+                let Candidate { placed, log, .. } = &member.candidate;
+                all.extend(columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed))?.concat());
+                all.extend(self.tangents(side, &member.candidate, &member.factors)?);
+            } else {
+                // What happened in a training log did not happen here.
+                let effect = member.placed.effect;
+                all.extend(vec![Column::default(); linear(effect).len() + shapes(effect).len()]);
+            }
         }
         Ok(all)
     }
@@ -148,7 +195,8 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn tangents(&self, side: &Side, placed: &Placed, factors: &[f64]) -> Result<Vec<Column>> {
+    pub fn tangents(&self, side: &Side, candidate: &Candidate, factors: &[f64]) -> Result<Vec<Column>> {
+        let Candidate { placed, log, .. } = candidate;
         let mut tangents = Vec::new();
         for index in shapes(placed.effect) {
             let parameter = &placed.effect.parameters()[index];
@@ -160,7 +208,7 @@ impl<'a> Session<'a> {
             };
             let (ahead, behind) = (moved(step), moved(-step));
             let apart = ahead.parameters[index] - behind.parameters[index];
-            let both = columns(&self.arm, &side.rows, &[ahead, behind])?;
+            let both = columns_in(&self.arm, &side.rows, *log, &[ahead, behind])?;
             let mut tangent = combined(&both[0], factors);
             tangent.add(-1.0, &combined(&both[1], factors));
             tangent.scale(1.0 / apart);
@@ -169,16 +217,65 @@ impl<'a> Session<'a> {
         Ok(tangents)
     }
 
-    /// The noise under the baseline, the columns in `extra` and the rich regression.
-    pub fn whitener(&self, present: &[Column]) -> Whitener {
-        Whitener::new(&self.train.rows, &self.train.torque, present)
+    /// The noise under the columns of a model, each joint's grown to what the model leaves there where that is more: a joint
+    /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
+    pub fn noise_under(&self, present: &[Column]) -> Noise {
+        self.noise_beside(present, Beside::RichColumns)
+    }
+
+    fn noise_beside(&self, present: &[Column], beside: Beside) -> Noise {
+        let mut whitener = Whitener::new(&self.train.rows, &self.train.torque, present, beside);
+        let mut fit = whitener.fit(present, &self.train.torque);
+        for _ in 0..MISFIT_ROUNDS {
+            let excess: Vec<f64> = whitener
+                .rows()
+                .into_iter()
+                .enumerate()
+                .map(|(joint, count)| {
+                    let left: f64 = fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
+                    left / count.max(1) as f64
+                })
+                .collect();
+            if excess.iter().all(|mean| *mean < MISFIT) {
+                break;
+            }
+            let factors: Vec<f64> = excess.iter().map(|mean| mean.max(1.0).sqrt()).collect();
+            whitener = whitener.with_misfit(&factors);
+            fit = whitener.fit(present, &self.train.torque);
+        }
+        Noise { whitener, fit }
     }
 
     /// Tests a candidate; None where it cannot be told from what the fit has, or its estimate makes no sense.
     pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
-        let whitened = whitener.apply_all(&candidate.columns);
-        let test = fit.test(&whitened)?;
-        is_physical(candidate, &test).then(|| Judged { candidate: candidate.clone(), whitened, test })
+        let mut candidate = candidate.clone();
+        let mut whitened = whitener.apply_all(&candidate.columns);
+        let effect = candidate.placed.effect;
+        let change = self.train.rows.before > 0;
+        let spread = bodies::prior(self.model.robot(), &candidate.placed);
+        loop {
+            let test = fit.test_with_prior(&whitened, &spread)?;
+            if is_physical(&candidate, &test, change) {
+                let mut placed = candidate.placed.clone();
+                linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
+                let believable = is_level(effect) || bodies::is_believable(self.model.robot(), &placed);
+                return believable.then_some(Judged { candidate, whitened, test });
+            }
+            // An amplitude beyond its bound is one that is not there; the others may do without it.
+            let parameters = effect.parameters();
+            let beyond = linear(effect).into_iter().enumerate().filter(|(k, index)| {
+                let Parameter { role, lower, upper, .. } = parameters[*index];
+                role == Role::Amplitude && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
+            });
+            let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
+                (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())
+            })?;
+            candidate.columns[worst] = Column::default();
+            whitened[worst] = Column::default();
+            if !whitened.iter().any(Column::is_sound) {
+                return None;
+            }
+        }
     }
 
     /// Moves the shapes and sizes of a candidate to where its test is largest.
@@ -187,10 +284,11 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
         let effect = start.candidate.placed.effect;
+        let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
         let mut best = start;
         let at = |placed: Placed| -> Result<Option<Judged>> {
-            let columns = columns(&self.arm, &self.train.rows, std::slice::from_ref(&placed))?.concat();
-            Ok(self.judge(&Candidate { placed, columns }, whitener, fit))
+            let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&placed))?.concat();
+            Ok(self.judge(&Candidate { placed, log, columns }, whitener, fit))
         };
         let shapes = shapes(effect);
         let mut share = 0.25;
@@ -200,7 +298,8 @@ impl<'a> Session<'a> {
                 for sign in [1.0, -1.0] {
                     let mut placed = best.candidate.placed.clone();
                     let value = &mut placed.parameters[index];
-                    *value = bounded(parameter, moved(parameter, *value, sign * share));
+                    let (low, high) = shape_bounds(parameter, joint, &self.train.rows);
+                    *value = moved(parameter, *value, sign * share).clamp(low, high);
                     if let Some(judged) = at(placed)?
                         && judged.test.statistic > best.test.statistic
                     {
@@ -214,7 +313,7 @@ impl<'a> Session<'a> {
                 break;
             }
         }
-        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == crate::effects::Role::Departure);
+        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure);
         for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
             let mut placed = best.candidate.placed.clone();
             for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
@@ -336,14 +435,14 @@ pub fn solve(columns: &[Column], torque: &Column) -> Solved {
     }
 }
 
-/// Whether the estimate can be: within its bounds to within its uncertainty.
-fn is_physical(candidate: &Candidate, test: &Test) -> bool {
+/// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
+fn is_physical(candidate: &Candidate, test: &Test, change: bool) -> bool {
     let effect = candidate.placed.effect;
     if is_level(effect) {
         let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
         return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
     }
-    if candidate.one_sided() && test.values[0] <= 0.0 {
+    if candidate.one_sided() && !change && test.values[0] <= 0.0 {
         return false;
     }
     if let [only] = linear(effect)[..]
@@ -359,8 +458,9 @@ fn is_physical(candidate: &Candidate, test: &Test) -> bool {
     }
     let estimates = test.values.iter().zip(&test.std);
     linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
-        let Parameter { lower, upper, .. } = effect.parameters()[index];
-        value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper
+        let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+        (change && role == Role::Amplitude)
+            || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
     })
 }
 

@@ -1,7 +1,6 @@
 //! What is left when no more effects pass: generic functions of the motion and of time tell whether it has structure.
 
 use super::column::Column;
-use super::score::Projection;
 use super::session::{Member, Session};
 use super::whitening::{Whitener, rich};
 use crate::error::Result;
@@ -80,7 +79,7 @@ fn blocks(session: &Session, joint: usize) -> Vec<(&'static str, Vec<Vec<f64>>)>
 /// If a log is too short to differentiate.
 pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, alpha: f64) -> Result<Vec<Unexplained>> {
     let columns = session.all_columns(&session.train, members)?;
-    let fit = Projection::new(&whitener.apply_all(&columns), &whitener.apply(&session.train.torque));
+    let fit = whitener.fit(&columns, &session.train.torque);
     let dof = session.train.rows.dof();
     let mut found = Vec::new();
     for joint in 0..dof {
@@ -90,15 +89,18 @@ pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, a
         let best = blocks
             .into_iter()
             .filter_map(|(structure, block)| {
-                let block: Vec<Column> =
-                    block.into_iter().map(|signal| whitener.apply(&Column::on(joint, signal))).collect();
+                let block: Vec<Column> = block
+                    .into_iter()
+                    .map(|signal| whitener.apply(&Column::on(joint, session.train.rows.since_change(signal))))
+                    .collect();
                 Some((structure, fit.test(&block)?))
             })
             .min_by(|(_, a), (_, b)| a.log_p().total_cmp(&b.log_p()));
         if let Some((structure, test)) = best {
             let family_wise_p = (tests * test.log_p().exp()).min(1.0);
             if family_wise_p < STRICTER * alpha {
-                let share = test.statistic / left.max(f64::MIN_POSITIVE);
+                // The fit minimises over all joints, so that it can give more than this joint has.
+                let share = (test.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
                 found.push(Unexplained { joint, share, structure, family_wise_p });
             }
         }

@@ -6,7 +6,9 @@
 //! idea indirect inference).
 
 use super::column::Column;
+use super::innovations::InnovationsFilter;
 use super::rows::Rows;
+use super::score::Projection;
 use crate::identification::noise::AutoregressiveNoise;
 use crate::random;
 use rayon::prelude::*;
@@ -32,22 +34,33 @@ pub struct Whitener {
 
 #[derive(Debug, Clone)]
 struct JointWhitener {
-    noise: AutoregressiveNoise,
-    /// Rows that count and whose past does.
-    rows: Vec<usize>,
+    filter: InnovationsFilter,
+    /// What the fit leaves beyond the noise: factor on the noise's standard deviation.
+    misfit: f64,
+}
+
+/// What the regression under the noise holds beside the model itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beside {
+    /// Nothing: what the model leaves counts as noise.
+    Nothing,
+    /// Smooth functions of each joint's motion, so that the noise does not swallow what is to be found.
+    RichColumns,
 }
 
 impl Whitener {
-    /// From what `torque` has beyond the baseline, the effects in `present`, and the rich columns.
-    pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+    /// From what `torque` has beyond the columns in `present` (the baseline, effects) and those `beside` it.
+    pub fn new(rows: &Rows, torque: &Column, present: &[Column], beside: Beside) -> Self {
         let joints = (0..rows.dof())
             .into_par_iter()
             .map(|joint| {
                 let mut columns: Vec<Vec<f64>> =
                     present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
-                columns.extend(rich(rows, joint));
+                if beside == Beside::RichColumns {
+                    columns.extend(rich(rows, joint));
+                }
                 let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
-                JointWhitener::new(&rows.valid[joint], &signal, columns, joint)
+                JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint)
             })
             .collect();
         Whitener { joints }
@@ -64,44 +77,57 @@ impl Whitener {
         columns.iter().map(|column| self.apply(column)).collect()
     }
 
-    /// Rows that count, whitened, of each joint.
+    /// The least-squares fit of `torque` by `columns`, none of them whitened yet.
+    pub fn fit(&self, columns: &[Column], torque: &Column) -> Projection {
+        Projection::new(&self.apply_all(columns), &self.apply(torque))
+    }
+
+    /// The number of rows that count of each joint.
     pub fn rows(&self) -> Vec<usize> {
-        self.joints.iter().map(|joint| joint.rows.len()).collect()
+        self.joints.iter().map(|joint| joint.filter.rows().len()).collect()
     }
 
     /// The same noise over other rows.
     pub fn on(&self, rows: &Rows) -> Whitener {
-        let joints = self.joints.iter().zip(&rows.valid);
-        let joints = joints.map(|(joint, valid)| JointWhitener {
-            noise: joint.noise.clone(),
-            rows: with_past(valid, joint.noise.coefficients.len()),
+        let joints = self.joints.iter().zip(&rows.valid).map(|(joint, valid)| JointWhitener {
+            filter: InnovationsFilter::new(joint.filter.noise().clone(), valid, &rows.starts),
+            misfit: joint.misfit,
         });
         Whitener { joints: joints.collect() }
     }
 
-    /// Standard deviation of each joint's noise in the rows, N m.
-    pub fn noise_std(&self) -> Vec<f64> {
-        self.joints.iter().map(|joint| joint.std()).collect()
+    /// The same noise with each joint's standard deviation times a factor, for what the model leaves beyond the noise.
+    pub fn with_misfit(mut self, factors: &[f64]) -> Whitener {
+        self.joints.iter_mut().zip(factors).for_each(|(joint, factor)| joint.misfit *= factor);
+        self
     }
 
-    /// Sum over all rows of the logarithm of the standard deviation of what is new in them.
+    /// Standard deviation of each joint's noise in the rows, without what the model leaves beyond it, N m.
+    pub fn noise_std(&self) -> Vec<f64> {
+        self.joints.iter().map(|joint| joint.filter.noise().std()).collect()
+    }
+
+    /// Sum over all rows of the logarithm of the standard deviation of what is new in them, misfit included.
     pub fn log_scale(&self) -> f64 {
-        self.joints.iter().map(|joint| joint.rows.len() as f64 * joint.noise.innovation_std.ln()).sum()
+        self.joints
+            .iter()
+            .map(|joint| joint.filter.rows().len() as f64 * (joint.misfit * joint.filter.noise().innovation_std).ln())
+            .sum()
     }
 
     /// Sum over the joints of the logarithm of the standard deviation of what is new in a row.
     pub fn mean_log_scale(&self) -> f64 {
-        self.joints.iter().map(|joint| joint.noise.innovation_std.ln()).sum()
+        self.joints.iter().map(|joint| joint.filter.noise().innovation_std.ln()).sum()
     }
 
     /// Row of the logs of each whitened row of a joint.
     pub fn places(&self, joint: usize) -> &[usize] {
-        &self.joints[joint].rows
+        self.joints[joint].filter.rows()
     }
 }
 
 impl JointWhitener {
-    fn new(valid: &[bool], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize) -> Self {
+    fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize) -> Self {
         let masked = |signal: &[f64]| -> Vec<f64> {
             signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect()
         };
@@ -124,44 +150,23 @@ impl JointWhitener {
             noise = AutoregressiveNoise::from_autocovariance(&corrected);
         }
         noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
-        let mut whitener = JointWhitener { rows: with_past(valid, noise.coefficients.len()), noise };
+        let mut filter = InnovationsFilter::new(noise, valid, starts);
         // The scale once more from what is white: the autocovariances alone carry the error of the correction.
-        let white = orthonormal(columns.iter().map(|column| whitener.apply(column)).collect());
-        let rest = residual(&white, whitener.apply(torque));
+        let white = orthonormal(columns.iter().map(|column| filter.apply(column)).collect());
+        let rest = residual(&white, filter.apply(torque));
         let freedom = rest.len().saturating_sub(white.len()).max(1) as f64;
         let scale = (rest.iter().map(|x| x * x).sum::<f64>() / freedom).sqrt();
         if scale > 0.0 {
-            whitener.noise.innovation_std *= scale;
+            filter.scale_noise(scale);
         }
-        whitener
+        JointWhitener { filter, misfit: 1.0 }
     }
 
     fn apply(&self, signal: &[f64]) -> Vec<f64> {
-        let AutoregressiveNoise { coefficients, innovation_std } = &self.noise;
-        self.rows
-            .iter()
-            .map(|&row| {
-                let past: f64 = coefficients.iter().enumerate().map(|(k, a)| a * signal[row - 1 - k]).sum();
-                (signal[row] - past) / innovation_std
-            })
-            .collect()
+        let mut white = self.filter.apply(signal);
+        white.iter_mut().for_each(|x| *x /= self.misfit);
+        white
     }
-
-    /// Standard deviation of the noise itself: the response to a unit of what is new, summed in squares.
-    fn std(&self) -> f64 {
-        const MEMORY: usize = 2000;
-        let mut response = vec![1.0];
-        for t in 1..MEMORY {
-            let past = self.noise.coefficients.iter().enumerate();
-            response.push(past.filter(|(k, _)| *k < t).map(|(k, a)| a * response[t - 1 - k]).sum());
-        }
-        self.noise.innovation_std * response.iter().map(|x: &f64| x * x).sum::<f64>().sqrt()
-    }
-}
-
-/// Rows that count and before which `order` rows count.
-fn with_past(valid: &[bool], order: usize) -> Vec<usize> {
-    (order..valid.len()).filter(|&row| valid[row - order..=row].iter().all(|&ok| ok)).collect()
 }
 
 /// Autocovariances from the pairs of which both count.
@@ -245,19 +250,13 @@ mod tests {
         let runs = 20;
         for run in 0..runs {
             let noise = truth.simulate(samples, &mut random::stream(3, "whitening", run));
-            let found = JointWhitener::new(&valid, &noise, columns.clone(), 0);
+            let found = JointWhitener::new(&valid, &[0, samples], &noise, columns.clone(), 0);
             let lag = AutoregressiveNoise::from_autocovariance(&lags(&noise, &valid));
-            first += (found.noise.coefficients[0] - lag.coefficients[0]) / runs as f64;
-            scale += found.std() / runs as f64;
+            first += (found.filter.noise().coefficients[0] - lag.coefficients[0]) / runs as f64;
+            scale += found.filter.noise().std() / runs as f64;
         }
         let stationary = 2.0 / (1.0f64 - 0.85 * 0.85).sqrt();
         assert!(first.abs() < 0.03, "{first}");
         assert!((scale / stationary - 1.0).abs() < 0.1, "{scale} against {stationary}");
-    }
-
-    #[test]
-    fn rows_after_a_gap_have_no_past() {
-        let valid = [true, true, true, false, true, true, true, true];
-        assert_eq!(with_past(&valid, 2), [2, 6, 7]);
     }
 }

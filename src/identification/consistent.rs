@@ -82,8 +82,12 @@ pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &
     Ok(Consistent { train_rms: rms(&training), test_rms, ..solution })
 }
 
-/// The parameters nearest to `fitted` in the metric of `normal`; residuals stay empty.
-fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Consistent> {
+/// The parameters nearest to the base parameters `fitted` in the metric of `normal`, their inverse covariance; residuals stay
+/// empty.
+///
+/// # Errors
+/// If `normal` is not positive definite.
+pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Consistent> {
     let failed = || Error::request("consistent inertias", "the normal matrix of the fit is not positive definite");
     let program = Program::new(model, normal, fitted).ok_or_else(failed)?;
     let point = program.minimize();

@@ -39,6 +39,17 @@ impl AutoregressiveNoise {
         AutoregressiveNoise { coefficients, innovation_std: variance.max(0.0).sqrt() }
     }
 
+    /// Standard deviation of the noise itself: the response to a unit of what is new, summed in squares.
+    pub fn std(&self) -> f64 {
+        const MEMORY: usize = 2000;
+        let mut response = vec![1.0];
+        for t in 1..MEMORY {
+            let past = self.coefficients.iter().enumerate();
+            response.push(past.filter(|(k, _)| *k < t).map(|(k, a)| a * response[t - 1 - k]).sum());
+        }
+        self.innovation_std * response.iter().map(|x: &f64| x * x).sum::<f64>().sqrt()
+    }
+
     /// A stretch of this noise.
     pub fn simulate(&self, samples: usize, source: &mut impl Rng) -> Vec<f64> {
         let mut noise = Vec::with_capacity(RUN_IN + samples);

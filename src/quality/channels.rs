@@ -6,6 +6,9 @@ use std::f64::consts::TAU;
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
 
+/// Speed up to the last sample before that which no joint loses within a sample, rad/s or m/s.
+const STOPS_DEAD: f64 = 0.2;
+
 /// Path that a joint or its neighbours must go meanwhile, rad or m.
 const PATH: f64 = 0.02;
 
@@ -97,7 +100,11 @@ fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
         let runs_on = velocity.is_some_and(|qd| rms(&qd[start..end]) * length as f64 * view.period > PATH);
-        length >= shortest && (makes_up || runs_on)
+        // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
+        let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);
+        let stops_dead =
+            end == q.len() && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
+        length >= shortest && (makes_up || runs_on || stops_dead)
     })?;
     let seconds = length as f64 * view.period;
     let text = format!("the position is frozen for {seconds:.3} s while the joint moves on; cut this part out");
@@ -122,15 +129,26 @@ fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }
 
-fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+/// Levels at which a torque is cut off, each with the number of samples there and the first of them; none for a torque of
+/// few digits.
+pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
+    if coarse(tau) {
+        return Vec::new();
+    }
     let (low, high) = extremes(tau);
     let at = |level: f64| {
         let long = runs(tau).filter(|&(start, length)| tau[start] == level && length >= CLIPPED_RUN);
-        long.fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }))
+        let (count, first) = long
+            .fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
+        (level, count, first)
     };
     // A sensor that never says zero does not rest at its extreme unless it is cut off there.
-    let sides = [low, high].into_iter().filter(|level| *level != 0.0).map(|level| (level, at(level)));
-    let (level, (count, first)) = sides.filter(|(_, (count, _))| *count >= CLIPPED).max_by_key(|(_, (n, _))| *n)?;
+    let levels = if low == high { vec![] } else { vec![low, high] };
+    levels.into_iter().filter(|level| *level != 0.0).map(at).filter(|(_, count, _)| *count >= CLIPPED).collect()
+}
+
+fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let (level, count, first) = clipping(tau).into_iter().max_by_key(|(_, count, _)| *count)?;
     let text = format!(
         "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; leave these samples out or \
          use a slower motion",

@@ -3,12 +3,14 @@
 //! Checks of single channels need nothing but the log. Those of torque fit a model to every joint: with a URDF the base
 //! parameters that act there, without one gravity, rotor and friction of the joint alone.
 
+mod arrangement;
 mod channels;
 mod clock;
 mod motion;
 mod torque;
 mod velocity;
 
+pub use channels::clipping;
 pub use motion::JointSummary;
 
 use crate::channels::Channels;

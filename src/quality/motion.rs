@@ -7,6 +7,9 @@ use std::f64::consts::{PI, TAU};
 /// A joint that stays within this hardly moves, rad or m; so does one that is never faster than twice the band.
 const STILL: f64 = 0.02;
 
+/// Positions of a joint are in another unit beyond this many times its limits; those of another joint may lie between.
+const BEYOND: f64 = 4.0;
+
 /// Range, speed and torque of a joint.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct JointSummary {
@@ -112,7 +115,7 @@ fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>) -> Option<Strin
     let largest = summary.range[0].abs().max(summary.range[1].abs());
     let (bound, fastest) = limits.map_or((f64::INFINITY, f64::INFINITY), |(l, u, v)| (l.abs().max(u.abs()), v));
     // Joints that turn without end, or wrists that turn twice, stay below two turns and a half.
-    let beyond = largest > if bound.is_finite() { 1.5 * bound.max(1.0) } else { 2.5 * TAU };
+    let beyond = largest > if bound.is_finite() { BEYOND * bound.max(1.0) } else { 2.5 * TAU };
     let in_degrees = largest / (180.0 / PI) < bound.min(2.5 * TAU) * 1.05;
     let too_fast = summary.speed > 5.0 * fastest;
     let fits_in_degrees = summary.speed / (180.0 / PI) < 1.5 * fastest;

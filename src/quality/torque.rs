@@ -5,6 +5,7 @@
 //! possible ones. The lag with the smallest residual tells the dead time, where the arm is known: a model of a joint alone
 //! would take the pull of the other joints for one.
 
+use super::arrangement::{Arrangement, arrangement};
 use super::motion::JointSummary;
 use super::velocity::vertex;
 use super::{BAND, Finding, Kind, Severity, View, correlation, rms, size_quantile};
@@ -69,14 +70,23 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     let nominal = robot.and_then(|robot| bodies(robot, &motion));
     let gains = nominal.map_or(vec![None; view.dof()], |nominal| gains(view, &nominal, &rows));
     let against: Vec<bool> = gains.iter().map(|gain| gain.is_some_and(|gain| gain < 0.0)).collect();
+    let tau = view.tau.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
+    let best =
+        model.as_ref().and_then(|model| arrangement(model, &motion, &tau, view.log.duration())).unwrap_or_default();
+    let in_order = best.torques.is_empty() && best.positions.is_none();
     for (joint, fit) in fits.iter().enumerate() {
         let Some(fit) = fit else { continue };
         let tau = view.tau.channel(joint);
         let share = fit.unexplained(tau, 0);
         summaries[joint].unexplained = Some(share);
         let driven = summaries[joint].reversals >= REVERSALS && fit.friction_gives_power(tau);
-        if driven || against[joint] {
-            let reason = if driven { "friction would have to drive the joint" } else { "it opposes the URDF's bodies" };
+        let flipped = best.flipped.contains(&joint);
+        if in_order && (driven || against[joint] || flipped) {
+            let reason = match (driven, flipped) {
+                (true, _) => "friction would have to drive the joint",
+                (_, true) => "it contradicts the torques of the other joints or what friction does",
+                _ => "it opposes the URDF's bodies",
+            };
             let text = format!("{reason}: the torque has the wrong sign; turn it round");
             out.push(Finding::new(Kind::TorqueSign, Severity::Warning, view.place("tau", joint), text));
         }
@@ -86,7 +96,10 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     }
     out.extend(dead_time(view, summaries));
     if robot.is_some() {
-        out.extend(swapped(view, &fits));
+        out.extend(out_of_order(view, &best));
+        if in_order {
+            out.extend(swapped(view, &fits));
+        }
     }
     out.extend(unit(&gains));
     let condition = model.map(|model| condition_number(&model, &columns, rows.len()));
@@ -262,6 +275,21 @@ fn swapped(view: &View, fits: &[Option<JointFit>]) -> Vec<Finding> {
         }
     }
     out
+}
+
+/// Columns that one arm explains only in another order.
+fn out_of_order(view: &View, best: &Arrangement) -> Vec<Finding> {
+    let [before, after] = best.unexplained.map(|share| 100.0 * share);
+    let told = |what: &str, quantity: &str, (a, b): (usize, usize)| {
+        let (first, second) = (&view.log.joints[a], &view.log.joints[b]);
+        let text = format!(
+            "the {what} of {first} and {second} are in each other's columns: exchanged, {after:.0} % of the torque stays \
+             unexplained instead of {before:.0} %; put the columns in order"
+        );
+        Finding::new(Kind::Swapped, Severity::Warning, view.place(quantity, a), text)
+    };
+    let torques = best.torques.iter().map(|&pair| told("torques", "tau", pair));
+    torques.chain(best.positions.map(|pair| told("positions", "q", pair))).collect()
 }
 
 /// Torque that the URDF's bodies need; None where it does not give possible ones.

@@ -7,10 +7,12 @@ mod locate;
 mod motions;
 mod setup;
 mod validate;
+mod written;
 
 pub use arm::Arm;
 pub use effects::{EffectSpec, joint as effect_joint};
-pub use setup::Setup;
+pub use setup::{Setup, drive_friction};
+pub use written::Measured;
 
 use crate::design::Workspace;
 use crate::error::{Error, Result};

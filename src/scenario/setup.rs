@@ -127,8 +127,8 @@ impl Setup {
     }
 }
 
-/// The friction of the plant's drives as effects.
-fn drive_friction(plant: &Robot) -> Vec<Placed> {
+/// The friction of an arm's drives as effects.
+pub fn drive_friction(plant: &Robot) -> Vec<Placed> {
     plant
         .joints
         .iter()

@@ -2,6 +2,7 @@
 
 pub mod controller;
 pub mod integrator;
+pub mod measured_motion;
 pub mod plant;
 pub mod rapier_arm;
 pub mod sensors;

@@ -3,6 +3,8 @@
 use super::evidence::{self, Contender, Joint};
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::diagnosis::candidates::Family;
+use crate::diagnosis::conclusion::Resimulation;
+use crate::diagnosis::screening::DataFault;
 use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::{self, About, Role};
@@ -22,25 +24,36 @@ const RANKED: usize = 12;
 /// 97.5 % point of the normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 
-/// The report of a diagnosis of `held_out` logs, after identification from `train`.
+/// What a diagnosis was given.
+#[derive(Debug, Clone, Copy)]
+pub struct Logs<'a> {
+    /// Logs to find from.
+    pub train: &'a [&'a Recording],
+    /// Logs to judge by, in the order of the evidence.
+    pub held_out: &'a [&'a Recording],
+    /// What is wrong with them.
+    pub faults: &'a [DataFault],
+}
+
+/// The report of a diagnosis; `resimulation` is what the simulator says of the extended model, where it was asked.
 pub fn page(
     robot: &Robot,
     diagnosis: &Diagnosis,
-    train: &[&Recording],
-    held_out: &[&Recording],
+    resimulation: Option<&Resimulation>,
+    logs: Logs,
     provenance: Provenance,
 ) -> Page {
-    let joints = rows(robot, diagnosis, held_out);
+    let joints = rows(robot, diagnosis, logs.held_out);
     let mut contenders = vec![contender("as described", Color::Green), contender("re-identified", Color::Blue)];
     if !diagnosis.found.is_empty() {
         contenders.push(contender("with the findings", Color::Orange));
     }
-    let mut sections = vec![how_far(robot, diagnosis)];
+    let mut sections = vec![how_far(robot, diagnosis, resimulation)];
     sections.push(findings(robot, diagnosis));
     sections.extend(evidence::sections(&joints, &contenders, ROW_S));
     sections.push(candidates(robot, diagnosis));
     sections.push(not_found(robot, diagnosis));
-    sections.push(quality(robot, diagnosis, train, held_out));
+    sections.push(quality(robot, diagnosis, logs));
     let (verdict, tone) = verdict(robot, diagnosis);
     Page {
         kind: format!("Diagnosis of {}", robot.name),
@@ -93,6 +106,7 @@ fn verdict(robot: &Robot, diagnosis: &Diagnosis) -> (String, Tone) {
             (format!("The model misses {}; the logs do not tell which.", names.join(", and ")), Tone::Warn)
         }
         Verdict::Unexplained => ("The model misses something that is not in the library of effects.".into(), Tone::Bad),
+        Verdict::NotTestable => ("Faults of the data forbid an answer.".into(), Tone::Bad),
         Verdict::None => ("The model explains the logs: nothing beyond the noise.".into(), Tone::Good),
     }
 }
@@ -147,7 +161,7 @@ fn values(found: &Found) -> Vec<String> {
         .collect()
 }
 
-fn how_far(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> Section {
     let rows = robot.joints.iter().enumerate().map(|(j, joint)| {
         let floor = diagnosis.noise_floor[j];
         let last =
@@ -162,6 +176,7 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         if !diagnosis.found.is_empty() {
             row.push(significant(last));
         }
+        row.extend(resimulation.map(|run| significant(run.extended_rms[j])));
         row.extend([significant(floor), format!("{:.2}", last / floor)]);
         row
     });
@@ -169,13 +184,17 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     if !diagnosis.found.is_empty() {
         header.push("with the findings");
     }
+    if resimulation.is_some() {
+        header.push("in the simulator");
+    }
     header.extend(["noise floor", "left / noise"]);
     Section::new(
         "How far off the model is",
         vec![
             Block::text(
                 "Root mean square of measured less predicted torque on held-out logs, over means of 20 ms: the arm as its \
-                 URDF describes it, with its parameters re-identified, and with the findings added.",
+                 URDF describes it, with its parameters re-identified, and with the findings added; in the simulator: the \
+                 extended model driven along the measured motion in rapier.",
             ),
             Block::table(header, rows.collect()),
         ],
@@ -332,7 +351,8 @@ fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     )
 }
 
-fn quality(robot: &Robot, diagnosis: &Diagnosis, train: &[&Recording], held_out: &[&Recording]) -> Section {
+fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
+    let Logs { train, held_out, faults } = given;
     let log = |kind: &str, index: usize, log: &Recording| {
         let cells = [log.samples().to_string(), format!("{:.1} s", log.duration()), format!("{:.0} Hz", log.rate_hz())];
         [format!("{kind} {}", index + 1)].into_iter().chain(cells).collect::<Vec<String>>()
@@ -355,6 +375,12 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, train: &[&Recording], held_out:
         ]
     });
     let mut blocks = vec![Block::table(["log", "samples", "length", "rate"], logs.collect())];
+    if faults.is_empty() {
+        blocks.push(Block::text("No fault was found in the logs."));
+    } else {
+        let rows = faults.iter().map(|fault| vec![fault.log.clone(), fault.place.clone(), fault.text.clone()]);
+        blocks.push(Block::table(["log", "place", "what is wrong"], rows.collect()));
+    }
     if diagnosis.held_out_from_training {
         blocks.push(Block::text(
             "No test log was given: the last part of every training log was held out. A log of another motion is a harder \

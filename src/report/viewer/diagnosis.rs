@@ -11,12 +11,13 @@ use crate::robot::Robot;
 const MARKS: usize = 5;
 const APART_S: f64 = 1.0;
 
-/// The film of a diagnosis of the held-out `logs`; `simulated` are the positions of the same motions in a simulation of
-/// the arm as it is described, where there is one.
+/// The film of a diagnosis of the held-out `logs`; `told` is the answer in lines, `simulated` are the positions of the same motions in a simulation of
+/// the extended model, where there is one.
 pub fn film<'a>(
     robot: &'a Robot,
     logs: &[&Recording],
     diagnosis: &Diagnosis,
+    told: &str,
     simulated: Option<&[Channels]>,
 ) -> Film<'a> {
     let offsets = offsets(logs.iter().map(|log| [log.time[0], log.time[log.samples() - 1]]));
@@ -57,7 +58,7 @@ pub fn film<'a>(
     let mut film = Film {
         title: format!("diagnosis of {}", robot.name),
         robot,
-        text: text(robot, diagnosis),
+        text: text(robot, told),
         tracks,
         signals: Vec::new(),
         markers: markers(robot, diagnosis, &row_time, &rows, &offsets, logs),
@@ -149,15 +150,16 @@ fn strongest(
     chosen
 }
 
-fn text(robot: &Robot, diagnosis: &Diagnosis) -> String {
-    let lines = report::lines(robot, diagnosis);
-    let numbers = ["Held-out rms", "Noise  "];
-    let lines = lines.lines().filter(|line| !numbers.iter().any(|start| line.starts_with(start)));
-    let lines: Vec<&str> = lines.map(str::trim_start).collect();
+fn text(robot: &Robot, told: &str) -> String {
+    // Tables are set in spaces, which Markdown needs to be told.
+    let lines = told.split("\n\n").map(|part| match part.lines().any(|line| line.trim_start().contains("   ")) {
+        true => format!("```text\n{part}\n```"),
+        false => part.lines().map(str::trim_start).collect::<Vec<_>>().join("\n\n"),
+    });
     format!(
         "# {}\n\n{}\n\nResiduals: arm as described grey, re-identified blue, with the findings orange, noise floor purple. \
-         Gaps are reversals.\n",
+         Gaps are reversals. Solid arm: as measured. Outline: the extended model in the simulator.\n",
         robot.name,
-        lines.join("\n\n")
+        lines.collect::<Vec<_>>().join("\n\n")
     )
 }

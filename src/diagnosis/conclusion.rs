@@ -1,0 +1,304 @@
+//! The whole way from logs to the answer, and from the answer back to the simulator.
+
+use super::Options;
+use super::arm::Arm;
+use super::column::{Column, combined};
+use super::derived::derived;
+use super::estimates::Estimates;
+use super::evidence::Evidence;
+use super::extended::ExtendedModel;
+use super::gap::{Share, gain, gap_closed};
+use super::known::Known;
+use super::residual_structure::residual_structure;
+use super::resimulation::resimulate;
+use super::selection::{Found, Selection, rms, select};
+use super::session::{Member, Session, Side};
+use super::unexplained::unexplained;
+use super::verdict::{Diagnosis, next_experiment, not_found, verdict};
+use super::whitening::Whitener;
+use crate::channels::Channels;
+use crate::effects::Placed;
+use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::recording::Recording;
+use crate::robot::Robot;
+use crate::scenario::Measured;
+
+/// Share of a log that is held out where there is no other to judge by.
+const HELD_OUT: f64 = 0.3;
+
+/// Least acceleration that a motion is allowed, rad/s2.
+const SLOWEST: f64 = 0.5;
+
+/// What a diagnosis is given.
+#[derive(Debug, Clone, Default)]
+pub struct Input<'a> {
+    /// Logs to find from.
+    pub train: Vec<&'a Recording>,
+    /// Logs of other motions to judge by; the last part of every training log where there are none.
+    pub test: Vec<&'a Recording>,
+    /// Logs from before a change: the question is then what changed since.
+    pub reference: Vec<&'a Recording>,
+    /// Effects that the simulation has already.
+    pub present: Vec<Placed>,
+}
+
+/// The answer with all it rests on.
+#[derive(Debug)]
+pub struct Conclusion<'a> {
+    /// The answer.
+    pub diagnosis: Diagnosis,
+    session: Session<'a>,
+    present: Vec<Placed>,
+    members: Vec<Member>,
+    whitener: Whitener,
+    first_whitener: Whitener,
+    seed: u64,
+}
+
+/// Diagnoses `robot` from logs. Without `test` logs the last part of every training log is held out. `progress` is told
+/// the number of effects found so far.
+///
+/// # Errors
+/// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
+pub fn diagnose(
+    robot: &Robot,
+    train: &[&Recording],
+    test: &[&Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Diagnosis> {
+    let input = Input { train: train.to_vec(), test: test.to_vec(), ..Input::default() };
+    Ok(conclude(&Model::new(robot), &input, options, progress)?.diagnosis)
+}
+
+/// Diagnoses the arm of `model`; `progress` is told the number of effects found so far.
+///
+/// # Errors
+/// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
+pub fn conclude<'a>(
+    model: &'a Model,
+    input: &Input<'a>,
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Conclusion<'a>> {
+    let robot = model.robot();
+    let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
+    if let Some(log) = logs.find(|log| log.joints() != robot.dof()) {
+        let problem = format!("has {} joints, the arm {}; give logs of this arm", log.joints(), robot.dof());
+        return Err(Error::request("log", problem));
+    }
+    let described = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };
+    let (known, before) = match input.reference.is_empty() {
+        true => (described, Vec::new()),
+        false => identified(model, described, &input.reference, options, progress)?,
+    };
+    let (early, late) = split(&input.train);
+    let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
+    let held_out = input.test.is_empty();
+    let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
+    let mut session = Session::knowing(model, options.trust, known, train, test)?;
+    let simulation = as_described(&session, &input.present)?;
+    let selection = select(&mut session, options, progress)?;
+    answer(session, selection, simulation, before, options, held_out, input.present.clone())
+}
+
+/// The arm as its reference logs show it, with the effects found there: they were there before the change.
+fn identified<'a>(
+    model: &'a Model,
+    described: Known<'a>,
+    reference: &[&'a Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<(Known<'a>, Vec<Found>)> {
+    let (early, late) = split(reference);
+    let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
+    let mut effects = described.effects.clone();
+    let mut session = Session::knowing(model, options.trust, described, &early, &late)?;
+    let found = select(&mut session, options, progress)?.found;
+    effects.extend(found.iter().map(|found| found.member.placed.clone()));
+    Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
+}
+
+/// The first and the last part of every log.
+fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
+    let end = |log: &Recording| ((1.0 - HELD_OUT) * log.samples() as f64) as usize;
+    logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
+}
+
+/// The logs that a diagnosis judges by: the test logs, or else the last part of every training log.
+pub fn held_out(input: &Input) -> Vec<Recording> {
+    if input.test.is_empty() { split(&input.train).1 } else { input.test.iter().map(|&log| log.clone()).collect() }
+}
+
+/// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.
+fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
+    let (rows, robot) = (&session.test.rows, session.model.robot());
+    let mut residual = Column::new(rows.torque.iter().cloned());
+    let described = Arm::new(robot, Trust::Nominal);
+    residual.add(-1.0, &described.believed(rows));
+    let baseline = described.baseline(session.model, rows);
+    residual.add(-1.0, &combined(&baseline, &drives(session.model, robot)));
+    for torque in described.added_throughout(present, rows)? {
+        residual.add(-1.0, &torque);
+    }
+    Ok(residual)
+}
+
+/// Friction and rotors of the URDF in the order of a trusted arm's baseline.
+fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
+    let standard = Model::standard_values(robot);
+    let friction = (0..model.base().len()).filter(|&b| model.is_friction(b)).map(|b| standard[model.base().kept()[b]]);
+    friction.chain(robot.joints.iter().map(|joint| joint.drive.armature)).collect()
+}
+
+fn answer<'a>(
+    session: Session<'a>,
+    selection: Selection,
+    simulation: Column,
+    before: Vec<Found>,
+    options: &Options,
+    held_out_from_training: bool,
+    present: Vec<Placed>,
+) -> Result<Conclusion<'a>> {
+    let Selection { found, whitener, first_whitener, tests, ranking, sensitivity } = selection;
+    let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
+    let unexplained = unexplained(&session, &members, &whitener, options.alpha)?;
+    let valid = |side: &'_ Side| side.rows.valid.clone();
+    let train = session.residual_on(&session.train, &[], &first_whitener)?;
+    let baseline = session.residual_on(&session.test, &[], &first_whitener)?;
+    let extended = session.held_out_residual(&members, &whitener)?;
+    let evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
+    let noise_floor = whitener.noise_std();
+    let test = &session.test.rows;
+    let closed = gap_closed(&baseline, &extended, &test.valid, &noise_floor, options.seed);
+    let estimates = Estimates::new(&session, &members, &whitener)?;
+    let diagnosis = Diagnosis {
+        verdict: verdict(&found, &unexplained),
+        alpha: options.alpha,
+        cutoff_hz: session.cutoff_hz,
+        held_out_from_training,
+        effective_tests: tests,
+        gap_closed: closed.value,
+        gap_closed_interval: closed.interval,
+        next_experiment: next_experiment(&found, &unexplained, session.model.robot()),
+        test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
+        simulation_test_rms: rms(&test.valid, &simulation),
+        baseline_rms: [rms(&valid(&session.train), &train), rms(&test.valid, &baseline)],
+        extended_test_rms: rms(&test.valid, &extended),
+        structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
+        derived: derived(&members, &estimates, session.train.baseline.len(), session.model.robot()),
+        not_found: not_found(&session, &found, tests, &sensitivity, options),
+        noise_floor,
+        against_reference: session.train.rows.before > 0,
+        before,
+        found,
+        unexplained,
+        evidence,
+    };
+    Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
+}
+
+/// What the models leave of the held-out logs when the simulator runs them along their motions.
+#[derive(Debug, Clone)]
+pub struct Resimulation {
+    /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
+    pub described_rms: Option<Vec<f64>>,
+    /// That of the fitted baseline.
+    pub baseline_rms: Vec<f64>,
+    /// That of the extended model.
+    pub extended_rms: Vec<f64>,
+    /// Share of the baseline's weighted sum of squares that the extended model gains.
+    pub gain: Share,
+    /// Share of the gap between baseline and noise floor that it closes.
+    pub gap_closed: Share,
+    /// Positions of the extended model's arm along every held-out log, rad.
+    pub positions: Vec<Channels>,
+}
+
+impl Conclusion<'_> {
+    /// The arm with everything found.
+    ///
+    /// # Errors
+    /// If no bodies can be found.
+    pub fn extended(&self) -> Result<ExtendedModel> {
+        ExtendedModel::new(&self.session, &self.members, &self.whitener)
+    }
+
+    /// The session: logs and arm.
+    pub fn session(&self) -> &Session<'_> {
+        &self.session
+    }
+
+    /// Runs the arm as described, the fitted baseline and `extended` in rapier along the held-out motions.
+    ///
+    /// # Errors
+    /// If the baseline or the extended model cannot be simulated.
+    pub fn resimulate(&self, extended: &ExtendedModel) -> Result<Resimulation> {
+        let rows = &self.session.test.rows;
+        let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener)?;
+        let described = ExtendedModel::described(self.session.model.robot(), &self.present);
+        let fitted = resimulate(&[&baseline, extended], rows)?;
+        let (baseline, extended) = (&fitted[0], &fitted[1]);
+        let noise = &self.diagnosis.noise_floor;
+        let shares = [gain, gap_closed]
+            .map(|share| share(&baseline.residual, &extended.residual, &baseline.valid, noise, self.seed));
+        let described = resimulate(&[&described], rows).ok();
+        Ok(Resimulation {
+            described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
+            baseline_rms: rms(&baseline.valid, &baseline.residual),
+            extended_rms: rms(&extended.valid, &extended.residual),
+            gain: shares[0],
+            gap_closed: shares[1],
+            positions: extended.positions.clone(),
+        })
+    }
+}
+
+impl Conclusion<'_> {
+    /// Rate, accelerations and noise of the training logs `train`.
+    pub fn measured(&self, train: &[&Recording]) -> Measured {
+        let rows = &self.session.train.rows;
+        let period = rows.logs.first().map_or(1.0, |log| log.period);
+        let joints = 0..rows.dof();
+        let fastest = |joint: usize| {
+            let all = rows.logs.iter().flat_map(|log| log.motion.qdd.channel(joint));
+            all.fold(0.0f64, |most, a| most.max(a.abs())).max(SLOWEST)
+        };
+        let noise = |signal: fn(&Recording) -> &Channels, joint: usize| {
+            let each = train.iter().map(|log| white_noise(signal(log).channel(joint)));
+            each.sum::<f64>() / train.len().max(1) as f64
+        };
+        Measured {
+            rate_hz: 1.0 / period,
+            acceleration: joints.clone().map(fastest).collect(),
+            position_noise: joints.clone().map(|joint| noise(|log| &log.q, joint)).collect(),
+            torque_noise: joints
+                .map(|joint| noise(|log| &log.tau, joint).max(self.diagnosis.noise_floor[joint]))
+                .collect(),
+        }
+    }
+}
+
+/// Standard deviation of the white noise on a smooth signal, from its third differences (whose coefficients are 1, 3, 3, 1).
+fn white_noise(signal: &[f64]) -> f64 {
+    let third = signal.windows(4).map(|x| x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).filter(|d| d.is_finite());
+    let (sum, count) = third.fold((0.0, 0usize), |(sum, count), d| (sum + d * d, count + 1));
+    (sum / (20.0 * count.max(1) as f64)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn white_noise_is_told_from_a_smooth_signal() {
+        let mut source = random::stream(4, "white noise", 0);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut source) };
+        let signal: Vec<f64> = (0..20_000).map(|k| (0.004 * f64::from(k)).sin() + 1e-3 * draw()).collect();
+        assert!((white_noise(&signal) / 1e-3 - 1.0).abs() < 0.05);
+    }
+}

@@ -1,0 +1,299 @@
+//! What `tauscope diagnose` tells: `diagnosis.json`, and a few lines for people.
+
+mod text;
+
+pub use text::{lines, place, stopped_lines};
+
+use crate::diagnosis::candidates::Family;
+use crate::diagnosis::conclusion::Resimulation;
+use crate::diagnosis::gap::Share;
+use crate::diagnosis::residual_structure::ResidualStructure;
+use crate::diagnosis::screening::{Consequence, DataFault};
+use crate::diagnosis::selection::Found;
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::effects::{self, Placed, Role, Scope};
+use crate::quality::Kind;
+use crate::robot::Robot;
+use serde::Serialize;
+
+/// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
+pub const SCHEMA: &str = "tauscope.diagnosis/1";
+
+/// File of the scenario with the extended model, and of its bodies and drives.
+pub const EXTENDED_SCENARIO: &str = "extended.toml";
+/// The URDF that [`EXTENDED_SCENARIO`] refers to.
+pub const EXTENDED_URDF: &str = "extended.urdf";
+
+/// The content of `diagnosis.json`.
+#[derive(Debug, Default, Serialize)]
+pub struct DiagnosisResult {
+    verdict: Option<Verdict>,
+    robot: String,
+    joints: Vec<String>,
+    alpha: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_cutoff_hz: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effective_tests: Option<f64>,
+    noise_floor_nm: Vec<f64>,
+    test_torque_rms_nm: Vec<f64>,
+    simulation: Simulation,
+    baseline: Baseline,
+    /// What was found in the reference logs: there before the change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    reference: Vec<Finding>,
+    findings: Vec<Finding>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extended: Option<Extended>,
+    not_found: Vec<NotFound>,
+    unexplained: Vec<Unexplained>,
+    next_experiment: String,
+    data_quality: Vec<Quality>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Simulation {
+    test_rms_nm: Vec<f64>,
+    structure: Vec<Structure>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Baseline {
+    train_rms_nm: Vec<f64>,
+    test_rms_nm: Vec<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Structure {
+    joint: String,
+    #[serde(flatten)]
+    structure: ResidualStructure,
+}
+
+#[derive(Debug, Serialize)]
+struct Finding {
+    effect: &'static str,
+    joints: Vec<String>,
+    verdict: Verdict,
+    alternatives: Vec<Alternative>,
+    parameters: Vec<Parameter>,
+    family_wise_p: f64,
+    test_rms_before_nm: Vec<f64>,
+    test_rms_after_nm: Vec<f64>,
+    gain_lower_bound: f64,
+    explanation: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Alternative {
+    effect: &'static str,
+    joints: Vec<String>,
+    relative_likelihood: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Parameter {
+    name: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint: Option<String>,
+    value: f64,
+    std: f64,
+    unit: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Extended {
+    test_rms_nm: Vec<f64>,
+    gap_closed: f64,
+    gap_closed_interval: [f64; 2],
+    structure: Vec<Structure>,
+    model: &'static str,
+    urdf: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resimulated_test_rms_nm: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resimulation: Option<Resimulated>,
+}
+
+#[derive(Debug, Serialize)]
+struct Resimulated {
+    described_test_rms_nm: Option<Vec<f64>>,
+    baseline_test_rms_nm: Vec<f64>,
+    gain: Share,
+    gap_closed: Share,
+}
+
+#[derive(Debug, Serialize)]
+struct NotFound {
+    effect: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint: Option<String>,
+    verdict: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    minimum_detectable: Option<f64>,
+    unit: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Unexplained {
+    joint: String,
+    share: f64,
+    structure: &'static str,
+    family_wise_p: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Quality {
+    kind: QualityKind,
+    log: String,
+    r#where: String,
+    text: String,
+    consequence: Consequence,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum QualityKind {
+    Fault(Kind),
+    Notice(&'static str),
+}
+
+/// The answer as `diagnosis.json` holds it.
+pub fn result(
+    robot: &Robot,
+    diagnosis: &Diagnosis,
+    resimulation: Option<&Resimulation>,
+    faults: &[DataFault],
+) -> DiagnosisResult {
+    let [train, test] = diagnosis.baseline_rms.clone();
+    let not_found = diagnosis.not_found.iter().map(|missed| NotFound {
+        effect: missed.family.effect,
+        joint: joints(robot, missed.family).into_iter().next(),
+        verdict: if missed.minimum_detectable.is_some() { "not_found" } else { "not_testable" },
+        minimum_detectable: missed.minimum_detectable,
+        unit: missed.unit,
+    });
+    let unexplained = diagnosis.unexplained.iter().map(|left| Unexplained {
+        joint: robot.joints[left.joint].name.clone(),
+        share: left.share,
+        structure: left.structure,
+        family_wise_p: left.family_wise_p,
+    });
+    let mut data_quality = qualities(faults);
+    data_quality.extend(diagnosis.held_out_from_training.then(|| Quality {
+        kind: QualityKind::Notice("held_out_from_training"),
+        log: String::new(),
+        r#where: "training logs".into(),
+        text: "no test log was given: the last part of every training log was held out".into(),
+        consequence: Consequence::Told,
+    }));
+    let structure = |of: &[ResidualStructure]| {
+        let named = robot.joint_names().into_iter().zip(of.iter().cloned());
+        named.map(|(joint, structure)| Structure { joint, structure }).collect()
+    };
+    DiagnosisResult {
+        verdict: Some(diagnosis.verdict),
+        robot: robot.name.clone(),
+        joints: robot.joint_names(),
+        alpha: diagnosis.alpha,
+        position_cutoff_hz: Some(diagnosis.cutoff_hz),
+        effective_tests: Some(diagnosis.effective_tests),
+        noise_floor_nm: diagnosis.noise_floor.clone(),
+        test_torque_rms_nm: diagnosis.test_torque_rms.clone(),
+        simulation: Simulation {
+            test_rms_nm: diagnosis.simulation_test_rms.clone(),
+            structure: structure(&diagnosis.structure[0]),
+        },
+        baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
+        reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
+        findings: findings(robot, diagnosis),
+        extended: Some(Extended {
+            test_rms_nm: diagnosis.extended_test_rms.clone(),
+            gap_closed: diagnosis.gap_closed,
+            gap_closed_interval: diagnosis.gap_closed_interval,
+            structure: structure(&diagnosis.structure[1]),
+            model: EXTENDED_SCENARIO,
+            urdf: EXTENDED_URDF,
+            resimulated_test_rms_nm: resimulation.map(|run| run.extended_rms.clone()),
+            resimulation: resimulation.map(|run| Resimulated {
+                described_test_rms_nm: run.described_rms.clone(),
+                baseline_test_rms_nm: run.baseline_rms.clone(),
+                gain: run.gain,
+                gap_closed: run.gap_closed,
+            }),
+        }),
+        not_found: not_found.collect(),
+        unexplained: unexplained.collect(),
+        next_experiment: diagnosis.next_experiment.clone(),
+        data_quality,
+    }
+}
+
+/// The answer where faults of the data forbid one.
+pub fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResult {
+    DiagnosisResult {
+        verdict: Some(Verdict::NotTestable),
+        robot: robot.name.clone(),
+        joints: robot.joint_names(),
+        alpha,
+        next_experiment: text::mend(faults),
+        data_quality: qualities(faults),
+        ..DiagnosisResult::default()
+    }
+}
+
+fn qualities(faults: &[DataFault]) -> Vec<Quality> {
+    let quality = |fault: &DataFault| Quality {
+        kind: QualityKind::Fault(fault.kind),
+        log: fault.log.clone(),
+        r#where: fault.place.clone(),
+        text: fault.text.clone(),
+        consequence: fault.consequence,
+    };
+    faults.iter().map(quality).collect()
+}
+
+fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
+    let found = diagnosis.found.iter().zip(&diagnosis.derived);
+    found.map(|(found, derived)| finding(robot, found, derived)).collect()
+}
+
+fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::Derived]) -> Finding {
+    let placed = &found.member.placed;
+    let own = joints(robot, found.member.candidate.family());
+    let values = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
+    let alternatives = found.alternatives.iter().map(|other| Alternative {
+        effect: other.family.effect,
+        joints: joints(robot, other.family),
+        relative_likelihood: other.relative_likelihood,
+    });
+    let joint = own.first().cloned();
+    let parameters = values
+        .filter(|(parameter, _)| parameter.role != Role::Held)
+        .map(|(parameter, (&value, &std))| (parameter.name, value, std, parameter.unit));
+    let derived = derived.iter().map(|one| (one.name, one.value, one.std, one.unit));
+    let [before, after] = found.rms.clone();
+    Finding {
+        effect: placed.effect.about().name,
+        verdict: if found.alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },
+        alternatives: alternatives.collect(),
+        parameters: parameters
+            .chain(derived)
+            .map(|(name, value, std, unit)| Parameter { name, joint: joint.clone(), value, std, unit })
+            .collect(),
+        joints: own,
+        family_wise_p: found.family_wise_p,
+        test_rms_before_nm: before,
+        test_rms_after_nm: after,
+        gain_lower_bound: found.gain_lower_bound,
+        explanation: placed.effect.about().explanation,
+    }
+}
+
+/// Names of the joints of an effect; none for one on the whole arm.
+pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
+    let effect = effects::find(family.effect).ok();
+    let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
+    let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();
+    placed.into_iter().map(|joint| robot.joints[joint].name.clone()).collect()
+}

@@ -1,0 +1,233 @@
+//! The answer in a few lines.
+
+use super::{EXTENDED_SCENARIO, finding, findings, joints};
+use crate::diagnosis::candidates::Family;
+use crate::diagnosis::conclusion::Resimulation;
+use crate::diagnosis::gap::Share;
+use crate::diagnosis::screening::{Consequence, DataFault};
+use crate::diagnosis::selection::Found;
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::quality::Kind;
+use crate::report::console::{significant, table};
+use crate::robot::Robot;
+
+/// Effects not found, and parameters of an effect, that the lines mention.
+const MENTIONED: usize = 4;
+
+/// Faults of the data that are listed one by one.
+const FAULTS: usize = 6;
+
+/// A chance that is not told more exactly.
+const SURE: f64 = 1e-12;
+
+/// The answer in a few lines.
+pub fn lines(
+    robot: &Robot,
+    diagnosis: &Diagnosis,
+    resimulation: Option<&Resimulation>,
+    faults: &[DataFault],
+) -> String {
+    let mut lines = vec![headline(diagnosis)];
+    lines.extend(fault_lines(faults));
+    if diagnosis.held_out_from_training {
+        lines.push("No test log was given: the last part of every training log was held out.".into());
+    }
+    for found in &diagnosis.before {
+        let place = place(robot, found.member.candidate.family());
+        lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
+    }
+    for (found, told) in diagnosis.found.iter().zip(findings(robot, diagnosis)) {
+        lines.push(format!("- {}", missed(robot, diagnosis, found)));
+        let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
+        let verb = if diagnosis.against_reference { "Changed by" } else { "Add to the model:" };
+        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}", told.explanation));
+    }
+    for left in &diagnosis.unexplained {
+        let joint = &robot.joints[left.joint].name;
+        let percent = 100.0 * left.share;
+        lines.push(format!(
+            "- {joint}: {percent:.0} % of what is left {}, and no effect of the library does so",
+            left.structure
+        ));
+    }
+    lines.extend(where_it_lives(robot, diagnosis));
+    lines.push(String::new());
+    lines.push(errors(robot, diagnosis, resimulation));
+    lines.push(String::new());
+    if !diagnosis.found.is_empty() {
+        let value = Share { value: diagnosis.gap_closed, interval: diagnosis.gap_closed_interval };
+        let mut line = format!("What was found closes {} of the gap to the noise", percent(value));
+        if let Some(run) = resimulation {
+            line += &format!("; simulated in rapier, {}", percent(run.gap_closed));
+        }
+        lines.push(line + ".");
+    }
+    lines.extend(unseen(robot, diagnosis));
+    lines.push(format!("Next: {}.", diagnosis.next_experiment));
+    lines.join("\n")
+}
+
+/// What is said when faults of the data forbid an answer.
+pub fn stopped_lines(faults: &[DataFault]) -> String {
+    let mut lines = vec!["The logs cannot be diagnosed: a cause named from them would be wrong.".to_owned()];
+    lines.extend(fault_lines(faults));
+    lines.push(format!("Next: {}.", mend(faults)));
+    lines.join("\n")
+}
+
+/// What to do about the faults that stop a diagnosis.
+pub fn mend(faults: &[DataFault]) -> String {
+    let places = |still: bool| -> Vec<&str> {
+        let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
+        let mut places: Vec<&str> = stops
+            .filter(|fault| (fault.kind == Kind::HardlyMoves) == still)
+            .map(|fault| fault.place.as_str())
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    };
+    match (places(false), places(true)) {
+        (wrong, _) if !wrong.is_empty() => format!("mend {} and diagnose again", wrong.join(", ")),
+        (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),
+    }
+}
+
+fn headline(diagnosis: &Diagnosis) -> String {
+    let changed = diagnosis.against_reference;
+    let answer = match diagnosis.verdict {
+        Verdict::Named if changed => "something changed, and the logs name it",
+        Verdict::Named => "the logs name what the model misses",
+        Verdict::OneOf if changed => "something changed, and the logs leave a choice of what",
+        Verdict::OneOf => "the logs leave a choice of what the model misses",
+        Verdict::Unexplained if changed => "something changed that no effect of the library explains",
+        Verdict::Unexplained => "the model misses something that no effect of the library explains",
+        Verdict::None if changed => "nothing changed beyond the noise",
+        Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
+        Verdict::NotTestable => "the logs cannot be diagnosed",
+    };
+    format!("Verdict: {answer} (false alarms: at most {} % of runs).", 100.0 * diagnosis.alpha)
+}
+
+fn fault_lines(faults: &[DataFault]) -> Vec<String> {
+    let mut lines: Vec<String> = faults
+        .iter()
+        .take(FAULTS)
+        .map(|fault| {
+            let what = match fault.consequence {
+                Consequence::Stops => "Fault of the data",
+                Consequence::LeftOut => "Left out",
+                Consequence::Told => "Note",
+            };
+            format!("{what}: {}: {}: {}", fault.log, fault.place, fault.text)
+        })
+        .collect();
+    if faults.len() > FAULTS {
+        lines.push(format!("... and {} more faults; diagnosis.json lists all", faults.len() - FAULTS));
+    }
+    lines
+}
+
+/// "joint_2 misses 4.8 N m, 9 % of its torque: stribeck_friction takes that to 0.76 N m (noise 0.75 N m)."
+fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
+    let [before, after] = &found.rms;
+    let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.noise_floor[j].powi(2);
+    let joint = (0..before.len()).max_by(|&a, &b| gained(a).total_cmp(&gained(b))).unwrap_or(0);
+    let mut names = place(robot, found.member.candidate.family());
+    for other in &found.alternatives {
+        names += &format!(" or {}", place(robot, other.family));
+    }
+    let torque = diagnosis.test_torque_rms[joint];
+    let share =
+        if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
+    format!(
+        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {}).",
+        robot.joints[joint].name,
+        significant(before[joint]),
+        significant(after[joint]),
+        significant(diagnosis.noise_floor[joint]),
+        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) }
+    )
+}
+
+/// What is told of the parameters: what practitioners call them where there are such, else the first few.
+fn values(parameters: &[super::Parameter]) -> String {
+    let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
+    let told = parameters[named..].iter().take(MENTIONED);
+    let each = told.map(|p| format!("{} {} +- {} {}", p.name, significant(p.value), significant(p.std), p.unit));
+    each.collect::<Vec<String>>().join(", ")
+}
+
+/// Where the error of the arm as described lives, for the joint on which it is the largest share of the torque.
+fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let [described, left] = &diagnosis.structure;
+    let of = if diagnosis.verdict == Verdict::Unexplained { left } else { described };
+    let excess = |j: usize| of[j].rms_nm / diagnosis.noise_floor[j];
+    let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > 1.5)?;
+    let (variable, share) = of[joint].follows.most();
+    let worst = of[joint].worst?;
+    let who =
+        if diagnosis.verdict == Verdict::Unexplained { "what is left" } else { "the error of the arm as described" };
+    Some(format!(
+        "On {}, {who} follows {variable} most ({:.0} %) and is largest from {:.1} to {:.1} s of held-out log {}.",
+        robot.joints[joint].name,
+        100.0 * share,
+        worst.from_s,
+        worst.to_s,
+        worst.log + 1
+    ))
+}
+
+/// The table of held-out errors.
+fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
+    let found = !diagnosis.found.is_empty();
+    let identified = if diagnosis.against_reference { "before the change" } else { "re-identified" };
+    let mut header = vec!["held-out rms, N m", "torque", "as described", identified];
+    let mut columns = vec![&diagnosis.test_torque_rms, &diagnosis.simulation_test_rms, &diagnosis.baseline_rms[1]];
+    if found {
+        header.push("with findings");
+        columns.push(&diagnosis.extended_test_rms);
+    }
+    if let Some(run) = resimulation {
+        header.push("in rapier");
+        columns.push(&run.extended_rms);
+    }
+    header.push("noise");
+    columns.push(&diagnosis.noise_floor);
+    let rows = robot.joints.iter().enumerate().map(|(joint, spec)| {
+        let values = columns.iter().map(|column| significant(column[joint]));
+        [spec.name.clone()].into_iter().chain(values).collect()
+    });
+    table(&header, rows.collect()).to_string()
+}
+
+/// What would have been seen, where nothing was.
+fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    if !diagnosis.found.is_empty() {
+        return None;
+    }
+    let wanted = ["payload", "stribeck_friction", "backlash", "time_delay", "torque_gain"];
+    let seen = diagnosis.not_found.iter().filter_map(|missed| Some((missed, missed.minimum_detectable?)));
+    let told: Vec<String> = seen
+        .filter(|(missed, _)| wanted.contains(&missed.family.effect))
+        .scan(Vec::new(), |told: &mut Vec<&str>, (missed, size)| {
+            let new = !told.contains(&missed.family.effect);
+            told.push(missed.family.effect);
+            Some(new.then(|| format!("{} above {} {}", place(robot, missed.family), significant(size), missed.unit)))
+        })
+        .flatten()
+        .take(MENTIONED)
+        .collect();
+    (!told.is_empty()).then(|| format!("It would have been seen: {} (diagnosis.json lists all).", told.join("; ")))
+}
+
+fn percent(share: Share) -> String {
+    let [low, high] = share.interval;
+    format!("{:.0} % ({:.0} to {:.0} %)", 100.0 * share.value, 100.0 * low, 100.0 * high)
+}
+
+/// An effect with its joints, in words.
+pub fn place(robot: &Robot, family: Family) -> String {
+    let joints = joints(robot, family);
+    if joints.is_empty() { family.effect.to_owned() } else { format!("{} on {}", family.effect, joints.join(" and ")) }
+}

@@ -1,0 +1,107 @@
+//! What the simulation has already is not found again; what changed since reference logs is, and what did not is not.
+
+use super::{SETUP, logs, with};
+use std::sync::LazyLock;
+use tauscope::diagnosis::{Conclusion, Input, Options, Verdict, conclude};
+use tauscope::effects::{Placed, find};
+use tauscope::identification::effect_model::Trust;
+use tauscope::identification::model::Model;
+use tauscope::recording::Recording;
+
+static MODEL: LazyLock<Model> = LazyLock::new(|| Model::new(&SETUP.known));
+static CLEAN: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&SETUP, 1, 2));
+static STRIBECK: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&with(&[stribeck()]), 2, 5));
+
+fn stribeck() -> Placed {
+    Placed::typical(find("stribeck_friction").unwrap(), 1)
+}
+
+fn placed(name: &str, joint: usize, parameters: &[f64]) -> Placed {
+    Placed { effect: find(name).unwrap(), joint, parameters: parameters.to_vec() }
+}
+
+/// The diagnosis of the last of `after` by the others, looking for the effects of these tests only.
+fn diagnosed<'a>(before: &'a [Recording], present: Vec<Placed>, after: &'a [Recording]) -> Conclusion<'a> {
+    let candidates =
+        ["payload", "link_inertia_error", "coulomb_friction", "viscous_friction", "rotor_inertia", "stribeck_friction"];
+    let options =
+        Options { trust: Trust::Structure, candidates: candidates.map(String::from).to_vec(), ..Options::default() };
+    let (test, train) = after.split_last().unwrap();
+    let input = Input { train: train.iter().collect(), test: vec![test], reference: before.iter().collect(), present };
+    conclude(&MODEL, &input, &options, &mut |_| ()).unwrap()
+}
+
+fn names(conclusion: &Conclusion) -> Vec<(&'static str, usize)> {
+    let families = conclusion.diagnosis.found.iter().map(|found| found.member.candidate.family());
+    families.map(|family| (family.effect, family.joint)).collect()
+}
+
+#[track_caller]
+fn assert_estimated(value: f64, std: f64, truth: f64) {
+    assert!((value - truth).abs() < 4.0 * std && std < 0.1 * truth.abs(), "{value} +- {std}, truth {truth}");
+}
+
+#[test]
+fn a_payload_since_the_reference_is_weighed() {
+    // 1.5 kg with its centre of mass at (0.05, -0.03, 0.12) m.
+    let typical = Placed::typical(find("payload").unwrap(), 0).parameters;
+    let quarter: Vec<f64> = typical.iter().map(|value| 0.25 * value).collect();
+    let after = logs(&with(&[placed("payload", 0, &quarter)]), 3, 3);
+    let conclusion = diagnosed(&CLEAN, Vec::new(), &after);
+    let diagnosis = &conclusion.diagnosis;
+    assert_eq!(diagnosis.found.len(), 1, "{:?}", names(&conclusion));
+    let set = diagnosis.found[0].alternatives.iter().map(|other| other.family.effect);
+    let set: Vec<&str> = set.chain([names(&conclusion)[0].0]).collect();
+    assert!(set.contains(&"payload") && set.len() <= 2, "{set:?}");
+    let derived = &diagnosis.derived[0];
+    for (name, truth) in [("mass", 1.5), ("center_x", 0.05), ("center_y", -0.03), ("center_z", 0.12)] {
+        let one = derived.iter().find(|one| one.name == name).unwrap();
+        assert_estimated(one.value, one.std, truth);
+    }
+    let extended = conclusion.extended().unwrap();
+    assert!(extended.effects.is_empty() && extended.robot.joints[5].inertia.physical_fault(1e-6).is_none());
+}
+
+#[test]
+fn worn_gears_are_a_change_of_friction() {
+    let after = logs(&with(&[placed("coulomb_friction", 2, &[4.0])]), 4, 3);
+    let conclusion = diagnosed(&CLEAN, Vec::new(), &after);
+    assert_eq!(names(&conclusion), [("coulomb_friction", 2)]);
+    let member = &conclusion.diagnosis.found[0].member;
+    assert_estimated(member.placed.parameters[0], member.std[0], 4.0);
+    let changed = conclusion.extended().unwrap().robot.joints[2].drive.coulomb - SETUP.known.joints[2].drive.coulomb;
+    assert!((changed - 4.0).abs() < 1.0, "{changed}");
+}
+
+#[test]
+fn a_change_may_be_for_the_better() {
+    let worn = logs(&with(&[placed("viscous_friction", 3, &[2.0])]), 5, 2);
+    let after = logs(&SETUP, 6, 3);
+    let conclusion = diagnosed(&worn, Vec::new(), &after);
+    assert_eq!(names(&conclusion), [("viscous_friction", 3)]);
+    let member = &conclusion.diagnosis.found[0].member;
+    assert_estimated(member.placed.parameters[0], member.std[0], -2.0);
+}
+
+#[test]
+fn what_was_there_before_did_not_change() {
+    let conclusion = diagnosed(&STRIBECK[..2], Vec::new(), &STRIBECK[2..]);
+    assert_eq!(names(&conclusion), []);
+    assert_eq!(conclusion.diagnosis.verdict, Verdict::None);
+    let before: Vec<&str> =
+        conclusion.diagnosis.before.iter().map(|found| found.member.placed.effect.about().name).collect();
+    assert_eq!(before, ["stribeck_friction"]);
+}
+
+#[test]
+fn what_the_simulation_has_is_not_found_again() {
+    assert_eq!(names(&diagnosed(&[], Vec::new(), &STRIBECK[2..])), [("stribeck_friction", 1)]);
+    // It need not be known exactly.
+    let mut known = stribeck();
+    known.parameters.iter_mut().for_each(|value| *value *= 1.05);
+    let conclusion = diagnosed(&[], vec![known], &STRIBECK[2..]);
+    assert_eq!(names(&conclusion), []);
+    let fitted = &conclusion.extended().unwrap().effects[0];
+    let rise = (fitted.parameters[0], stribeck().parameters[0]);
+    assert!((rise.0 - rise.1).abs() < 0.04 * rise.1, "{rise:?}");
+}

@@ -1,0 +1,68 @@
+//! The extended model is a scenario that loads, with the dynamics that were found, and rapier runs it as the fit says.
+
+use super::{SETUP, logs, with};
+use tauscope::channels::Channels;
+use tauscope::diagnosis::extended::torque;
+use tauscope::diagnosis::{Input, Options, conclude};
+use tauscope::dynamics::Motion;
+use tauscope::effects::{Placed, Site, find};
+use tauscope::identification::effect_model::Trust;
+use tauscope::identification::model::Model;
+use tauscope::random;
+use tauscope::robot::with_parameters;
+use tauscope::scenario::{Scenario, Setup};
+
+fn random_motion(dof: usize, samples: usize) -> Motion {
+    use rand::RngExt;
+    let mut source = random::stream(8, "extended model", 0);
+    let mut draw =
+        || Channels::from_vectors(&vec![(0..samples).map(|_| source.random_range(-2.0..2.0)).collect(); dof]);
+    Motion { q: draw(), qd: draw(), qdd: draw() }
+}
+
+fn check(trust: Trust) {
+    let hidden = Placed::typical(find("stribeck_friction").unwrap(), 1);
+    let recordings = logs(&with(&[hidden]), 7, 3);
+    let recordings: Vec<_> = recordings.iter().collect();
+    let model = Model::new(&SETUP.known);
+    let input = Input { train: recordings[..2].to_vec(), test: recordings[2..].to_vec(), ..Input::default() };
+    let options = Options { trust, candidates: vec!["stribeck_friction".into()], ..Options::default() };
+    let conclusion = conclude(&model, &input, &options, &mut |_| ()).unwrap();
+    let extended = conclusion.extended().unwrap();
+
+    let folder = tempfile::tempdir().unwrap();
+    let measured = conclusion.measured(&input.train);
+    let scenario = Scenario::of(&extended.robot, "extended.urdf".as_ref(), &extended.effects, None, &measured, 5);
+    std::fs::write(folder.path().join("extended.urdf"), with_parameters(&extended.robot).unwrap()).unwrap();
+    std::fs::write(folder.path().join("extended.toml"), scenario.to_toml().unwrap()).unwrap();
+    let setup = Setup::load(folder.path().join("extended.toml"), None).unwrap();
+    let motion = random_motion(6, 50);
+    let time: Vec<f64> = (0..50).map(f64::from).collect();
+    let mut effects = setup.effects.clone();
+    effects.retain(|placed| placed.effect.about().site == Site::Joint);
+    assert!(effects.iter().any(|placed| placed.effect.about().name == "stribeck_friction"));
+    let (own, loaded) = (extended.torque(&time, &motion), torque(&setup.plant, &effects, &time, &motion));
+    for (a, b) in own.as_slice().iter().zip(loaded.as_slice()) {
+        assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{a} {b}");
+    }
+
+    // Rapier's motor torque misses the measured one by no more than the regression does.
+    let run = conclusion.resimulate(&extended).unwrap();
+    let pairs = run.extended_rms.iter().zip(&conclusion.diagnosis.extended_test_rms);
+    for (simulated, regressed) in pairs {
+        assert!((simulated / regressed - 1.0).abs() < 0.15, "{run:?} {:?}", conclusion.diagnosis.extended_test_rms);
+    }
+    assert!(run.baseline_rms[1] > 1.5 * run.extended_rms[1], "{run:?}");
+    assert!(run.gap_closed.value > 0.9 && run.gap_closed.interval[0] > 0.8, "{run:?}");
+    assert!(run.described_rms.unwrap()[1] > 1.5 * run.extended_rms[1]);
+}
+
+#[test]
+fn with_identified_bodies() {
+    check(Trust::Structure);
+}
+
+#[test]
+fn with_trusted_bodies() {
+    check(Trust::Nominal);
+}

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use tauscope::dataset;
+use tauscope::effects::{self, Placed};
 use tauscope::identification::consistent::consistent;
 use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::fit::{Logs, fit_effects};
@@ -46,6 +47,22 @@ fn held_out(robot: &Robot, train: &[&Recording], test: &[&Recording], window: us
     (0..robot.dof()).map(|joint| fitted.test_rms[joint] / rms(test[0].tau.channel(joint))).collect()
 }
 
+/// What fits without and with an effect leave on the held-out logs, N m.
+fn with_effect(
+    robot: &Robot,
+    trust: Trust,
+    [train, test]: [&[&Recording]; 2],
+    (effect, joint): (&str, usize),
+) -> [Vec<f64>; 2] {
+    let model = Model::new(robot);
+    let window = (0.12 * train[0].rate_hz()).round() as usize | 1;
+    let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
+    let preparation = Preparation { smoothing, band: 0.03 };
+    let placed = Placed::typical(effects::find(effect).unwrap(), joint);
+    [Vec::new(), vec![placed]]
+        .map(|placed| fit_effects(&model, trust, Logs { train, test }, preparation, placed).unwrap().test_rms)
+}
+
 #[test]
 fn kuka_kr300() {
     let Some(folder) = folder() else { return };
@@ -63,6 +80,14 @@ fn kuka_kr300() {
     let left = held_out(&robot, &[&a, &b], &[&c], 31);
     println!("kr300 A, B -> C: {left:.3?}");
     assert!(left.iter().all(|share| *share < 0.5), "{left:?}");
+
+    // The balancer on axis 2, all four parameters free, from A alone, against the standard deviation of torque of B and C.
+    let both = [b.tau.channel(1), c.tau.channel(1)].concat();
+    let mean = both.iter().sum::<f64>() / both.len() as f64;
+    let spread = (both.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / both.len() as f64).sqrt();
+    let [without, with] = with_effect(&robot, Trust::Nominal, [&[&a], &[&b, &c]], ("gravity_balancer", 1));
+    println!("kr300 A -> B, C, axis 2: {:.0} -> {:.0} N m of {spread:.0}", without[1], with[1]);
+    assert!(without[1] > 0.6 * spread && with[1] < 0.25 * spread, "{} -> {}", without[1], with[1]);
 }
 
 #[test]
@@ -78,6 +103,10 @@ fn staubli_tx40() {
     println!("tx40, first 6 s -> rest: {left:.3?}");
     // Joints 5 and 6 are coupled, which the arm's own model does not know.
     assert!(left[..4].iter().all(|share| *share < 0.2) && left[4..].iter().all(|share| *share > 0.2), "{left:?}");
+    let (first, rest) = (log.time_slice(..6.0), log.time_slice(6.0..));
+    let [without, with] = with_effect(&robot, Trust::Structure, [&[&first], &[&rest]], ("joint_coupling", 4));
+    println!("tx40, joints 5 and 6: {:.2?} -> {:.2?} N m", &without[4..], &with[4..]);
+    assert!((4..6).all(|joint| with[joint] < 0.5 * without[joint]), "{without:?} -> {with:?}");
 }
 
 #[test]
@@ -91,4 +120,15 @@ fn universal_robots_ur10() {
     let left = held_out(&robot, &[&log.time_slice(..18.0)], &[&log.time_slice(18.0..)], 15);
     println!("ur10, first 18 s -> rest: {left:.3?}");
     assert!(left[..3].iter().all(|share| *share < 0.3), "{left:?}");
+    let (first, rest) = (log.time_slice(..18.0), log.time_slice(18.0..));
+    let gain = |effect, joint: usize| {
+        let [without, with] = with_effect(&robot, Trust::Structure, [&[&first], &[&rest]], (effect, joint));
+        with[joint] / without[joint]
+    };
+    let (loaded, concave, dip) =
+        (gain("load_dependent_friction", 1), gain("nonlinear_viscous_friction", 0), gain("stribeck_friction", 0));
+    println!(
+        "ur10 held out: load on j2 {loaded:.2}, power on j1 {concave:.2}, Stribeck on j1 {dip:.2} of what was left"
+    );
+    assert!(loaded < 0.5 && concave < 0.8 && dip > 0.9, "{loaded} {concave} {dip}");
 }

@@ -1,7 +1,7 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
 use super::{DONE, Global, print};
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, screen, still_joints};
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, screen, still_joints};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
@@ -18,6 +18,13 @@ use crate::scenario::{Arm, Scenario};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use std::path::PathBuf;
 use std::time::Duration;
+
+/// What the written scenario says of itself.
+const EXTENDED_NOTE: &str = "\
+# The model of the arm as `tauscope diagnose` found it. Bodies, rotors and friction of the drives are in extended.urdf, what the
+# arm does beyond is in the [[effect]] tables.
+
+";
 
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
@@ -47,7 +54,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0.05)]
     alpha: f64,
     /// Most effects that are named.
-    #[arg(long, default_value_t = 6)]
+    #[arg(long, default_value_t = 12)]
     max_findings: usize,
     /// Effect to look for; repeat for more. All of the library where absent.
     #[arg(long, value_name = "EFFECT")]
@@ -69,6 +76,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let bar = spinner(global);
     let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
     let (train, test, reference) = (load(&arguments.train)?, load(&arguments.test)?, load(&arguments.reference)?);
+    for (option, logs) in [("--train", &train), ("--test", &test), ("--reference", &reference)] {
+        check_length(option, logs)?;
+    }
     refuse_twice("--test", arguments, &train, &test)?;
     refuse_twice("--reference", arguments, &train, &reference)?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
@@ -126,7 +136,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         options.seed,
     );
     folder.write_text(EXTENDED_URDF, &robot::with_parameters(&extended.robot)?)?;
-    folder.write_text(EXTENDED_SCENARIO, &written.to_toml()?)?;
+    folder.write_text(EXTENDED_SCENARIO, &format!("{EXTENDED_NOTE}{}", written.to_toml()?))?;
     let result = report::result(&robot, diagnosis, resimulation.as_ref(), &faults);
     folder.write_json("diagnosis.json", SCHEMA, &result)?;
     let lines = report::lines(&robot, diagnosis, resimulation.as_ref(), &faults);

@@ -92,9 +92,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     };
     bar.finish_and_clear();
 
-    if let Some(found) = &consistent {
-        folder.write_text("identified.urdf", &robot::with_parameters(&found.robot(&robot))?)?;
-    }
+    let identified = match &consistent {
+        Some(found) => found.robot(&robot),
+        None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
+    };
+    folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
     let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
@@ -173,6 +175,13 @@ fn place(wanted: &[String], robot: &Robot) -> Result<Vec<Placed>> {
         placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
     }
     Ok(placed)
+}
+
+/// What logs go through where nothing else is asked for: Savitzky-Golay of order six over [`DEFAULT_WINDOW_S`].
+pub(super) fn usual_preparation(log: &Recording) -> Preparation {
+    let window = ((DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1).max(9);
+    let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
+    Preparation { smoothing, band: 0.03 }
 }
 
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The log, .csv or .parquet.
+    /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag.
     log: PathBuf,
     /// URDF of the arm, for its limits and for checks of torque against motion.
     #[arg(long, value_name = "URDF")]

@@ -6,6 +6,7 @@ mod effects;
 mod excite;
 mod identify;
 mod inspect;
+mod measured;
 mod paper;
 mod print;
 mod progress;

@@ -1,6 +1,6 @@
 //! `tauscope run`: simulate, measure, identify, score.
 
-use super::{DONE, Global, print, progress, simulate};
+use super::{DONE, Global, measured, print, progress, simulate};
 use crate::error::Result;
 use crate::identification::model::Model;
 use crate::report::html::{self, Provenance};
@@ -14,16 +14,22 @@ pub struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
+    /// Description of measured logs to identify from and score by, in place of a simulation.
+    #[arg(long, value_name = "TOML", conflicts_with = "scenario")]
+    dataset: Option<PathBuf>,
 }
 
 impl Default for Arguments {
     fn default() -> Self {
-        Arguments { scenario: PathBuf::from("scenarios/irb1600.toml") }
+        Arguments { scenario: PathBuf::from("scenarios/irb1600.toml"), dataset: None }
     }
 }
 
 /// Runs the scenario and writes its results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+    if let Some(dataset) = &arguments.dataset {
+        return measured::run(dataset, global);
+    }
     let (setup, folder, runs) = simulate::simulated(&arguments.scenario, global)?;
 
     let bar = progress::bar(global, "identifying", Variant::ALL.len());

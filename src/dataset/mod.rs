@@ -15,6 +15,7 @@
 //! time = "stamp"
 //! q = ["enc1", "enc2"]
 //! tau = ["i1", "i2"]
+//! topic = "/joint_states"       # of a log of ROS 2 with several that tell of the joints
 //!
 //! [units]
 //! time = "ms"                   # s, ms, us, ns
@@ -241,16 +242,31 @@ impl Dataset {
     /// Those of [`Dataset::read`], and a log that cannot be used, with the reason.
     pub fn logs(&self, robot: &Robot) -> Result<Logs> {
         let mut logs = Logs::default();
-        for (parts, test) in [(&self.spec.train, false), (&self.spec.test, true)] {
-            for part in parts {
-                let path = self.beside(&part.file);
-                let mut sieved = self.read(&path, robot)?;
-                sieved = part.of(sieved);
-                let recordings = ready(&path, sieved, robot, &mut logs.notes)?;
-                if test { logs.test.extend(recordings) } else { logs.train.extend(recordings) }
-            }
+        let [train, test] = self.sieved(robot)?;
+        for (path, sieved) in train {
+            logs.train.extend(ready(&path, sieved, robot, &mut logs.notes)?);
+        }
+        for (path, sieved) in test {
+            logs.test.extend(ready(&path, sieved, robot, &mut logs.notes)?);
         }
         Ok(logs)
+    }
+
+    /// Reads all logs, or the parts of them that are wanted, and leaves them as they are otherwise: those to train from,
+    /// then those to judge by, each with its file.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::read`].
+    pub fn sieved(&self, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
+        let read = |parts: &[Part]| -> Result<Vec<(PathBuf, Sieved)>> {
+            let one = |part: &Part| {
+                let path = self.beside(&part.file);
+                let sieved = part.of(self.read(&path, robot)?);
+                Ok((path, sieved))
+            };
+            parts.iter().map(one).collect()
+        };
+        Ok([read(&self.spec.train)?, read(&self.spec.test)?])
     }
 
     fn beside(&self, file: &Path) -> PathBuf {

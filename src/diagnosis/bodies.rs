@@ -18,8 +18,12 @@ const SHORTEST_M: f64 = 0.1;
 /// How far from its joint the centre of mass of a link may lie, over the link's length.
 const REACH: f64 = 1.25;
 
-/// How many times heavier than described a link may be.
-const HEAVIER: f64 = 4.0;
+/// How many times its mass a link may weigh more than described.
+const HEAVIER: f64 = 3.0;
+
+/// Least mass of a link over that of the arm, and of an arm, kg.
+const LIGHTEST_SHARE: f64 = 0.01;
+const LIGHTEST_ARM_KG: f64 = 1.0;
 
 /// Prior standard deviations of an effect's amplitudes and departures in the order of their columns; infinite where nothing
 /// is known beforehand.
@@ -34,10 +38,8 @@ pub fn prior(robot: &Robot, placed: &Placed) -> Vec<f64> {
             .collect()
     };
     match placed.effect.about().name {
-        "link_inertia_error" => of_body(robot.joints[placed.joint].inertia.mass(), length(robot, placed.joint)),
-        "payload" => {
-            of_body(PAYLOAD_SHARE * robot.joints.iter().map(|j| j.inertia.mass()).sum::<f64>(), PAYLOAD_REACH_M)
-        }
+        "link_inertia_error" => of_body(mass(robot, placed.joint), length(robot, placed.joint)),
+        "payload" => of_body(PAYLOAD_SHARE * arm_mass(robot), PAYLOAD_REACH_M),
         _ => vec![f64::INFINITY; linear(placed.effect).len()],
     }
 }
@@ -52,8 +54,17 @@ pub fn is_believable(robot: &Robot, placed: &Placed) -> bool {
     let (before, after): (&Inertia, &Inertia) =
         (&robot.joints[placed.joint].inertia, &changed.joints[placed.joint].inertia);
     after.mass() > 0.0
-        && after.mass() <= HEAVIER * before.mass()
+        && after.mass() <= before.mass() + HEAVIER * mass(robot, placed.joint)
         && after.first_moment().norm() <= REACH * length(robot, placed.joint) * after.mass()
+}
+
+/// Mass that a link may be taken for, kg; one that is described as next to nothing is a part of the arm all the same.
+fn mass(robot: &Robot, joint: usize) -> f64 {
+    robot.joints[joint].inertia.mass().max(LIGHTEST_SHARE * arm_mass(robot))
+}
+
+fn arm_mass(robot: &Robot) -> f64 {
+    robot.joints.iter().map(|joint| joint.inertia.mass()).sum::<f64>().max(LIGHTEST_ARM_KG)
 }
 
 /// Length of a link: how far the next joint or its own centre of mass lies from its joint, m.

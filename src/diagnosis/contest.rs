@@ -14,6 +14,9 @@ const SHORTLIST: usize = 4;
 /// Share of the winner's statistic that a rival must reach to be looked at.
 const RIVAL: f64 = 0.3;
 
+/// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
+const CLOSE: f64 = 0.8;
+
 /// A rival is out when what the winner adds to it is less likely than this without need.
 const ENCOMPASSED: f64 = 1e-3;
 
@@ -22,6 +25,21 @@ const SUPERFLUOUS: f64 = 0.05;
 
 /// A rival with more parameters stays only within this gap of the information criterion.
 const CRITERION_GAP: f64 = 6.0;
+
+/// Smaller and larger effects on one joint that motion alone cannot tell: the larger one with nothing in its further parameter
+/// is the smaller one.
+const ONE_MORE: [(&str, &str); 1] = [("torque_offset", "friction_asymmetry")];
+
+/// What came of a contest.
+#[derive(Debug)]
+pub struct Contest {
+    /// The effect that explains the training logs best.
+    pub winner: Judged,
+    /// What else explains them.
+    pub alternatives: Vec<Alternative>,
+    /// Those that come close, whether or not the training logs exclude them.
+    pub close: Vec<Judged>,
+}
 
 /// Another effect that explains the same.
 #[derive(Debug, Clone)]
@@ -90,7 +108,7 @@ impl Scan {
     }
 }
 
-/// The winner among `best` (one per family, the best first) and what else explains the same.
+/// The winner among `best` (one per slot, the best first), what else explains the same, and what comes close.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -100,7 +118,7 @@ pub fn contest(
     best: &[&Judged],
     all: &[Candidate],
     open: &dyn Fn(&Candidate) -> bool,
-) -> Result<(Judged, Vec<Alternative>)> {
+) -> Result<Contest> {
     let present = session.all_columns(&session.train, members)?;
     let mut leader: Option<(f64, Candidate)> = None;
     for judged in best.iter().take(SHORTLIST) {
@@ -131,26 +149,40 @@ pub fn contest(
         strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
     strong.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
     if strong.is_empty() {
-        return Ok((best[0].clone(), Vec::new()));
+        return Ok(Contest { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
     }
     let winner = strong.remove(0);
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
     let mut alternatives = Vec::new();
     for rival in &strong {
+        // The same at another time is no other name, and what acts elsewhere is no other name for what is seen here.
+        let here = winner.candidate.joints();
+        if rival.candidate.family() == winner.candidate.family()
+            || !rival.candidate.joints().iter().any(|joint| here.contains(joint))
+        {
+            continue;
+        }
         let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
         let gap = criterion(rival) - criterion(&winner);
         let needed = |test: Option<super::score::Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
         let winner_adds = needed(beside_rival.test(&winner.whitened), ENCOMPASSED);
         let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
         let larger = parameters(rival) > parameters(&winner);
-        if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP)) {
+        if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP) || is_one_more(&winner, rival)) {
             alternatives.push(Alternative {
                 family: rival.candidate.family(),
                 relative_likelihood: (-0.5 * gap.max(0.0)).exp(),
             });
         }
     }
-    Ok((winner, alternatives))
+    let least = CLOSE * winner.test.statistic;
+    let close = strong.into_iter().filter(|rival| rival.test.statistic > least).collect();
+    Ok(Contest { winner, alternatives, close })
+}
+
+fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
+    let (winner, rival) = (winner.candidate.family(), rival.candidate.family());
+    winner.joint == rival.joint && ONE_MORE.contains(&(winner.effect, rival.effect))
 }
 
 /// The fit with a candidate and the derivatives to its shapes.

@@ -23,7 +23,7 @@ const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 
 pub const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
 
 /// Lowest cut-off worth trying, of the one that leaves only white noise.
-const LOWEST_SHARE: f64 = 0.45;
+const LOWEST_SHARE: f64 = 0.25;
 
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;

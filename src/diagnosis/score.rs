@@ -11,6 +11,9 @@ use statrs::function::gamma::ln_gamma;
 /// Share of a direction's squared norm that the baseline must leave for the direction to be testable.
 const TESTABLE: f64 = 1e-5;
 
+/// Share of a factor's direction that must be testable for the factor to count as told.
+const TOLD: f64 = 0.5;
+
 /// Share of its norm that a basis column must keep beyond those before it.
 const INDEPENDENT: f64 = 1e-7;
 
@@ -116,7 +119,12 @@ impl Projection {
             statistic: scores.norm_squared(),
             freedom: free.round() as usize,
             values: values.iter().zip(&norms).map(|(v, norm)| v / norm).collect(),
-            std: covariance.diagonal().iter().zip(&norms).map(|(v, norm)| v.sqrt() / norm).collect(),
+            std: (0..count)
+                .map(|c| {
+                    let told: f64 = kept.iter().map(|&k| eigen.eigenvectors[(c, k)].powi(2)).sum();
+                    if told > TOLD { covariance[(c, c)].sqrt() / norms[c] } else { f64::INFINITY }
+                })
+                .collect(),
             along,
             directions,
             norms,
@@ -133,7 +141,7 @@ pub struct Test {
     pub freedom: usize,
     /// Estimates of the columns' factors.
     pub values: Vec<f64>,
-    /// Their standard deviations.
+    /// Their standard deviations; infinite where the rows tell nothing of a factor.
     pub std: Vec<f64>,
     along: DMatrix<f64>,
     directions: DMatrix<f64>,

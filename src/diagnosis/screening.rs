@@ -13,6 +13,9 @@ use crate::robot::Robot;
 /// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
 const BESIDE_CLIPPED_S: f64 = 0.04;
 
+/// Shortest time that logs may last together, s.
+const SHORTEST_S: f64 = 5.0;
+
 /// What a fault does to the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -82,6 +85,22 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
     Ok(Screened { pieces, faults })
 }
 
+/// Refuses logs that are too short together; `option` names where they were given.
+///
+/// # Errors
+/// If they are shorter than five seconds.
+pub fn check_length(option: &str, logs: &[Screened]) -> Result<()> {
+    let seconds: f64 = logs.iter().flat_map(|log| &log.pieces).map(Recording::duration).sum();
+    if logs.is_empty() || seconds >= SHORTEST_S {
+        return Ok(());
+    }
+    let problem = format!(
+        "the logs last {seconds:.1} s together; a diagnosis needs {SHORTEST_S} s at the least, and two motions of 20 s to be \
+         worth while"
+    );
+    Err(Error::request(option, problem))
+}
+
 /// Joints that hardly move in any of the logs, with what is said of them.
 pub fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
     let of = |screened: &Screened, joint: usize| {
@@ -133,9 +152,13 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::Spike
         | Kind::TooShort
         | Kind::NoMotion => Some(Consequence::Stops),
-        Kind::Clipped | Kind::Gap | Kind::Jitter | Kind::DuplicateTime | Kind::BackwardTime | Kind::BadRows => {
-            Some(Consequence::LeftOut)
-        }
+        Kind::CutOff
+        | Kind::Clipped
+        | Kind::Gap
+        | Kind::Jitter
+        | Kind::DuplicateTime
+        | Kind::BackwardTime
+        | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
         Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime => Some(Consequence::Told),
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {

@@ -4,10 +4,11 @@
 use super::Options;
 use super::candidates::{self, Candidate, Family, Slot};
 use super::column::Column;
-use super::contest::{Alternative, Scan, contest};
+use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
+use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -20,6 +21,9 @@ const STRETCH: usize = 50;
 
 /// One-sided 95 % point of the normal distribution.
 const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
+
+/// Share of the level of other effects that an event in one log must reach.
+const ONCE: f64 = 1e-3;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
@@ -40,6 +44,8 @@ pub struct Found {
     pub gain_lower_bound: f64,
     /// Root mean square of the held-out residual before and after, `[joint]`, N m.
     pub rms: [Vec<f64>; 2],
+    /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
+    pub verdict: Verdict,
 }
 
 /// What the search came to.
@@ -104,14 +110,18 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             break;
         }
         let members = members(&found);
-        let (winner, alternatives) = contest(session, &members, &best, &round.all, &open)?;
+        let Contest { winner, alternatives, close } = contest(session, &members, &best, &round.all, &open)?;
+        let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
-        let accepted = if level > options.alpha { None } else { accepted(session, &members, &winner)? };
+        // No other log can confirm what happened once.
+        let limit = if winner.candidate.log.is_some() { ONCE * options.alpha } else { options.alpha };
+        let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
-                found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms });
+                let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
+                found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms, verdict });
                 round = look(session, &mut found, options)?;
             }
             None => refused.push(winner.candidate.slot()),
@@ -140,6 +150,42 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
 
 fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
+/// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
+fn better_unseen(
+    session: &Session,
+    members: &[Member],
+    winner: Judged,
+    mut alternatives: Vec<Alternative>,
+    close: &[Judged],
+) -> Result<(Judged, Vec<Alternative>)> {
+    if winner.candidate.log.is_some() {
+        return Ok((winner, alternatives));
+    }
+    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([Member::new(judged)]).collect() };
+    let first = with(&winner);
+    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
+    let unseen = whitener.on(&session.test.rows);
+    let before = session.held_out_residual(&first, &whitener)?;
+    let mut best: Option<(f64, &Judged)> = None;
+    for rival in close.iter().filter(|rival| rival.candidate.log.is_none()) {
+        let mut joints = rival.candidate.joints();
+        joints.extend(winner.candidate.joints());
+        joints.sort_unstable();
+        joints.dedup();
+        let after = session.held_out_residual(&with(rival), &whitener)?;
+        let bound = gain_lower_bound(&unseen, &before, &after, &joints, session.test.rows.len());
+        tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
+        if bound > best.as_ref().map_or(0.0, |(best, _)| *best) {
+            best = Some((bound, rival));
+        }
+    }
+    let Some((_, rival)) = best else { return Ok((winner, alternatives)) };
+    alternatives.retain(|other| other.family != rival.candidate.family());
+    alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
+    Ok((rival.clone(), alternatives))
 }
 
 /// What held-out rows say of an effect.
@@ -174,7 +220,7 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
 /// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
-fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
+pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
     let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
     let mut gain = 0.0;
     let mut chance = vec![0.0; rows / STRETCH + 1];

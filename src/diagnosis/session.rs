@@ -142,21 +142,24 @@ impl<'a> Session<'a> {
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
-        let mut best: Option<(f64, f64, Side)> = None;
+        let both = |hz: f64| -> Result<[Side; 2]> {
+            Ok([side(train, before, hz, FEWEST_ROWS)?, side(test, 0, hz, FEWEST_TEST_ROWS)?])
+        };
+        let mut best: Option<(f64, f64, [Side; 2])> = None;
         for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(side) = side(train, before, hz, FEWEST_ROWS) else { continue };
-            let unexpected =
-                Whitener::new(&side.rows, &side.torque, &side.baseline, Beside::RichColumns).mean_log_scale();
+            let Ok(sides) = both(hz) else { continue };
+            let [Side { rows, torque, baseline, .. }, _] = &sides;
+            let unexpected = Whitener::new(rows, torque, baseline, Beside::RichColumns).mean_log_scale();
+            tracing::debug!(hz, unexpected, "cut-off");
             if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
-                best = Some((unexpected, hz, side));
+                best = Some((unexpected, hz, sides));
             }
         }
-        let (cutoff_hz, train) = match best {
-            Some((_, hz, train)) => (hz, train),
+        let (cutoff_hz, [train, test]) = match best {
+            Some((_, hz, sides)) => (hz, sides),
             // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, side(train, before, WIDEST_HZ, FEWEST_ROWS)?),
+            None => (WIDEST_HZ, both(WIDEST_HZ)?),
         };
-        let test = side(test, 0, cutoff_hz, FEWEST_TEST_ROWS)?;
         Ok(Session { model, trust, known, arm, train, test, cutoff_hz })
     }
 
@@ -255,6 +258,9 @@ impl<'a> Session<'a> {
         let spread = bodies::prior(self.model.robot(), &candidate.placed);
         loop {
             let test = fit.test_with_prior(&whitened, &spread)?;
+            if !test.values.iter().all(|value| value.is_finite()) {
+                return None;
+            }
             if is_physical(&candidate, &test, change) {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
@@ -265,7 +271,8 @@ impl<'a> Session<'a> {
             let parameters = effect.parameters();
             let beyond = linear(effect).into_iter().enumerate().filter(|(k, index)| {
                 let Parameter { role, lower, upper, .. } = parameters[*index];
-                role == Role::Amplitude && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
+                let there = role == Role::Amplitude && !whitened[*k].parts.is_empty();
+                there && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
             });
             let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
                 (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())

@@ -14,6 +14,9 @@ use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 
+/// Share of a joint's excess over the noise that must be explained for the names on it to stand, where structure is left.
+const FIRM: f64 = 0.7;
+
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
 
@@ -94,11 +97,33 @@ pub struct Diagnosis {
 
 /// The answer in a word.
 pub fn verdict(found: &[Found], unexplained: &[Unexplained]) -> Verdict {
-    match (found.is_empty(), unexplained.is_empty()) {
-        (false, _) if found.iter().any(|found| !found.alternatives.is_empty()) => Verdict::OneOf,
-        (false, _) => Verdict::Named,
-        (true, false) => Verdict::Unexplained,
-        (true, true) => Verdict::None,
+    let some = |verdict: Verdict| found.iter().any(|found| found.verdict == verdict);
+    match (some(Verdict::OneOf), some(Verdict::Named)) {
+        (true, _) => Verdict::OneOf,
+        (false, true) => Verdict::Named,
+        _ if found.is_empty() && unexplained.is_empty() => Verdict::None,
+        _ => Verdict::Unexplained,
+    }
+}
+
+/// Takes back the names on joints of which much stays unexplained. `residuals` are the mean squares that baseline and
+/// extended model leave of the held-out logs, `noise` the floor's, `[joint]`.
+pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
+    let [before, after] = residuals;
+    let open: Vec<usize> = unexplained
+        .iter()
+        .map(|left| left.joint)
+        .filter(|&joint| {
+            let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
+            excess(after) > (1.0 - FIRM) * excess(before)
+        })
+        .collect();
+    for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none()) {
+        let joints = one.member.candidate.joints();
+        // An effect on many joints does not fall with one of them.
+        if joints.iter().all(|joint| open.contains(joint)) {
+            one.verdict = Verdict::Unexplained;
+        }
     }
 }
 

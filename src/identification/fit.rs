@@ -7,6 +7,7 @@ use super::separable::{EffectFit, fit};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::recording::Recording;
+use crate::robot::{Drive, Robot};
 
 /// Logs to fit and logs to judge by.
 #[derive(Debug, Clone, Copy)]
@@ -71,6 +72,24 @@ pub fn fit_effects(
         test_torque: judged.into_iter().map(|joint| joint.torque).collect(),
         fit: found,
     })
+}
+
+impl Fitted {
+    /// The arm with rotor inertia, viscous and Coulomb friction of every joint as fitted beside believed bodies; one that
+    /// came out negative, which no drive has, is zero. What an effect stands for stays as it was.
+    pub fn with_drives(&self, known: &Robot) -> Robot {
+        let mut robot = known.clone();
+        for (joint, spec) in robot.joints.iter_mut().enumerate() {
+            let Drive { armature, viscous, coulomb } = &mut spec.drive;
+            for (symbol, target) in [("Ia", armature), ("Fv", viscous), ("Fc", coulomb)] {
+                let name = format!("{symbol}{}", joint + 1);
+                if let Some(place) = self.fit.names.iter().position(|own| *own == name) {
+                    *target = self.fit.estimate.beta[place].max(0.0);
+                }
+            }
+        }
+        robot
+    }
 }
 
 /// Regression rows of the logs of `model` with the arm's parameters as a fit found them.

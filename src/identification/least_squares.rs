@@ -26,6 +26,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// One joint's share of a linear regression: torque = columns * parameters.
 #[derive(Debug, Clone)]
 pub struct JointRegression {
+    /// Name of the joint.
+    pub joint: String,
     /// Which parameters the columns belong to.
     pub parameters: Vec<usize>,
     /// Columns, `[active parameter][row]`.
@@ -44,6 +46,7 @@ impl JointRegression {
         parameters.dedup();
         let samples: usize = parts.iter().map(|part| part.columns.samples() + separation).sum();
         let mut joined = JointRegression {
+            joint: parts.first().map_or(String::new(), |part| part.joint.clone()),
             columns: Channels::zeros(parameters.len(), samples),
             torque: vec![0.0; samples],
             valid: vec![false; samples],
@@ -74,6 +77,23 @@ impl JointRegression {
         self.columns = Channels::from_vectors(&columns);
         self.parameters.push(parameter);
         self.torque.iter_mut().zip(column).for_each(|(torque, x)| *torque += value * x);
+    }
+
+    /// The same without the parameters that are held, whose torque is taken off; the others, `kept` in order, are counted
+    /// anew.
+    pub(super) fn without(&self, held: &[(usize, f64)], kept: &[usize]) -> Self {
+        let (mut parameters, mut columns) = (Vec::new(), Vec::new());
+        let mut torque = self.torque.clone();
+        for (parameter, column) in self.parameters.iter().zip(self.columns.iter()) {
+            if let Some((_, value)) = held.iter().find(|(own, _)| own == parameter) {
+                torque.iter_mut().zip(column).for_each(|(torque, x)| *torque -= value * x);
+            } else if let Ok(place) = kept.binary_search(parameter) {
+                parameters.push(place);
+                columns.push(column.to_vec());
+            }
+        }
+        let columns = Channels::from_vectors(&columns);
+        JointRegression { joint: self.joint.clone(), parameters, columns, torque, valid: self.valid.clone() }
     }
 
     /// Number of rows that count.
@@ -151,6 +171,21 @@ impl Estimate {
         self.covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 
+    /// The same with parameters that are held put back in their places, without uncertainty.
+    pub(super) fn with_held(mut self, held: &[(usize, f64)], count: usize) -> Self {
+        let value = |k: usize| held.iter().find(|(own, _)| *own == k).map(|(_, value)| *value);
+        let free: Vec<usize> = (0..count).filter(|&k| value(k).is_none()).collect();
+        let mut covariance = DMatrix::zeros(count, count);
+        for (r, &row) in free.iter().enumerate() {
+            for (c, &column) in free.iter().enumerate() {
+                covariance[(row, column)] = self.covariance[(r, c)];
+            }
+        }
+        let mut found = self.beta.iter().copied();
+        self.beta = (0..count).map(|k| value(k).or_else(|| found.next()).unwrap_or_default()).collect();
+        Estimate { covariance, ..self }
+    }
+
     /// 95 % confidence intervals of the base parameters.
     pub fn intervals(&self) -> Vec<[f64; 2]> {
         let half = |std: f64| NORMAL_95 * std;
@@ -165,14 +200,14 @@ impl Estimate {
 /// # Errors
 /// Names the parameters the motion does not excite, or the joint without rows.
 pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> Result<Estimate> {
-    for (index, joint) in joints.iter().enumerate() {
+    for joint in joints {
         if joint.rows() < 2 * joint.parameters.len() {
             let problem = format!(
                 "{} usable samples for {} parameters; the log is too short or the joint hardly moves",
                 joint.rows(),
                 joint.parameters.len()
             );
-            return Err(Error::request(format!("joint {}", index + 1), problem));
+            return Err(Error::request(joint.joint.as_str(), problem));
         }
     }
     let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
@@ -189,15 +224,6 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
         beta,
         sigma,
     })
-}
-
-/// The solution for given joint standard deviations.
-///
-/// # Errors
-/// Names the parameters that the motion cannot tell apart.
-pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
-    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
-    Ok(solve(joints, sigma, &torques, names)?.0.as_slice().to_vec())
 }
 
 /// The weighted solution and the factored normal matrix for given joint standard deviations.

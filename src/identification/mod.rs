@@ -1,5 +1,6 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
+mod bounded;
 pub mod consistent;
 pub mod effect_model;
 pub mod fit;

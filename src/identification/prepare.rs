@@ -44,6 +44,8 @@ const LOW_PASS_ORDER: usize = 4;
 /// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count.
 #[derive(Debug, Clone)]
 pub struct Prepared {
+    /// Names of the joints.
+    joints: Vec<String>,
     /// Time, s.
     pub time: Vec<f64>,
     /// The motion as the model sees it, at the rate of the log.
@@ -66,20 +68,20 @@ pub struct Prepared {
 /// If the log is too short for the filter or the window is impossible.
 pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Result<Prepared> {
     let period = 1.0 / recording.rate_hz();
-    let q = &recording.q;
+    let (q, joints) = (&recording.q, &recording.joints);
     let (motion, filter, position_filter, decimation, reach) = match smoothing {
         Smoothing::None => {
             let motion = Motion {
                 q: q.clone(),
-                qd: or_derivative(recording.qd.as_ref(), q, |x, out| first_derivative(x, period, out))?,
-                qdd: or_derivative(recording.qdd.as_ref(), q, |x, out| second_derivative(x, period, out))?,
+                qd: or_derivative(recording.qd.as_ref(), q, joints, |x, out| first_derivative(x, period, out))?,
+                qdd: or_derivative(recording.qdd.as_ref(), q, joints, |x, out| second_derivative(x, period, out))?,
             };
             (motion, Filter::None, Filter::None, 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
             let derivative = |degree| -> Result<Channels> {
                 let smoother = SavitzkyGolay::new(window, order, degree, period, Edge::Polynomial)?;
-                filtered(q, |x, out| smoother.apply(x, out))
+                filtered(q, joints, |x, out| smoother.apply(x, out))
             };
             let motion = Motion { q: derivative(0)?, qd: derivative(1)?, qdd: derivative(2)? };
             let filter = Filter::SavitzkyGolay(SavitzkyGolay::new(window, order, 0, period, Edge::Polynomial)?);
@@ -89,10 +91,10 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
             let wide = (POSITION_MARGIN * cutoff_hz).min(0.45 * recording.rate_hz());
             let wide = ZeroPhaseLowPass::new(LOW_PASS_ORDER, wide, recording.rate_hz())?;
-            let smooth = filtered(q, |x, out| wide.apply(x, out))?;
+            let smooth = filtered(q, joints, |x, out| wide.apply(x, out))?;
             let motion = Motion {
-                qd: filtered(&smooth, |x, out| first_derivative(x, period, out))?,
-                qdd: filtered(&smooth, |x, out| second_derivative(x, period, out))?,
+                qd: filtered(&smooth, joints, |x, out| first_derivative(x, period, out))?,
+                qdd: filtered(&smooth, joints, |x, out| second_derivative(x, period, out))?,
                 q: smooth,
             };
             // The response has died away after about one period of the cut-off.
@@ -101,13 +103,24 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
         }
     };
     let (time, torque) = (recording.time.clone(), recording.tau.clone());
-    Ok(Prepared { time, motion, torque, filter, position_filter, decimation, reach, band })
+    Ok(Prepared {
+        joints: recording.joints.clone(),
+        time,
+        motion,
+        torque,
+        filter,
+        position_filter,
+        decimation,
+        reach,
+        band,
+    })
 }
 
 /// Makes exact signals ready: what identification could do with perfect sensors.
 pub fn exact(time: &[f64], signals: &Signals, band: f64) -> Prepared {
     let Signals { q, qd, qdd, tau } = signals.clone();
     Prepared {
+        joints: (1..=q.channels()).map(|joint| format!("joint {joint}")).collect(),
         time: time.to_vec(),
         motion: Motion { q, qd, qdd },
         torque: tau,
@@ -132,6 +145,7 @@ impl Prepared {
             .map(|(joint, table)| {
                 let table: Vec<Vec<f64>> = table.iter().map(|column| self.thinned(column)).collect::<Result<_>>()?;
                 Ok(JointRegression {
+                    joint: self.joints[joint].clone(),
                     parameters: model.active(joint),
                     columns: Channels::from_vectors(&table),
                     torque: self.thinned(self.torque.channel(joint))?,
@@ -201,7 +215,7 @@ impl Prepared {
     /// # Errors
     /// If the log is too short for the filter.
     pub fn filtered_torque(&self) -> Result<Channels> {
-        filtered(&self.torque, |signal, out| self.filter.apply(signal, out))
+        filtered(&self.torque, &self.joints, |signal, out| self.filter.apply(signal, out))
     }
 
     /// Samples at which the direction of `joint` is certain.
@@ -227,11 +241,11 @@ impl Prepared {
     }
 }
 
-fn filtered(input: &Channels, apply: impl Fn(&[f64], &mut [f64]) -> Result<()>) -> Result<Channels> {
+fn filtered(input: &Channels, joints: &[String], apply: impl Fn(&[f64], &mut [f64]) -> Result<()>) -> Result<Channels> {
     let mut output = Channels::zeros(input.channels(), input.samples());
     for joint in 0..input.channels() {
         apply(input.channel(joint), output.channel_mut(joint))
-            .map_err(|e| Error::request(format!("joint {}", joint + 1), e.to_string()))?;
+            .map_err(|e| Error::request(joints[joint].as_str(), e.to_string()))?;
     }
     Ok(output)
 }
@@ -239,7 +253,8 @@ fn filtered(input: &Channels, apply: impl Fn(&[f64], &mut [f64]) -> Result<()>) 
 fn or_derivative(
     measured: Option<&Channels>,
     q: &Channels,
+    joints: &[String],
     differentiate: impl Fn(&[f64], &mut [f64]) -> Result<()>,
 ) -> Result<Channels> {
-    measured.map_or_else(|| filtered(q, differentiate), |signal| Ok(signal.clone()))
+    measured.map_or_else(|| filtered(q, joints, differentiate), |signal| Ok(signal.clone()))
 }

@@ -37,6 +37,11 @@ pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
         let text = format!("{} of {all} rows {what} ({}: {}); {advice}", rows.len(), first.column, first.problem);
         out.push(Finding::new(kind, severity, format!("line {lines}"), text));
     }
+    if let Some(cut) = sieved.rejected.iter().find(|row| row.cause == Cause::CutOff) {
+        let text =
+            format!("the file is cut off ({}); the rows before are used; copy the log again if you can", cut.problem);
+        out.push(Finding::new(Kind::CutOff, Severity::Warning, format!("line {}", cut.line), text));
+    }
     if recording.samples() < FEWEST || recording.duration() < SHORTEST_S {
         let text = format!(
             "{} samples over {:.3} s are too few to say anything; at least {FEWEST} and {SHORTEST_S} s are wanted",

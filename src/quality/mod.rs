@@ -40,6 +40,7 @@ pub enum Severity {
 #[allow(missing_docs, reason = "the names say it; the text of a finding explains")]
 pub enum Kind {
     TooShort,
+    CutOff,
     BadRows,
     DuplicateTime,
     BackwardTime,
@@ -235,5 +236,7 @@ fn size_quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     *sizes.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+#[cfg(test)]
+mod every_kind;
 #[cfg(test)]
 mod tests;

@@ -12,12 +12,12 @@ fn arm(file: &str) -> Robot {
     robot::load(format!("{ROOT}/{file}"), InertiaCheck::Required).unwrap()
 }
 
-fn irb() -> Robot {
+pub(super) fn irb() -> Robot {
     arm("urdf/irb1600_6_120.urdf")
 }
 
 /// A log of `robot` on a motion of two sines per joint, with friction of a tenth of the torque and noise.
-fn log(robot: &Robot, rate_hz: f64, seconds: f64) -> Sieved {
+pub(super) fn log(robot: &Robot, rate_hz: f64, seconds: f64) -> Sieved {
     let samples = (rate_hz * seconds) as usize;
     let time: Vec<f64> = (0..samples).map(|i| i as f64 / rate_hz).collect();
     let mut motion = Motion::zeros(robot.dof(), samples);

@@ -12,6 +12,7 @@ use super::Recording;
 use super::columns::{self, Layout};
 use crate::error::{Error, Result};
 use ::csv::{ByteRecord, ReaderBuilder};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -110,6 +111,7 @@ impl Table {
         rename: &dyn Fn(Vec<String>) -> Result<Vec<String>>,
         reject: &mut dyn FnMut(BadRow) -> Result<()>,
     ) -> Result<Table> {
+        let bytes = &*without_open_quotes(bytes);
         // Lengths of rows are checked here, to say more than the csv crate does.
         let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
         let mut record = ByteRecord::new();
@@ -143,6 +145,24 @@ impl Table {
     }
 }
 
+/// Stands for the quotes of a line in which one is not closed.
+const OPEN_QUOTE: u8 = 0x01;
+
+/// A quote that is not closed would swallow all lines up to the next one: no cell of a log goes over several lines, so
+/// that such a line is broken, and its quotes are none.
+fn without_open_quotes(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if !bytes.contains(&b'"') {
+        return Cow::Borrowed(bytes);
+    }
+    let mut mended = bytes.to_vec();
+    for line in mended.split_mut(|&byte| byte == b'\n') {
+        if line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1 {
+            line.iter_mut().filter(|byte| **byte == b'"').for_each(|byte| *byte = OPEN_QUOTE);
+        }
+    }
+    Cow::Owned(mended)
+}
+
 /// The first column of a row that does not hold a number, and why.
 fn bad_cell(record: &ByteRecord, header: &[String], used: &[usize]) -> Option<(String, String)> {
     if record.len() != header.len() {
@@ -151,9 +171,10 @@ fn bad_cell(record: &ByteRecord, header: &[String], used: &[usize]) -> Option<(S
         return Some((format!("column {}", cells.min(names)), problem));
     }
     let column = used.iter().copied().find(|&column| number(&record[column]).is_none())?;
-    let cell = String::from_utf8_lossy(&record[column]);
+    let cell = String::from_utf8_lossy(&record[column]).replace(char::from(OPEN_QUOTE), "\"");
     let problem = match cell.trim() {
         "" => "the cell is empty; a number goes here".to_owned(),
+        text if text.contains('"') => format!("'{text}' has a quote that is not closed"),
         text => format!("'{text}' is not a number"),
     };
     Some((header[column].clone(), problem))
@@ -252,6 +273,7 @@ mod tests {
             ("t,q1,tau1\n0,1,2\n1,1,2\n1,1,2\n", "log.csv:4: t: time must increase, but 1.0 s follows 1.0 s"),
             ("t,q1,tau1\n0,1,2\n\n-1,1,nan\n", "log.csv:4: "),
             ("t,q1,tau1\nnan,1,2\n", "log.csv:2: t: NaN"),
+            ("t,q1,tau1\n0,1,2\n1,\"2,3\n2,3,4\n", "log.csv:3: q1: '\"2' has a quote that is not closed"),
         ];
         for (text, expected) in cases {
             let error = parse_text(text).unwrap_err().to_string();

@@ -11,6 +11,8 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnMap {
+    /// The topic, of a log of ROS 2 with several.
+    pub topic: Option<String>,
     /// The column of time.
     pub time: Option<String>,
     /// Columns of position.
@@ -37,12 +39,14 @@ pub enum Cause {
     DuplicateTime,
     /// A time before that of the row before, or far ahead of the rows behind.
     BackwardTime,
+    /// The file ends here, in the middle of something.
+    CutOff,
 }
 
 /// A row that was left out.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Rejected {
-    /// Line of the file (CSV) or number of the row (Parquet), counted from 1.
+    /// Line of the file (CSV) or number of the row (Parquet) or message (ROS 2), counted from 1.
     pub line: usize,
     /// The column at fault.
     pub column: String,
@@ -57,7 +61,7 @@ pub struct Rejected {
 pub struct Sieved {
     /// What is left; it may be empty.
     pub recording: Recording,
-    /// Line (CSV) or row (Parquet) of every sample, counted from 1.
+    /// Line (CSV), row (Parquet) or message (ROS 2) of every sample, counted from 1.
     pub lines: Vec<usize>,
     /// The rows left out, in the order of the file.
     pub rejected: Vec<Rejected>,
@@ -83,10 +87,9 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) 
     let sieved = match extension.as_deref() {
         Some("csv") => load_csv(path, joints, &rename)?,
         Some("parquet") => load_parquet(path, joints, &rename)?,
-        _ => {
-            let problem = "the name of a log ends in .csv or .parquet, which tells how to read it";
-            return Err(Error::input(path, None, "extension", problem));
-        }
+        #[cfg(feature = "bags")]
+        _ if super::bag::is_bag(path) => load_bag(path, joints, map)?,
+        _ => return Err(super::unknown_format(path)),
     };
     match sieved.rejected.first() {
         Some(first) if sieved.lines.is_empty() => {
@@ -131,6 +134,34 @@ fn load_parquet(path: &Path, joints: Option<&[String]>, rename: &Rename) -> Resu
     table.columns = rows.columns;
     let notes = std::mem::take(&mut table.layout.notes);
     Ok(Sieved { recording: table.recording(), lines: rows.lines, rejected, notes })
+}
+
+#[cfg(feature = "bags")]
+fn load_bag(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    // Joints under other names are found by their columns, not by the arm's names.
+    let wanted = joints.filter(|_| map.q.is_none());
+    let table = super::bag::read(path, wanted, map.topic.as_deref())?;
+    let header = map.rename(path, table.header)?;
+    let mut layout = Layout::find(path, None, &header, joints)?;
+    let unreadable = table.bad.into_iter().map(|(line, problem)| Rejected {
+        line,
+        column: "message".to_owned(),
+        cause: Cause::Unreadable,
+        problem,
+    });
+    let cut_off = table.cut_off.map(|problem| Rejected {
+        line: table.numbers.last().map_or(0, |last| last + 1),
+        column: "file".to_owned(),
+        cause: Cause::CutOff,
+        problem,
+    });
+    let unreadable = unreadable.chain(cut_off).collect();
+    let mut rows = Rows { header, lines: table.numbers, columns: table.columns };
+    let rejected = rows.sieve(&layout, unreadable);
+    let notes = std::mem::take(&mut layout.notes).into_iter().chain(table.notes).collect();
+    let mut recording = layout.recording(rows.columns);
+    recording.provenance = super::bag::provenance(table.topic, table.start_ns);
+    Ok(Sieved { recording, lines: rows.lines, rejected, notes })
 }
 
 /// Lines of increasing places in a file, each that of the first line with content from there on.
@@ -186,7 +217,6 @@ impl Rows {
                 cause: *cause,
                 problem: problem.clone(),
             }));
-            rejected.sort_by_key(|fault| fault.line);
             let mut index = 0..self.lines.len();
             self.lines.retain(|_| !faults.contains_key(&index.next().unwrap_or(0)));
             for &column in &used {
@@ -197,6 +227,7 @@ impl Rows {
                 });
             }
         }
+        rejected.sort_by_key(|fault| fault.line);
         rejected
     }
 }
@@ -321,6 +352,16 @@ mod tests {
         assert_eq!(sieved.recording.time, [0.0, 3.0, 7.0, 8.0, 9.0]);
         assert_eq!(sieved.lines, [2, 5, 11, 14, 15]);
         assert_eq!(sieved.recording.q.channel(0), [1.0; 5]);
+    }
+
+    #[test]
+    fn a_quote_that_is_not_closed_costs_its_line_only() {
+        let text =
+            "t,note,q1,tau1\n0,\"a, b\",1,2\n1,c,\"1,2\n2,\"d,1,2\n3,e,1,2\n4,\"f\",\"1\",2\n5,g,1,\"2\n6,,1,2\n";
+        let sieved = read(text, &ColumnMap::default()).unwrap();
+        let found: Vec<_> = sieved.rejected.iter().map(|r| (r.line, r.column.as_str(), r.cause)).collect();
+        assert_eq!(found, [(3, "q1", Cause::Unreadable), (7, "tau1", Cause::Unreadable)]);
+        assert_eq!(sieved.recording.time, [0.0, 2.0, 3.0, 4.0, 6.0]);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Recordings: what the sensors of an arm said over time, from a file or from a simulation.
 
+#[cfg(feature = "bags")]
+mod bag;
 pub mod csv;
 pub mod lenient;
 pub mod parquet;
@@ -122,8 +124,8 @@ impl Recording {
     }
 }
 
-/// Reads a log; the extension of the name (`csv`, `parquet`) tells the format. What was read but not used is logged as
-/// a warning; [`csv::read`] and [`parquet::read`] return it.
+/// Reads a log; the extension of the name (`csv`, `parquet`; `mcap`, `db3` or the folder of a ROS 2 bag) tells the format.
+/// What was read but not used is logged as a warning; [`csv::read`] and [`parquet::read`] return it.
 ///
 /// With `joints` (the robot's joints in order) the log must have these joints; without, it names or numbers its own.
 ///
@@ -135,15 +137,23 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
     let (recording, notes) = match extension.as_deref() {
         Some("csv") => csv::read(path, joints)?,
         Some("parquet") => parquet::read(path, joints)?,
-        _ => {
-            let problem = "the name of a log ends in .csv or .parquet, which tells how to read it";
-            return Err(Error::input(path, None, "extension", problem));
-        }
+        #[cfg(feature = "bags")]
+        _ if bag::is_bag(path) => bag::recording(path, joints)?,
+        _ => return Err(unknown_format(path)),
     };
     for note in notes {
         tracing::warn!("{}: {note}", path.display());
     }
     Ok(recording)
+}
+
+/// The name of a log must tell its format.
+fn unknown_format(path: &Path) -> Error {
+    let bags = match cfg!(feature = "bags") {
+        true => ".csv, .parquet, .mcap or .db3 (or is the folder of a ROS 2 bag)",
+        false => ".csv or .parquet (this build reads no ROS 2 bags: build it with the feature `bags`)",
+    };
+    Error::input(path, None, "extension", format!("the name of a log ends in {bags}, which tells how to read it"))
 }
 
 fn cut(table: &Channels, range: &Range<usize>) -> Channels {

@@ -87,6 +87,9 @@ struct Value {
     value: f64,
     std: f64,
     interval_95: [f64; 2],
+    /// Whether the value is at a bound of what makes sense; it then has no standard deviation.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    at_bound: bool,
 }
 
 /// The content of `identification.json`.
@@ -136,6 +139,7 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
         value: estimate.beta[index],
         std: std[index],
         interval_95: intervals[index],
+        at_bound: fitted.fit.at_bound[index],
     };
     let places = || fitted.fit.places.iter().enumerate();
     let arm = places().filter(|(_, place)| place.is_none());
@@ -220,7 +224,7 @@ pub fn tables(robot: &Robot, found: Found) -> String {
                 Some(vec![
                     fitted.fit.names[index].clone(),
                     significant(value),
-                    significant(std[index]),
+                    if fitted.fit.at_bound[index] { "at its bound".to_owned() } else { significant(std[index]) },
                     unit.to_owned(),
                 ])
             })

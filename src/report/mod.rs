@@ -7,6 +7,7 @@ pub mod excitation;
 pub mod fit;
 pub mod html;
 mod markdown;
+pub mod measured;
 pub mod paper;
 pub mod quality;
 pub mod results;

@@ -4,7 +4,7 @@
 use crate::diagnosis::score::Projection;
 use crate::diagnosis::selection::rms;
 use crate::diagnosis::session::Session;
-use crate::diagnosis::{Diagnosis, Options, candidates, diagnose};
+use crate::diagnosis::{Diagnosis, Options, Verdict, candidates, diagnose};
 use crate::effects::{Effect, LIBRARY, Placed, Role, Site};
 use crate::error::{Error, Result};
 use crate::excitation::random_sequence::random_sequence;
@@ -124,25 +124,25 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
     Ok(BlindRun { hidden, outcome, extra, diagnosis, seconds: started.elapsed().as_secs_f64() })
 }
 
-/// Compares the answer with what was hidden; the second number counts effects that were named beside it.
+/// Compares the answer with what was hidden; the second number counts other effects that were firmly named beside it.
 fn outcome(hidden: Option<&Placed>, diagnosis: &Diagnosis) -> (Outcome, usize) {
-    let names = diagnosis.found.len();
+    let firm = diagnosis.found.iter().filter(|found| found.verdict == Verdict::Named).count();
+    let told = diagnosis.found.iter().filter(|found| found.verdict != Verdict::Unexplained);
+    let names = told.clone().count();
     let Some(hidden) = hidden else {
         return (if names == 0 { Outcome::Quiet } else { Outcome::FalseAlarm }, names);
     };
     let family = candidates::Family { effect: hidden.effect.about().name, joint: hidden.joint };
-    if names == 0 {
-        return (Outcome::Missed, 0);
-    }
-    for found in &diagnosis.found {
+    for found in told {
         let own = found.member.candidate.family() == family;
-        let among = own || found.alternatives.iter().any(|other| other.family == family);
-        if among {
-            let outcome = if own && found.alternatives.is_empty() { Outcome::Named } else { Outcome::OneOf };
-            return (outcome, names - 1);
+        if own || found.alternatives.iter().any(|other| other.family == family) {
+            return match found.verdict {
+                Verdict::Named => (Outcome::Named, firm - 1),
+                _ => (Outcome::OneOf, firm),
+            };
         }
     }
-    (Outcome::Wrong, names)
+    (if firm > 0 { Outcome::Wrong } else { Outcome::Missed }, firm)
 }
 
 /// The effect at the size that has the wanted severity along the reference motions.

@@ -105,4 +105,14 @@ fn identify_takes_a_dataset() {
         assert!((value(symbol) / expected - 1.0).abs() < 1e-3, "{symbol}: {}", value(symbol));
     }
     assert!(json["without_effects"]["test_rms_nm"][0].as_f64().unwrap() < 0.01);
+
+    let output = case.tauscope(&["run", "--dataset", "d.toml", "--out", "run", "--json"]);
+    assert_done(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["schema"], "tauscope.measured/1");
+    assert_eq!(json["variants"][1]["signals"], "savitzky_golay");
+    assert!(json["variants"][1]["torque_std_held_out_nm"][0].as_f64().unwrap() < 0.01);
+    assert!(super::names(&case.path("run")).contains(&"identified.urdf".to_owned()));
+    let both = case.tauscope(&["run", "s.toml", "--dataset", "d.toml"]);
+    assert!(both.status.code() == Some(2) && text(&both.stderr).contains("cannot be used with"), "{both:?}");
 }

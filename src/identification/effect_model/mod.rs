@@ -19,6 +19,7 @@ use crate::effects::{DAMPING_TIME_S, Gear, Placed, Role, Scope};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::signal::{first_derivative, second_derivative};
+use std::borrow::Cow;
 
 /// Rounds in which encoder errors are taken back out of the measured positions.
 const UNDO_ROUNDS: usize = 4;
@@ -111,6 +112,12 @@ impl<'a> EffectModel<'a> {
     /// Units of the arm's linear parameters.
     pub fn baseline_units(&self) -> Vec<&'static str> {
         self.arm.iter().map(|&parameter| self.model.unit_on_joint(leader(self.model, parameter))).collect()
+    }
+
+    /// Indices of the arm's viscous and Coulomb frictions among its linear parameters: neither can be negative.
+    pub fn frictions(&self) -> Vec<usize> {
+        let is_friction = |parameter: ArmParameter| drive_of(self.model, parameter).is_some_and(|(_, which)| which > 0);
+        (0..self.arm.len()).filter(|&index| is_friction(self.arm[index])).collect()
     }
 
     /// Number of linear parameters that belong to the arm.
@@ -218,24 +225,31 @@ impl<'a> EffectModel<'a> {
         (0..self.model.dof())
             .map(|joint| {
                 let sensing = Sensing::new(self.sensors(joint).collect(), period);
-                let mut columns: Vec<(usize, Vec<f64>)> = parts.columns(joint);
-                columns.iter_mut().for_each(|(_, column)| *column = sensing.small_signal(column));
-                for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
-                    if let Some(column) = sensing.amplitude(&self.placed[effect], k, recording.samples()) {
-                        columns.push((self.baseline.len() + index, column));
-                    }
-                }
-                let mut known = sensing.small_signal(&parts.known[joint]);
+                let mut columns: Vec<(usize, Cow<[f64]>)> = parts.columns(joint);
+                let mut known = Cow::Borrowed(parts.known[joint].as_slice());
                 if sensing.acts() {
+                    let sensed = |column: &[f64]| sensing.small_signal(column);
+                    let mut own: Vec<(usize, Vec<f64>)> =
+                        columns.iter().map(|(k, column)| (*k, sensed(column))).collect();
+                    for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
+                        if let Some(column) = sensing.amplitude(&self.placed[effect], k, recording.samples()) {
+                            own.push((self.baseline.len() + index, column));
+                        }
+                    }
+                    let mut torque = sensed(&known);
                     let total = parts.predicted(joint, &self.all_linear());
-                    sensing.clip(&total, &mut known, &mut columns);
+                    sensing.clip(&total, &mut torque, &mut own);
+                    known = Cow::Owned(torque);
+                    columns = own.into_iter().map(|(k, column)| (k, Cow::Owned(column))).collect();
                 }
                 let torque = prepared.torque.channel(joint);
-                let rest: Vec<f64> = torque.iter().zip(known).map(|(measured, known)| measured - known).collect();
+                let rest: Vec<f64> =
+                    torque.iter().zip(known.iter()).map(|(measured, known)| measured - known).collect();
                 let parameters = columns.iter().map(|(parameter, _)| *parameter).collect();
                 let columns: Vec<Vec<f64>> =
                     columns.iter().map(|(_, column)| prepared.thinned(column)).collect::<Result<_>>()?;
                 Ok(JointRegression {
+                    joint: self.model.robot().joints[joint].name.clone(),
                     parameters,
                     columns: Channels::from_vectors(&columns),
                     torque: prepared.thinned(&rest)?,

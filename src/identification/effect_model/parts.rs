@@ -7,6 +7,7 @@ use crate::effects::{Along, Placed, contributions};
 use crate::identification::model::{Model, STANDARD};
 use crate::identification::prepare::Prepared;
 use crate::robot::PARAMETERS;
+use std::borrow::Cow;
 
 /// A linear parameter of the arm itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +64,8 @@ impl<'a> Parts<'a> {
         for joint in 0..model.dof() {
             let departures = torques.iter().map(|torque| (1.0, torque.channel(joint).to_vec()));
             let believed = owner.believed.iter();
-            let believed = believed.filter_map(|&(parameter, value)| Some((value, parts.column(parameter, joint)?)));
+            let believed =
+                believed.filter_map(|&(parameter, value)| Some((value, parts.column(parameter, joint)?.to_vec())));
             let sum: Vec<(f64, Vec<f64>)> = departures.chain(believed).collect();
             for (scale, column) in sum {
                 parts.known[joint].iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
@@ -93,34 +95,34 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque on a joint per unit of a parameter of the arm; None where it cannot act.
-    fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Vec<f64>> {
+    fn column(&self, parameter: ArmParameter, joint: usize) -> Option<&[f64]> {
         let model = self.owner.model;
         match parameter {
             ArmParameter::Base(base) => {
                 let place = model.active(joint).iter().position(|&b| b == base)?;
-                Some(self.base[joint].channel(place).to_vec())
+                Some(self.base[joint].channel(place))
             }
             ArmParameter::Drive(own, _) if own != joint => None,
-            ArmParameter::Drive(_, 0) => Some(self.motor.qdd.channel(joint).to_vec()),
+            ArmParameter::Drive(_, 0) => Some(self.motor.qdd.channel(joint)),
             ArmParameter::Drive(_, which) => {
                 // Viscous and Coulomb friction are base parameters of their own on every arm, in this order.
                 let friction = model.active(joint).into_iter().enumerate().filter(|(_, b)| model.is_friction(*b));
                 let (place, _) = friction.into_iter().nth(which - 1)?;
-                Some(self.base[joint].channel(place).to_vec())
+                Some(self.base[joint].channel(place))
             }
         }
     }
 
     /// All columns that can act on a joint, with the index of their linear parameter.
-    pub fn columns(&self, joint: usize) -> Vec<(usize, Vec<f64>)> {
+    pub fn columns(&self, joint: usize) -> Vec<(usize, Cow<'_, [f64]>)> {
         let arm = self.owner.arm.iter().enumerate();
-        let mut columns: Vec<(usize, Vec<f64>)> =
-            arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?))).collect();
+        let mut columns: Vec<(usize, Cow<[f64]>)> =
+            arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?.into()))).collect();
         let offset = self.owner.baseline.len();
         for (index, torque) in self.amplitudes.iter().enumerate() {
             let column = torque.channel(joint);
             if column.iter().any(|&v| v != 0.0) {
-                columns.push((offset + index, column.to_vec()));
+                columns.push((offset + index, column.into()));
             }
         }
         columns
@@ -130,7 +132,7 @@ impl<'a> Parts<'a> {
     pub fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
         let mut torque = self.known[joint].clone();
         for (parameter, column) in self.columns(joint) {
-            torque.iter_mut().zip(column).for_each(|(value, x)| *value += linear[parameter] * x);
+            torque.iter_mut().zip(column.iter()).for_each(|(value, x)| *value += linear[parameter] * x);
         }
         torque
     }

@@ -275,7 +275,7 @@ fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::D
     let [before, after] = found.rms.clone();
     Finding {
         effect: placed.effect.about().name,
-        verdict: if found.alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },
+        verdict: found.verdict,
         alternatives: alternatives.collect(),
         parameters: parameters
             .chain(derived)

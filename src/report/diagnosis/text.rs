@@ -132,10 +132,14 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
 fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let [before, after] = &found.rms;
     let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.noise_floor[j].powi(2);
-    let joint = (0..before.len()).max_by(|&a, &b| gained(a).total_cmp(&gained(b))).unwrap_or(0);
+    let joints = found.member.candidate.joints();
+    let joint = joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b))).unwrap_or(0);
     let mut names = place(robot, found.member.candidate.family());
     for other in &found.alternatives {
         names += &format!(" or {}", place(robot, other.family));
+    }
+    if found.verdict == Verdict::Unexplained {
+        names = format!("something like {names} (much stays unexplained there)");
     }
     let torque = diagnosis.test_torque_rms[joint];
     let share =

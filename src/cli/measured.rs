@@ -1,0 +1,56 @@
+//! `tauscope run --dataset`: identify and score with measured logs in place of the simulation.
+
+use super::{DONE, Global, identify, print, progress};
+use crate::dataset::{Dataset, Logs};
+use crate::error::{Error, Result};
+use crate::identification::consistent::consistent;
+use crate::identification::effect_model::Trust;
+use crate::identification::fit;
+use crate::identification::model::Model;
+use crate::output::ResultFolder;
+use crate::recording::Recording;
+use crate::report::{fit as fit_report, measured as report};
+use crate::robot::{self, InertiaCheck};
+use crate::study::measured;
+use crate::study::testbed::Variant;
+use std::path::Path;
+
+/// Identifies from the data set's training logs and writes its results folder.
+pub fn run(path: &Path, global: &Global) -> Result<u8> {
+    let dataset = Dataset::load(path)?;
+    let named = dataset.robot().ok_or_else(|| {
+        Error::input(path, None, "robot", "is missing: name the arm's URDF, which is looked for beside this file")
+    })?;
+    let mut robot = robot::load(named, InertiaCheck::Ignored)?;
+    dataset.mount(&mut robot)?;
+    let Logs { train, test, notes } = dataset.logs(&robot)?;
+    let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
+    let model = Model::new(&robot);
+    let preparation = identify::usual_preparation(&train[0]);
+    let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
+    let logs = fit::Logs { train: &train, test: &test };
+
+    let variants = [Variant::Raw, Variant::SavitzkyGolay];
+    let bar = progress::bar(global, "identifying", variants.len());
+    let mut scored = Vec::new();
+    for variant in variants {
+        scored.push(measured::identify(&model, logs, variant, preparation)?);
+        bar.inc(1);
+    }
+    let plain = &scored[1].fitted;
+    let bodies = consistent(&model, logs, preparation, plain)?;
+    bar.finish_and_clear();
+
+    let found = fit_report::Found { plain, extended: None, consistent: Some(&bodies) };
+    let identification = fit_report::result(&robot, Trust::Structure, found, &notes);
+    folder.write_json("identification.json", fit_report::SCHEMA, &identification)?;
+    folder.write_text("identified.urdf", &robot::with_parameters(&bodies.robot(&robot))?)?;
+    let scores = report::result(&robot, &scored, &notes);
+    folder.write_json("score.json", report::SCHEMA, &scores)?;
+    let out = folder.finish()?;
+    print::result(global, report::SCHEMA, &scores, || {
+        let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");
+        format!("{notes}{}\n\nResults in {}", report::text(&robot, &scored), out.display())
+    })?;
+    Ok(DONE)
+}

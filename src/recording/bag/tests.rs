@@ -1,0 +1,135 @@
+//! Bags written by other programs (`tests/reference/bags.py`).
+
+use super::super::lenient::{self, Cause, ColumnMap};
+use super::*;
+
+const SAMPLES: usize = 60;
+
+fn bag(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/bags").join(name)
+}
+
+fn arm() -> Vec<String> {
+    ["shoulder", "elbow", "wrist"].map(str::to_owned).to_vec()
+}
+
+/// Position, velocity and effort of a joint at a sample, as the script has them.
+fn truth(sample: usize, joint: usize) -> [f64; 3] {
+    let (t, k) = (sample as f64 * 0.01, joint as f64);
+    [(3.0 * t + k).sin(), 3.0 * (3.0 * t + k).cos(), 10.0 * k + t]
+}
+
+#[track_caller]
+fn assert_truth(log: &crate::recording::Recording) {
+    assert_eq!(log.joints, arm());
+    for sample in 0..log.samples() {
+        assert!((log.time[sample] - 0.01 * sample as f64).abs() < 1e-9, "{}", log.time[sample]);
+        for joint in 0..3 {
+            let [q, qd, tau] = truth(sample, joint);
+            assert!((log.q.channel(joint)[sample] - q).abs() < 1e-12);
+            assert!((log.tau.channel(joint)[sample] - tau).abs() < 1e-12);
+            if let Some(velocity) = &log.qd {
+                assert!((velocity.channel(joint)[sample] - qd).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn bags_of_every_kind() {
+    let files = [
+        "sqlite",
+        "sqlite/sqlite.db3",
+        "sqlite_messages",
+        "sqlite_messages/sqlite_messages.db3",
+        "sqlite_file",
+        "sqlite_file/sqlite_file.db3.zstd",
+        "mcap",
+        "mcap/mcap.mcap",
+        "mcap_messages",
+        "bare.mcap",
+    ];
+    for file in files {
+        let sieved = lenient::load(bag(file), Some(&arm()), &ColumnMap::default()).unwrap();
+        assert_eq!((sieved.recording.samples(), sieved.rejected.len()), (SAMPLES, 0), "{file}");
+        assert_eq!(sieved.recording.qd.is_some(), file != "bare.mcap", "{file}");
+        assert_truth(&sieved.recording);
+        assert_eq!(sieved.recording.provenance["topic"], "/joint_states");
+        assert_eq!(sieved.recording.provenance["start_unix_ns"], "1700000000123456789");
+        assert_eq!(crate::recording::load(bag(file), Some(&arm())).unwrap(), sieved.recording, "{file}");
+    }
+}
+
+#[test]
+fn joints_in_the_messages_own_order_where_no_arm_is_known() {
+    let log = crate::recording::load(bag("mcap"), None).unwrap();
+    assert_eq!(log.joints, ["wrist", "shoulder", "elbow"]);
+    assert!((log.tau.channel(0)[0] - 20.0).abs() < 1e-12);
+    let other = ["left".to_owned()];
+    let error = crate::recording::load(bag("mcap"), Some(&other)).unwrap_err().to_string();
+    assert!(error.contains("left_position") && error.contains("shoulder_position"), "{error}");
+}
+
+#[test]
+fn a_truncated_log_keeps_what_comes_before() {
+    let sieved = lenient::load(bag("truncated.mcap"), Some(&arm()), &ColumnMap::default()).unwrap();
+    let count = sieved.recording.samples();
+    assert!((20..SAMPLES).contains(&count), "{count}");
+    assert_truth(&sieved.recording);
+    let cut = &sieved.rejected[0];
+    assert_eq!((cut.cause, cut.line), (Cause::CutOff, count + 1));
+    assert!(crate::recording::load(bag("truncated.mcap"), None).is_err());
+    let whole = std::fs::read(bag("bare.mcap")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for length in (0..whole.len()).step_by(97) {
+        let path = folder.path().join("cut.mcap");
+        std::fs::write(&path, &whole[..length]).unwrap();
+        match lenient::load(&path, Some(&arm()), &ColumnMap::default()) {
+            Ok(sieved) => assert!(sieved.rejected.iter().any(|row| row.cause == Cause::CutOff), "{length} bytes"),
+            Err(error) => assert!(error.to_string().contains("cut.mcap: "), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn damaged_databases_are_refused_or_cut() {
+    let whole = std::fs::read(bag("sqlite/sqlite.db3")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.db3");
+    for length in [0, 50, 5000, 20000, whole.len() - 3000] {
+        std::fs::write(&path, &whole[..length]).unwrap();
+        if let Err(error) = lenient::load(&path, Some(&arm()), &ColumnMap::default()) {
+            assert!(error.to_string().contains("cut.db3: "), "{error}");
+        }
+    }
+}
+
+#[test]
+fn one_of_several_topics_must_be_chosen() {
+    let file = bag("two_topics.mcap");
+    let error = lenient::load(&file, Some(&arm()), &ColumnMap::default()).unwrap_err().to_string();
+    assert!(error.contains("/left/joint_states, /right/joint_states") && error.contains("[columns] topic"), "{error}");
+    let right = ColumnMap { topic: Some("/right/joint_states".into()), ..ColumnMap::default() };
+    let sieved = lenient::load(&file, Some(&arm()), &right).unwrap();
+    assert_eq!(sieved.recording.samples(), 5);
+    assert!(sieved.notes[0].contains("/left/joint_states (5 messages)"), "{:?}", sieved.notes);
+    let none = ColumnMap { topic: Some("/middle".into()), ..ColumnMap::default() };
+    let error = lenient::load(&file, Some(&arm()), &none).unwrap_err().to_string();
+    assert!(
+        error.contains("/middle") && error.contains("/left/joint_states (sensor_msgs/msg/JointState, cdr)"),
+        "{error}"
+    );
+}
+
+#[test]
+fn other_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["log.mcap", "log.db3"] {
+        let path = folder.path().join(name);
+        let error = crate::recording::load(&path, None).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+        std::fs::write(&path, "t,q1,tau1\n0,1,2\n").unwrap();
+        let error = crate::recording::load(&path, None).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}

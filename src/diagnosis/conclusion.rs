@@ -5,6 +5,7 @@ use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
 use super::estimates::Estimates;
+use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::gap::{Share, gain, gap_closed};
 use super::inertias::all_inertias;
@@ -140,6 +141,11 @@ fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
     logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
 }
 
+/// The logs that a diagnosis judges by: the test logs, or else the last part of every training log.
+pub fn held_out(input: &Input) -> Vec<Recording> {
+    if input.test.is_empty() { split(&input.train).1 } else { input.test.iter().map(|&log| log.clone()).collect() }
+}
+
 /// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.
 fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
     let (rows, robot) = (&session.test.rows, session.model.robot());
@@ -171,13 +177,14 @@ fn answer<'a>(
     held_out_from_training: bool,
     present: Vec<Placed>,
 ) -> Result<Conclusion<'a>> {
-    let Selection { mut found, whitener, first_whitener, tests, sensitivity } = selection;
+    let Selection { mut found, whitener, first_whitener, tests, ranking, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let unexplained = unexplained(&session, &members, &whitener, options.alpha)?;
     let valid = |side: &'_ Side| side.rows.valid.clone();
     let train = session.residual_on(&session.train, &[], &first_whitener)?;
     let baseline = session.residual_on(&session.test, &[], &first_whitener)?;
     let extended = session.held_out_residual(&members, &whitener)?;
+    let evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
     let closed = gap_closed(&baseline, &extended, &test.valid, &noise_floor, options.seed);
@@ -207,6 +214,7 @@ fn answer<'a>(
         before,
         found,
         unexplained,
+        evidence,
     };
     Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
 }
@@ -224,6 +232,8 @@ pub struct Resimulation {
     pub gain: Share,
     /// Share of the gap between baseline and noise floor that it closes.
     pub gap_closed: Share,
+    /// Positions of the extended model's arm along every held-out log, rad.
+    pub positions: Vec<Channels>,
 }
 
 impl Conclusion<'_> {
@@ -260,6 +270,7 @@ impl Conclusion<'_> {
             extended_rms: rms(&extended.valid, &extended.residual),
             gain: shares[0],
             gap_closed: shares[1],
+            positions: extended.positions.clone(),
         })
     }
 }

@@ -5,6 +5,7 @@ use super::Options;
 use super::candidates::{self, Candidate, Family, Slot};
 use super::column::{Column, rms};
 use super::contest::{Alternative, Contest, Scan, contest};
+use super::evidence::{Ranked, ranking};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
 use super::unexplained::slow_cosines;
@@ -62,6 +63,8 @@ pub struct Selection {
     pub first_whitener: Whitener,
     /// Number of independent tests that the scan is worth.
     pub tests: f64,
+    /// The best of every family in the first scan, before anything was found; the best first.
+    pub ranking: Vec<Ranked>,
     /// Of every family that could be tested in the end: index of its first linear parameter and its standard deviation.
     pub sensitivity: BTreeMap<Family, (usize, f64)>,
 }
@@ -84,6 +87,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let mut round = look(session, &mut found, options)?;
     let first_whitener = round.whitener.clone();
     let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
+    let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && refused.len() < REFUSALS {
         progress(found.len());
         let taken: Vec<Slot> = found.iter().map(|found| found.member.candidate.slot()).collect();
@@ -135,7 +139,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         round = look(session, &mut found, options)?;
     }
     let sensitivity = round.scan.sensitivity();
-    Ok(Selection { found, whitener: round.whitener, first_whitener, tests, sensitivity })
+    Ok(Selection { found, whitener: round.whitener, first_whitener, tests, ranking, sensitivity })
 }
 
 /// Fits what was found so far, with estimates written back, and tests all candidates against the fit.

@@ -2,7 +2,7 @@
 
 use super::{DONE, Global, print};
 use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, screen, still_joints};
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, confirm, screen, still_joints};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
@@ -223,6 +223,7 @@ fn faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: 
     let told: Vec<DataFault> =
         told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
     all.extend(told);
+    confirm(&mut all, train.len() + test.len() + reference.len());
     all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
     all
 }

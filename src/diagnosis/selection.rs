@@ -20,8 +20,9 @@ const KEPT: f64 = 1e-4;
 /// Rows in a stretch over which held-out gains are summed before they count as independent (one second).
 const STRETCH: usize = 50;
 
-/// One-sided 95 % point of the normal distribution.
-const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
+/// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
+/// training logs, and the held-out logs, often fewer, must not contradict it.
+const SURELY: f64 = 1.0;
 
 /// Share of the level of other effects that an event in one log must reach.
 const ONCE: f64 = 1e-3;
@@ -44,7 +45,7 @@ pub struct Found {
     pub alternatives: Vec<Alternative>,
     /// Probability of as good a best candidate without any effect.
     pub family_wise_p: f64,
-    /// Lower 95 % bound of the share of the held-out sum of squares that it takes away.
+    /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
     pub gain_lower_bound: f64,
     /// Root mean square of the held-out residual before and after, `[joint]`, N m.
     pub rms: [Vec<f64>; 2],
@@ -209,7 +210,7 @@ fn better_unseen(
 /// What held-out rows say of an effect.
 #[derive(Debug, Clone)]
 pub struct Gain {
-    /// Lower 95 % bound of the share of the whitened sum of squares that it takes away.
+    /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away.
     pub lower_bound: f64,
     /// Root mean square of the residual before and after, `[joint]`, N m.
     pub rms: [Vec<f64>; 2],
@@ -237,7 +238,7 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
-/// Lower 95 % bound of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
+/// Lower bound, by one standard deviation (84 %), of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
 /// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
@@ -253,7 +254,7 @@ pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, join
         }
     }
     let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-    (gain - NORMAL_95_ONE_SIDED * std) / before.dot(&before).max(f64::MIN_POSITIVE)
+    (gain - SURELY * std) / before.dot(&before).max(f64::MIN_POSITIVE)
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

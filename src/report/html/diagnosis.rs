@@ -234,7 +234,7 @@ fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Section {
             ]
         });
         blocks.push(Block::text(format!(
-            "{}: {} Chance of a false alarm: {}. At least {:.0} % of the held-out sum of squares is gained (95 %).",
+            "{}: {} Chance of a false alarm: {}. At least {:.0} % of the held-out sum of squares is gained (84 %).",
             named(robot, found.member.candidate.family()),
             sentence(about.explanation),
             probability(found.family_wise_p.log10()),

@@ -27,6 +27,10 @@ const SURELY: f64 = 1.0;
 /// Share of the level of other effects that an event in one log must reach.
 const ONCE: f64 = 1e-3;
 
+/// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
+/// if the torque had been cut off.
+const EXTREMES: f64 = 1e-9;
+
 /// Cosines over each log that stand for slow drifts.
 const DRIFTS: usize = 10;
 
@@ -124,8 +128,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             None => level,
             Some(_) => level.max(family_wise(beside_drift(session, &round, &winner), tests)),
         };
-        // No other log can confirm what happened once.
-        let limit = if winner.candidate.log.is_some() { ONCE * options.alpha } else { options.alpha };
+        let limit = options.alpha * strictness(&winner.candidate);
         let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
@@ -159,6 +162,18 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
 
 fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// Share of the level at which a candidate is believed.
+fn strictness(candidate: &Candidate) -> f64 {
+    if candidate.log.is_some() {
+        // No other log can confirm what happened once.
+        ONCE
+    } else if candidates::is_level(candidate.placed.effect) {
+        EXTREMES
+    } else {
+        1.0
+    }
 }
 
 /// Logarithm of the probability of what an event of one log takes beside slow drifts of all joints that it acts on: how strong

@@ -151,11 +151,9 @@ fn strongest(
 }
 
 fn text(robot: &Robot, told: &str) -> String {
-    // Tables are set in spaces, which Markdown needs to be told.
-    let lines = told.split("\n\n").map(|part| match part.lines().any(|line| line.trim_start().contains("   ")) {
-        true => format!("```text\n{part}\n```"),
-        false => part.lines().map(str::trim_start).collect::<Vec<_>>().join("\n\n"),
-    });
+    // The table of residuals is too wide here, and drawn beside.
+    let parts = told.split("\n\n").filter(|part| !part.starts_with(" held-out rms"));
+    let lines = parts.map(|part| part.lines().map(str::trim_start).collect::<Vec<_>>().join("\n\n"));
     format!(
         "# {}\n\n{}\n\nResiduals: arm as described grey, re-identified blue, with the findings orange, noise floor purple. \
          Gaps are reversals. Solid arm: as measured. Outline: the extended model in the simulator.\n",

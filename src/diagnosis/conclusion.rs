@@ -110,7 +110,9 @@ pub fn conclude<'a>(
             inertias = Some(free.gain);
         }
     }
-    answer(session, selection, simulation, before, inertias, options, held_out, input.present.clone())
+    let present = input.present.clone();
+    let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present };
+    answer(session, selection, circumstances, options)
 }
 
 /// The arm as its reference logs show it, with the effects found there: they were there before the change.
@@ -167,16 +169,27 @@ fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
     friction.chain(robot.joints.iter().map(|joint| joint.drive.armature)).collect()
 }
 
+/// What is known beside the search itself.
+struct Circumstances {
+    /// What the arm as described leaves of the held-out logs.
+    simulation: Column,
+    /// Effects that were there before a change.
+    before: Vec<Found>,
+    /// What re-identified inertias gain where those trusted are wrong as a whole.
+    inertias: Option<Gain>,
+    /// Whether the last part of the training logs was held out.
+    held_out_from_training: bool,
+    /// Effects that the simulation has already.
+    present: Vec<Placed>,
+}
+
 fn answer<'a>(
     session: Session<'a>,
     selection: Selection,
-    simulation: Column,
-    before: Vec<Found>,
-    inertias: Option<Gain>,
+    circumstances: Circumstances,
     options: &Options,
-    held_out_from_training: bool,
-    present: Vec<Placed>,
 ) -> Result<Conclusion<'a>> {
+    let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
     let Selection { mut found, whitener, first_whitener, tests, ranking, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let unexplained = unexplained(&session, &members, &whitener, options.alpha)?;

@@ -34,6 +34,11 @@ const EXTREMES: f64 = 1e-9;
 /// Cosines over each log that stand for slow drifts.
 const DRIFTS: usize = 10;
 
+/// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
+/// where much is wrong, all that is little fits a little.
+const MUCH_LEFT: f64 = 1.5;
+const WORTH_A_NAME: f64 = 0.05;
+
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
 
@@ -250,7 +255,8 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     };
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
     tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
-    Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
+    let least = if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) { WORTH_A_NAME } else { 0.0 };
+    Ok((bound > least).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Lower bound, by one standard deviation (84 %), of the share of the whitened sum of squares that is gained on the joints that the effect acts on.

@@ -2,8 +2,8 @@
 
 use super::{DONE, Global, print};
 use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, screen, still_joints};
-use crate::diagnosis::{Input, Options, conclude};
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, confirm, screen, still_joints};
+use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -12,6 +12,8 @@ use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
+use crate::report::html::{self, Provenance};
+use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Arm, Scenario};
 use indicatif::{ProgressBar, ProgressDrawTarget};
@@ -149,11 +151,17 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     folder.write_text(EXTENDED_SCENARIO, &format!("{EXTENDED_NOTE}{}", written.to_toml()?))?;
     let result = report::result(&robot, diagnosis, resimulation.as_ref(), &faults);
     folder.write_json("diagnosis.json", SCHEMA, &result)?;
+    let lines = report::lines(&robot, diagnosis, resimulation.as_ref(), &faults);
+    let held_out = held_out(&input);
+    let held_out: Vec<&Recording> = held_out.iter().collect();
+    let logs = html::diagnosis::Logs { train: &input.train, held_out: &held_out, faults: &faults };
+    let provenance = Provenance::here(Some(options.seed));
+    let page = html::diagnosis::page(&robot, diagnosis, resimulation.as_ref(), logs, provenance);
+    folder.write_text(html::FILE, &page.render())?;
+    let simulated = resimulation.as_ref().map(|run| &run.positions[..]);
+    viewer::add(&folder, || Ok(viewer::diagnosis::film(&robot, &held_out, diagnosis, &lines, simulated)))?;
     let path = folder.finish()?;
-    print::result(global, SCHEMA, &result, || {
-        let lines = report::lines(&robot, diagnosis, resimulation.as_ref(), &faults);
-        format!("{lines}\nResults in {}", path.display())
-    })?;
+    print::result(global, SCHEMA, &result, || format!("{lines}\nResults in {}", path.display()))?;
     Ok(DONE)
 }
 
@@ -215,6 +223,7 @@ fn faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: 
     let told: Vec<DataFault> =
         told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
     all.extend(told);
+    confirm(&mut all, train.len() + test.len() + reference.len());
     all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
     all
 }

@@ -12,6 +12,7 @@ use crate::identification::prepare::Smoothing;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
+use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Setup, effect_joint};
 use crate::study::testbed;
@@ -99,6 +100,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
+    viewer::add(&folder, || Ok(viewer::fit::film(&robot, logs, &plain, extended.as_ref())))?;
     let path = folder.finish()?;
     print::result(global, SCHEMA, &result, || {
         let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");

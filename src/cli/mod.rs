@@ -15,11 +15,13 @@ mod print;
 mod progress;
 mod run;
 mod simulate;
+mod view;
 
 use clap::{Args, Parser, Subcommand};
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
 
 /// Done.
 pub const DONE: u8 = 0;
@@ -92,6 +94,8 @@ enum Command {
     Montecarlo(Box<montecarlo::Arguments>),
     /// Fail if identification has got worse than a baseline by more than chance.
     Check(check::Arguments),
+    /// Open the recording of a results folder in the rerun viewer.
+    View(view::Arguments),
     /// List the physical effects there are, or tell all about one.
     Effects(effects::Arguments),
 }
@@ -99,6 +103,7 @@ enum Command {
 /// Parses the command line and does what it says.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    log_warnings(&cli.global);
     let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
     let result = match command {
         Command::Run(arguments) => run::run(&arguments, &cli.global),
@@ -111,14 +116,26 @@ pub fn main() -> ExitCode {
         Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Montecarlo(arguments) => montecarlo::run(&arguments, &cli.global),
         Command::Check(arguments) => check::run(&arguments, &cli.global),
+        Command::View(arguments) => view::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };
     match result {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             // If nobody can be told, the exit code still says it.
-            let _ = writeln!(std::io::stderr(), "tauscope: {error}");
+            let red = anstyle::AnsiColor::Red.on_default().bold();
+            let _ = writeln!(anstream::stderr(), "{red}tauscope:{red:#} {error}");
             ExitCode::from(BAD_INPUT)
         }
     }
+}
+
+/// Warnings go to standard error: of this program all, of its libraries errors only; `TAUSCOPE_LOG` asks for more or less.
+fn log_warnings(global: &Global) {
+    let standard = if global.quiet { "error" } else { "error,tauscope=warn" };
+    let filter = EnvFilter::try_from_env("TAUSCOPE_LOG").unwrap_or_else(|_| EnvFilter::new(standard));
+    let log = tracing_subscriber::fmt().with_env_filter(filter).without_time().with_target(false);
+    let log = log.with_ansi(std::io::stderr().is_terminal()).with_writer(std::io::stderr);
+    // A second subscriber, as in a test that calls this twice, changes nothing.
+    let _ = log.try_init();
 }

@@ -3,6 +3,7 @@
 use super::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::output::ResultFolder;
+use crate::report::html::{self, Provenance};
 use crate::report::paper::{SCHEMA, Verdict, figures, results, tables};
 use crate::scenario::Setup;
 use crate::study::paper::procedure::{Procedure, Stage};
@@ -33,10 +34,14 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let found = results::results(&setup, &study, &verdict);
     super::simulate::write_recordings(&folder, &setup, &study.runs)?;
     folder.write_json("paper.json", SCHEMA, &found)?;
-    folder.write_text("tables.md", &tables::tables(&setup, &study, &verdict))?;
-    for (name, svg) in figures::figures(&setup, &study) {
-        folder.write_text(name, &svg)?;
+    let (tables, figures) = (tables::tables(&setup, &study, &verdict), figures::figures(&setup, &study));
+    folder.write_text("tables.md", &tables)?;
+    for (name, svg) in &figures {
+        folder.write_text(name, svg)?;
     }
+    let provenance = Provenance::here(Some(setup.scenario.seed));
+    let page = html::paper::page(&setup.scenario.name, &verdict, &tables, &figures, provenance);
+    folder.write_text(html::FILE, &page.render())?;
     let path = folder.finish()?;
     print::result(global, SCHEMA, &found, || {
         format!("{}\nTables, figures and numbers in {}", verdict.console(&setup, &study), path.display())

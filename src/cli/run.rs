@@ -3,7 +3,8 @@
 use super::{DONE, Global, measured, print, progress, simulate};
 use crate::error::Result;
 use crate::identification::model::Model;
-use crate::report::{console, results};
+use crate::report::html::{self, Provenance};
+use crate::report::{console, results, viewer};
 use crate::study::testbed::{self, Variant};
 use std::path::PathBuf;
 
@@ -52,6 +53,10 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         &results::identification(&setup, &model, &scored),
     )?;
     folder.write_json("score.json", results::SCORE_SCHEMA, &scores)?;
+    let found = html::run::Found { model: &model, scored: &scored, gain: &gain, limited: &limited };
+    let page = html::run::page(&setup, &runs, found, Provenance::here(Some(setup.scenario.seed)))?;
+    folder.write_text(html::FILE, &page.render())?;
+    viewer::add(&folder, || viewer::scenario::film(&setup, &runs, Some((&model, smoothed))))?;
     let path = folder.finish()?;
     print::result(global, results::SCORE_SCHEMA, &scores, || {
         let tables = console::scores(&setup, &scored, &gain, model.base().len());

@@ -4,6 +4,7 @@ use super::{DONE, Global, print, progress};
 use crate::error::{Error, Result};
 use crate::output::ResultFolder;
 use crate::recording;
+use crate::report::viewer;
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Runs};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let (setup, folder, runs) = simulated(&arguments.scenario, global)?;
     write_recordings(&folder, &setup, &runs)?;
+    viewer::add(&folder, || viewer::scenario::film(&setup, &runs, None))?;
     let path = folder.finish()?;
     let told = Simulated { scenario: &setup.scenario.name, folder: &path };
     print::result(global, SCHEMA, &told, || format!("Recordings in {}", path.display()))?;

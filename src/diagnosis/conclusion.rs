@@ -5,6 +5,7 @@ use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
 use super::estimates::Estimates;
+use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::gap::{Share, gain, gap_closed};
 use super::inertias::all_inertias;
@@ -30,6 +31,9 @@ const HELD_OUT: f64 = 0.3;
 
 /// Least acceleration that a motion is allowed, rad/s2.
 const SLOWEST: f64 = 0.5;
+
+/// How many times what the fitted model leaves its simulation may leave and still be a simulation of it.
+const STRAYS: f64 = 5.0;
 
 /// What a diagnosis is given.
 #[derive(Debug, Clone, Default)]
@@ -109,7 +113,9 @@ pub fn conclude<'a>(
             inertias = Some(free.gain);
         }
     }
-    answer(session, selection, simulation, before, inertias, options, held_out, input.present.clone())
+    let present = input.present.clone();
+    let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present };
+    answer(session, selection, circumstances, options)
 }
 
 /// The arm as its reference logs show it, with the effects found there: they were there before the change.
@@ -140,6 +146,11 @@ fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
     logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
 }
 
+/// The logs that a diagnosis judges by: the test logs, or else the last part of every training log.
+pub fn held_out(input: &Input) -> Vec<Recording> {
+    if input.test.is_empty() { split(&input.train).1 } else { input.test.iter().map(|&log| log.clone()).collect() }
+}
+
 /// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.
 fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
     let (rows, robot) = (&session.test.rows, session.model.robot());
@@ -161,23 +172,35 @@ fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
     friction.chain(robot.joints.iter().map(|joint| joint.drive.armature)).collect()
 }
 
+/// What is known beside the search itself.
+struct Circumstances {
+    /// What the arm as described leaves of the held-out logs.
+    simulation: Column,
+    /// Effects that were there before a change.
+    before: Vec<Found>,
+    /// What re-identified inertias gain where those trusted are wrong as a whole.
+    inertias: Option<Gain>,
+    /// Whether the last part of the training logs was held out.
+    held_out_from_training: bool,
+    /// Effects that the simulation has already.
+    present: Vec<Placed>,
+}
+
 fn answer<'a>(
     session: Session<'a>,
     selection: Selection,
-    simulation: Column,
-    before: Vec<Found>,
-    inertias: Option<Gain>,
+    circumstances: Circumstances,
     options: &Options,
-    held_out_from_training: bool,
-    present: Vec<Placed>,
 ) -> Result<Conclusion<'a>> {
-    let Selection { mut found, whitener, first_whitener, tests, sensitivity } = selection;
+    let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
+    let Selection { mut found, whitener, first_whitener, tests, ranking, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let unexplained = unexplained(&session, &members, &whitener, options.alpha)?;
     let valid = |side: &'_ Side| side.rows.valid.clone();
     let train = session.residual_on(&session.train, &[], &first_whitener)?;
     let baseline = session.residual_on(&session.test, &[], &first_whitener)?;
     let extended = session.held_out_residual(&members, &whitener)?;
+    let evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
     let closed = gap_closed(&baseline, &extended, &test.valid, &noise_floor, options.seed);
@@ -207,6 +230,7 @@ fn answer<'a>(
         before,
         found,
         unexplained,
+        evidence,
     };
     Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
 }
@@ -224,6 +248,8 @@ pub struct Resimulation {
     pub gain: Share,
     /// Share of the gap between baseline and noise floor that it closes.
     pub gap_closed: Share,
+    /// Positions of the extended model's arm along every held-out log, rad.
+    pub positions: Vec<Channels>,
 }
 
 impl Conclusion<'_> {
@@ -253,13 +279,22 @@ impl Conclusion<'_> {
         let noise = &self.diagnosis.noise_floor;
         let shares = [gain, gap_closed]
             .map(|share| share(&baseline.residual, &extended.residual, &baseline.valid, noise, self.seed));
+        let extended_rms = rms(&extended.valid, &extended.residual);
+        let fitted = &self.diagnosis.extended_test_rms;
+        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
+        if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
+            let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
+                           for a simulation (friction or inertia that would have to be negative)";
+            return Err(Error::request(format!("joint `{}`", self.session.model.robot().joints[joint].name), problem));
+        }
         let described = resimulate(&[&described], rows).ok();
         Ok(Resimulation {
             described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
             baseline_rms: rms(&baseline.valid, &baseline.residual),
-            extended_rms: rms(&extended.valid, &extended.residual),
+            extended_rms,
             gain: shares[0],
             gap_closed: shares[1],
+            positions: extended.positions.clone(),
         })
     }
 }

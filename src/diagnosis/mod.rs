@@ -16,6 +16,7 @@
 //! | structure that no candidate carries | [`unexplained`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
+//! | what it rests on, row by row | [`evidence`] |
 
 pub mod arm;
 pub mod bodies;
@@ -25,6 +26,7 @@ pub mod conclusion;
 pub mod contest;
 pub mod derived;
 pub mod estimates;
+pub mod evidence;
 pub mod extended;
 pub mod gap;
 pub mod inertias;
@@ -41,7 +43,7 @@ pub mod unexplained;
 pub mod verdict;
 pub mod whitening;
 
-pub use conclusion::{Conclusion, Input, conclude, diagnose};
+pub use conclusion::{Conclusion, Input, conclude, diagnose, held_out};
 pub use verdict::{Diagnosis, Verdict};
 
 use crate::identification::effect_model::Trust;

@@ -37,6 +37,8 @@ pub struct Resimulated {
     pub residual: Column,
     /// Rows that count, `[joint][row]`.
     pub valid: Vec<Vec<bool>>,
+    /// Positions of the simulated arm along every log, `[joint][time]`, rad.
+    pub positions: Vec<Channels>,
 }
 
 /// Runs `models` along the motions of all logs of `rows`.
@@ -46,29 +48,34 @@ pub struct Resimulated {
 pub fn resimulate(models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
     let jobs: Vec<(usize, &Log)> =
         (0..models.len()).flat_map(|model| rows.logs.iter().map(move |log| (model, log))).collect();
-    let torques: Vec<Channels> = jobs.into_par_iter().map(|(k, log)| along(models[k], log)).collect::<Result<_>>()?;
+    let runs: Vec<(Channels, Channels)> =
+        jobs.into_par_iter().map(|(k, log)| along(models[k], log)).collect::<Result<_>>()?;
     let mut valid = rows.valid.clone();
     for (log, &start) in rows.logs.iter().zip(&rows.starts) {
         let settling = log.blocks(&log.time).iter().filter(|&&t| t < log.time[0] + SETTLING_S).count();
         valid.iter_mut().for_each(|valid| valid[start..start + settling].fill(false));
     }
-    let logs = torques.chunks_exact(rows.logs.len());
+    let logs = runs.chunks_exact(rows.logs.len());
     Ok(logs
         .map(|logs| {
             let mut residual = Column::new(rows.torque.iter().cloned());
             let simulated = Column::new((0..rows.dof()).map(|joint| {
                 let each = rows.logs.iter().zip(logs);
-                each.flat_map(|(log, torque)| log.blocks(torque.channel(joint))).collect()
+                each.flat_map(|(log, (torque, _))| log.blocks(torque.channel(joint))).collect()
             }));
             residual.add(-1.0, &simulated);
-            Resimulated { residual, valid: valid.clone() }
+            let positions = logs.iter().map(|(_, q)| q.clone()).collect();
+            Resimulated { residual, valid: valid.clone(), positions }
         })
         .collect())
 }
 
-/// Motor torque as the sensors would log it, when the arm follows the motion of a log, `[joint][time]`.
-fn along(model: &ExtendedModel, log: &Log) -> Result<Channels> {
-    let (robot, dof) = (&model.robot, model.robot.dof());
+/// Motor torque as the sensors would log it, when the arm follows the motion of a log, and its positions, `[joint][time]`.
+fn along(model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
+    let mut robot = model.robot.clone();
+    // Whatever the description says of the drives: the motion was made.
+    robot.joints.iter_mut().for_each(|joint| joint.limits.effort = f64::INFINITY);
+    let (robot, dof) = (&robot, robot.dof());
     let motion = true_motion(&model.effects, log)?;
     let reference = MeasuredMotion::new(&motion, log.time[0], log.period);
     let controller = ComputedTorque::new(robot, &reference, BANDWIDTH_HZ, DAMPING_RATIO);
@@ -87,11 +94,13 @@ fn along(model: &ExtendedModel, log: &Log) -> Result<Channels> {
     (state.qd, state.link_qd) = (first(&motion.qd), first(&motion.qd));
     let mut run = Run::starting_at(log.time[0], &mut plant, &controller, state);
     let mut torque = Channels::zeros(dof, log.time.len());
+    let mut q = torque.clone();
     for sample in 0..log.time.len() {
         for substep in 0..steps as usize {
             let response = run.response();
             if substep == 0 {
                 torque.set(sample, &response.tau);
+                q.set(sample, &run.state().q);
                 let runs_away = |j: usize| !(response.tau[j].is_finite() && run.state().qd[j].abs() < RUNAWAY_SPEED);
                 if let Some(joint) = (0..dof).find(|&j| runs_away(j)) {
                     let problem =
@@ -108,7 +117,7 @@ fn along(model: &ExtendedModel, log: &Log) -> Result<Channels> {
             placed.effect.distort_torque(&placed.parameters, torque.channel_mut(joint), log.period);
         }
     }
-    Ok(torque)
+    Ok((torque, q))
 }
 
 /// Where the joints really were when the encoders read the motion of a log.

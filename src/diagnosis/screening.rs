@@ -85,6 +85,18 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
     Ok(Screened { pieces, faults })
 }
 
+/// Takes back what one of several logs seems to show of the sign of a torque and most others do not: one recorder made all.
+pub fn confirm(faults: &mut [DataFault], logs: usize) {
+    let signs = [Kind::TorqueSign, Kind::UnsignedTorque];
+    let seen: Vec<(Kind, String)> = faults.iter().map(|fault| (fault.kind, fault.place.clone())).collect();
+    for fault in faults.iter_mut().filter(|fault| signs.contains(&fault.kind)) {
+        let count = seen.iter().filter(|(kind, place)| *kind == fault.kind && *place == fault.place).count();
+        if 2 * count < logs {
+            fault.consequence = Consequence::Told;
+        }
+    }
+}
+
 /// Refuses logs that are too short together; `option` names where they were given.
 ///
 /// # Errors
@@ -181,6 +193,23 @@ mod tests {
         let at = |k: usize| 5.0 * (0.05 * k as f64).sin();
         assert!(at(first + 1) > -3.0 && at(first + 2) <= -3.0);
         assert!(tau.iter().filter(|v| !v.is_nan()).all(|v| *v > -3.0));
+    }
+
+    #[test]
+    fn a_sign_that_one_log_of_three_shows_is_only_told() {
+        let fault = |log: &str, kind: Kind| DataFault {
+            kind,
+            log: log.into(),
+            place: "tau1 (a)".into(),
+            text: String::new(),
+            consequence: Consequence::Stops,
+        };
+        let mut faults = vec![fault("a", Kind::TorqueSign), fault("a", Kind::Swapped)];
+        confirm(&mut faults, 3);
+        assert_eq!(faults.iter().map(|f| f.consequence).collect::<Vec<_>>(), [Consequence::Told, Consequence::Stops]);
+        let mut faults = vec![fault("a", Kind::TorqueSign), fault("b", Kind::TorqueSign)];
+        confirm(&mut faults, 3);
+        assert!(faults.iter().all(|f| f.consequence == Consequence::Stops));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::Options;
 use super::candidates::{self, Candidate, Family, Slot};
 use super::column::{Column, rms};
 use super::contest::{Alternative, Contest, Scan, contest};
+use super::evidence::{Ranked, ranking};
 use super::score::{Projection, family_wise};
 use super::session::{Judged, Member, Noise, Session};
 use super::unexplained::slow_cosines;
@@ -19,14 +20,24 @@ const KEPT: f64 = 1e-4;
 /// Rows in a stretch over which held-out gains are summed before they count as independent (one second).
 const STRETCH: usize = 50;
 
-/// One-sided 95 % point of the normal distribution.
-const NORMAL_95_ONE_SIDED: f64 = 1.644_853_6;
+/// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
+/// training logs, and the held-out logs, often fewer, must not contradict it.
+const SURELY: f64 = 1.0;
 
 /// Share of the level of other effects that an event in one log must reach.
 const ONCE: f64 = 1e-3;
 
+/// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
+/// if the torque had been cut off.
+const EXTREMES: f64 = 1e-9;
+
 /// Cosines over each log that stand for slow drifts.
 const DRIFTS: usize = 10;
+
+/// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
+/// where much is wrong, all that is little fits a little.
+const MUCH_LEFT: f64 = 1.5;
+const WORTH_A_NAME: f64 = 0.05;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
@@ -43,7 +54,7 @@ pub struct Found {
     pub alternatives: Vec<Alternative>,
     /// Probability of as good a best candidate without any effect.
     pub family_wise_p: f64,
-    /// Lower 95 % bound of the share of the held-out sum of squares that it takes away.
+    /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
     pub gain_lower_bound: f64,
     /// Root mean square of the held-out residual before and after, `[joint]`, N m.
     pub rms: [Vec<f64>; 2],
@@ -62,6 +73,8 @@ pub struct Selection {
     pub first_whitener: Whitener,
     /// Number of independent tests that the scan is worth.
     pub tests: f64,
+    /// The best of every family in the first scan, before anything was found; the best first.
+    pub ranking: Vec<Ranked>,
     /// Of every family that could be tested in the end: index of its first linear parameter and its standard deviation.
     pub sensitivity: BTreeMap<Family, (usize, f64)>,
 }
@@ -84,6 +97,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let mut round = look(session, &mut found, options)?;
     let first_whitener = round.whitener.clone();
     let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
+    let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && refused.len() < REFUSALS {
         progress(found.len());
         let taken: Vec<Slot> = found.iter().map(|found| found.member.candidate.slot()).collect();
@@ -119,8 +133,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             None => level,
             Some(_) => level.max(family_wise(beside_drift(session, &round, &winner), tests)),
         };
-        // No other log can confirm what happened once.
-        let limit = if winner.candidate.log.is_some() { ONCE * options.alpha } else { options.alpha };
+        let limit = options.alpha * strictness(&winner.candidate);
         let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
@@ -135,7 +148,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         round = look(session, &mut found, options)?;
     }
     let sensitivity = round.scan.sensitivity();
-    Ok(Selection { found, whitener: round.whitener, first_whitener, tests, sensitivity })
+    Ok(Selection { found, whitener: round.whitener, first_whitener, tests, ranking, sensitivity })
 }
 
 /// Fits what was found so far, with estimates written back, and tests all candidates against the fit.
@@ -154,6 +167,18 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
 
 fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// Share of the level at which a candidate is believed.
+fn strictness(candidate: &Candidate) -> f64 {
+    if candidate.log.is_some() {
+        // No other log can confirm what happened once.
+        ONCE
+    } else if candidates::is_level(candidate.placed.effect) {
+        EXTREMES
+    } else {
+        1.0
+    }
 }
 
 /// Logarithm of the probability of what an event of one log takes beside slow drifts of all joints that it acts on: how strong
@@ -205,7 +230,7 @@ fn better_unseen(
 /// What held-out rows say of an effect.
 #[derive(Debug, Clone)]
 pub struct Gain {
-    /// Lower 95 % bound of the share of the whitened sum of squares that it takes away.
+    /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away.
     pub lower_bound: f64,
     /// Root mean square of the residual before and after, `[joint]`, N m.
     pub rms: [Vec<f64>; 2],
@@ -230,10 +255,11 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     };
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
     tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
-    Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
+    let least = if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) { WORTH_A_NAME } else { 0.0 };
+    Ok((bound > least).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
-/// Lower 95 % bound of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
+/// Lower bound, by one standard deviation (84 %), of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
 /// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
@@ -249,7 +275,7 @@ pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, join
         }
     }
     let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-    (gain - NORMAL_95_ONE_SIDED * std) / before.dot(&before).max(f64::MIN_POSITIVE)
+    (gain - SURELY * std) / before.dot(&before).max(f64::MIN_POSITIVE)
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

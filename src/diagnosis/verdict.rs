@@ -4,6 +4,7 @@ use super::Options;
 use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
+use super::evidence::Evidence;
 use super::residual_structure::ResidualStructure;
 use super::selection::{Found, Gain};
 use super::session::Session;
@@ -92,6 +93,8 @@ pub struct Diagnosis {
     pub not_found: Vec<NotFound>,
     /// What to do next.
     pub next_experiment: String,
+    /// What the answer rests on, row by row.
+    pub evidence: Evidence,
 }
 
 /// The answer in a word; `inertias` tells whether those of the description are wrong as a whole.

@@ -31,6 +31,10 @@ pub struct Fitted {
     pub test_rms: Vec<f64>,
     /// That residual row by row, for each joint; None where a row does not count.
     pub test_residual: Vec<Vec<Option<f64>>>,
+    /// Time of those rows, each log's own, s; NaN between two logs.
+    pub test_time: Vec<f64>,
+    /// Filtered torque of those rows, for each joint, N m.
+    pub test_torque: Vec<Vec<f64>>,
 }
 
 /// Fits the arm and `placed` effects to the training logs.
@@ -47,9 +51,13 @@ pub fn fit_effects(
     let mut training = EffectModel::new(model, trust, logs.train, preparation, placed)?;
     let found = fit(&mut training)?;
     let placed = training.placed().to_vec();
-    let judged = match logs.test {
-        [] => Vec::new(),
-        test => rows(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
+    let (judged, test_time) = match logs.test {
+        [] => (Vec::new(), Vec::new()),
+        test => {
+            let model = EffectModel::new(model, trust, test, preparation, placed.clone())?;
+            let time = model.row_times()?;
+            (rows(model, &found)?, time)
+        }
     };
     let linear = &found.estimate.beta;
     Ok(Fitted {
@@ -60,6 +68,8 @@ pub fn fit_effects(
             .iter()
             .map(|joint| joint.residual(linear).into_iter().zip(&joint.valid).map(|(r, ok)| ok.then_some(r)).collect())
             .collect(),
+        test_time,
+        test_torque: judged.into_iter().map(|joint| joint.torque).collect(),
         fit: found,
     })
 }

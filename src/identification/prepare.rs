@@ -198,6 +198,14 @@ impl Prepared {
         downsample(&self.filtered(signal)?, self.decimation)
     }
 
+    /// Time of every regression row, s.
+    ///
+    /// # Errors
+    /// Never for a decimation that is positive.
+    pub(super) fn row_times(&self) -> Result<Vec<f64>> {
+        downsample(&self.time, self.decimation)
+    }
+
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
     pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
         let torque: Vec<Vec<f64>> = model

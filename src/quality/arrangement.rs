@@ -6,7 +6,7 @@
 
 use super::BAND;
 use crate::channels::Channels;
-use crate::dynamics::Motion;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::identification::model::Model;
 use nalgebra::{DMatrix, DVector};
 
@@ -33,6 +33,9 @@ const FEW_ROWS: usize = 800;
 /// that of all.
 const TELLS_OWN: f64 = 0.1;
 const TELLS_ALL: f64 = 0.03;
+
+/// Mean correlation with the torque of the bodies as described from which the sign that all share is right.
+const ALIKE: f64 = 0.3;
 
 /// Rows per base parameter below which nothing is said.
 const ROWS_PER_PARAMETER: usize = 4;
@@ -71,7 +74,7 @@ pub fn arrangement(model: &Model, motion: &Motion, tau: &Channels, duration_s: f
         if !convincing && before > POOR * tables.used as f64 { swapped_positions(model, motion, tau) } else { None };
     if positions.is_none() && duration_s >= LONG_ENOUGH_S {
         let power = tables.friction_power(&order)?;
-        let all = power.iter().sum::<f64>() / (dof as f64) < -TELLS_ALL;
+        let all = power.iter().sum::<f64>() / (dof as f64) < -TELLS_ALL && !is_as_described(model, motion, tau);
         for (sign, own) in order.signs.iter_mut().zip(power) {
             *sign *= if all || own < -TELLS_OWN { -1.0 } else { 1.0 };
         }
@@ -89,6 +92,19 @@ pub fn arrangement(model: &Model, motion: &Motion, tau: &Channels, duration_s: f
         flipped,
         unexplained: [share(before), share(after)],
     })
+}
+
+/// Whether the torque is much like that of the bodies as described: then its sign is right, whatever friction seems to do.
+fn is_as_described(model: &Model, motion: &Motion, tau: &Channels) -> bool {
+    let robot = model.robot();
+    let described = inverse_dynamics(&Chain::new(robot), &robot.inertial_parameters(), motion);
+    let alike = (0..model.dof()).map(|joint| {
+        let (a, b) = (tau.channel(joint), described.channel(joint));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let sizes = (dot(a, a) * dot(b, b)).sqrt();
+        if sizes > 0.0 { dot(a, b) / sizes } else { 0.0 }
+    });
+    alike.sum::<f64>() / model.dof() as f64 > ALIKE
 }
 
 /// The pair of positions whose exchange explains the torques, with or without that of their torques, and the share of the

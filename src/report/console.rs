@@ -83,6 +83,29 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
     )
 }
 
+/// Whether an identification predicts the torque of the held-out motion to within the sensors' noise, and that in words.
+pub fn verdict(setup: &Setup, scored: &Scored) -> (bool, String) {
+    let errors = scored.score.torque_std_held_out_nm.iter().zip(&setup.sensors);
+    let above: Vec<&str> = setup
+        .plant
+        .joints
+        .iter()
+        .zip(errors)
+        .filter(|(_, (error, sensor))| **error > sensor.torque_noise)
+        .map(|(joint, _)| joint.name.as_str())
+        .collect();
+    let words = match above.is_empty() {
+        true => "The identified model predicts the torque of an unseen motion to within the noise of the torque sensors, on \
+                 every joint."
+            .to_owned(),
+        false => format!(
+            "The identified model misses the torque of an unseen motion by more than the sensors' noise on {}.",
+            above.join(", ")
+        ),
+    };
+    (above.is_empty(), words)
+}
+
 /// A line for every joint whose drive was at its limit; nothing where none was.
 pub fn at_effort_limit(setup: &Setup, limited: &AtEffortLimit) -> String {
     let mut text = String::new();

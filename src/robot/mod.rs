@@ -4,6 +4,7 @@ mod inertia;
 mod urdf;
 mod urdf_edit;
 mod urdf_numbers;
+pub mod visuals;
 
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use urdf::{InertiaCheck, load};

@@ -287,12 +287,14 @@ struct Body<'a> {
 
 /// URDF pose: fixed-axis roll, pitch, yaw.
 fn pose(given: &urdf_rs::Pose, error: impl Fn(String) -> Error) -> Result<Pose> {
-    let ([x, y, z], [roll, pitch, yaw]) = (given.xyz.0, given.rpy.0);
-    if [x, y, z, roll, pitch, yaw].iter().any(|v| !v.is_finite()) {
+    if given.xyz.0.iter().chain(&given.rpy.0).any(|v| !v.is_finite()) {
         return Err(error(format!("origin xyz {:?} rpy {:?} must be finite", given.xyz.0, given.rpy.0)));
     }
-    Ok(Pose {
-        rotation: Rotation3::from_euler_angles(roll, pitch, yaw).into_inner(),
-        translation: Vector3::new(x, y, z),
-    })
+    Ok(pose_of(given))
+}
+
+/// URDF pose whose numbers are known to be finite, or do not matter.
+pub(super) fn pose_of(given: &urdf_rs::Pose) -> Pose {
+    let ([x, y, z], [roll, pitch, yaw]) = (given.xyz.0, given.rpy.0);
+    Pose { rotation: Rotation3::from_euler_angles(roll, pitch, yaw).into_inner(), translation: Vector3::new(x, y, z) }
 }

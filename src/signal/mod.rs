@@ -6,12 +6,14 @@ pub mod filter;
 mod gram;
 pub mod low_pass;
 pub mod savitzky_golay;
+pub mod spectrum;
 
 pub use decimate::{block_means, downsample};
 pub use difference::{first_derivative, second_derivative};
 pub use filter::Filter;
 pub use low_pass::ZeroPhaseLowPass;
 pub use savitzky_golay::{Edge, SavitzkyGolay};
+pub use spectrum::amplitude_density;
 
 use crate::error::{Error, Result};
 

@@ -7,6 +7,7 @@ mod effects;
 mod inputs;
 mod inspect;
 mod options;
+mod reports;
 mod studies;
 
 use std::path::{Path, PathBuf};

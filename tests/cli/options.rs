@@ -3,13 +3,16 @@
 use super::{Case, ROOT, assert_done, assert_refusal, names, text};
 use std::process::Command;
 
-const FILES: [&str; 9] = [
+const FILES: &[&str] = &[
     "held_out.csv",
     "held_out.parquet",
     "identification.json",
     "manifest.json",
     "recording.csv",
     "recording.parquet",
+    #[cfg(feature = "viewer")]
+    "recording.rrd",
+    "report.html",
     "robot.urdf",
     "scenario.toml",
     "score.json",

@@ -195,6 +195,19 @@ impl<'a> EffectModel<'a> {
         Ok(joints.into_iter().map(|parts| JointRegression::joined(parts, SEPARATION)).collect())
     }
 
+    /// Time of every row of [`EffectModel::regression`], each log's own, s; NaN for the rows that only separate logs.
+    ///
+    /// # Errors
+    /// If a log is too short for its preparation.
+    pub fn row_times(&self) -> Result<Vec<f64>> {
+        let mut times = Vec::new();
+        for (_, prepared) in &self.logs {
+            times.extend(prepared.row_times()?);
+            times.extend([f64::NAN; SEPARATION]);
+        }
+        Ok(times)
+    }
+
     /// The regression rows of one log.
     fn rows(&self, recording: &Recording, prepared: &Prepared) -> Result<Vec<JointRegression>> {
         let undone = self.without_encoder_errors(recording);

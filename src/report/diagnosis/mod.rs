@@ -2,7 +2,7 @@
 
 mod text;
 
-pub use text::{lines, stopped_lines};
+pub use text::{lines, place, stopped_lines};
 
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
@@ -313,7 +313,7 @@ fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::D
 }
 
 /// Names of the joints of an effect; none for one on the whole arm.
-fn joints(robot: &Robot, family: Family) -> Vec<String> {
+pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
     let effect = effects::find(family.effect).ok();
     let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
     let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();

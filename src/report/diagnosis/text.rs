@@ -233,7 +233,8 @@ fn percent(share: Share) -> String {
     format!("{:.0} % ({:.0} to {:.0} %)", 100.0 * share.value, 100.0 * low, 100.0 * high)
 }
 
-fn place(robot: &Robot, family: Family) -> String {
+/// An effect with its joints, in words.
+pub fn place(robot: &Robot, family: Family) -> String {
     let joints = joints(robot, family);
     if joints.is_empty() { family.effect.to_owned() } else { format!("{} on {}", family.effect, joints.join(" and ")) }
 }

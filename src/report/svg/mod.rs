@@ -1,6 +1,7 @@
 //! Line charts as SVG: panels in a grid, axes with round ticks, several lines, a legend. Light and dark follow the
 //! reader's setting; the text is real text, and long signals are thinned to what shows.
 
+pub mod chart;
 mod polyline;
 mod ticks;
 
@@ -16,12 +17,13 @@ const HEADER: f64 = 66.0;
 const AXIS_TITLE: f64 = 18.0;
 const CAPTION_LINE: f64 = 16.0;
 
-/// Colours are direct values rather than variables, which many viewers do not know.
-const STYLE: &str = "\
+/// Look of all figures. Colours are direct values rather than variables, which many viewers do not know.
+pub const STYLE: &str = "\
 .ts-figure{font-family:system-ui,'DejaVu Sans',sans-serif;font-size:11px}
 .ts-figure .paper{fill:#fff}.ts-figure text{fill:#1f2328}.ts-figure .soft{fill:#59636e}
 .ts-figure .grid{stroke:#e3e6ea;fill:none}.ts-figure .frame{stroke:#b4bcc5;fill:none}
 .ts-figure .line{fill:none;stroke-linejoin:round}
+.ts-figure .points{stroke-width:2.2;stroke-linecap:round;stroke-opacity:.4}
 .ts-figure .c0{stroke:#1f2328}.ts-figure .c1{stroke:#0072b2}.ts-figure .c2{stroke:#d55e00}
 .ts-figure .c3{stroke:#009e73}.ts-figure .c4{stroke:#a6559d}.ts-figure .c5{stroke:#a3adb8}
 @media (prefers-color-scheme:dark){

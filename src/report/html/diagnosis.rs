@@ -1,0 +1,450 @@
+//! The report of a diagnosis.
+
+use super::evidence::{self, Contender, Joint};
+use super::{Block, Page, Provenance, Section, Tone};
+use crate::diagnosis::candidates::Family;
+use crate::diagnosis::conclusion::Resimulation;
+use crate::diagnosis::screening::DataFault;
+use crate::diagnosis::selection::Found;
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::effects::{self, About, Role};
+use crate::recording::Recording;
+use crate::report::console::significant;
+use crate::report::diagnosis::joints;
+use crate::report::svg::Color;
+use crate::report::viewer::{joined, joined_time, offsets};
+use crate::robot::Robot;
+
+/// Time between two rows of a diagnosis, s.
+const ROW_S: f64 = 0.02;
+
+/// Candidates that stand in the table that is not folded away.
+const RANKED: usize = 12;
+
+/// 97.5 % point of the normal distribution.
+const NORMAL_95: f64 = 1.959_964;
+
+/// What a diagnosis was given.
+#[derive(Debug, Clone, Copy)]
+pub struct Logs<'a> {
+    /// Logs to find from.
+    pub train: &'a [&'a Recording],
+    /// Logs to judge by, in the order of the evidence.
+    pub held_out: &'a [&'a Recording],
+    /// What is wrong with them.
+    pub faults: &'a [DataFault],
+}
+
+/// The report of a diagnosis; `resimulation` is what the simulator says of the extended model, where it was asked.
+pub fn page(
+    robot: &Robot,
+    diagnosis: &Diagnosis,
+    resimulation: Option<&Resimulation>,
+    logs: Logs,
+    provenance: Provenance,
+) -> Page {
+    let joints = rows(robot, diagnosis, logs.held_out);
+    let mut contenders = vec![contender("as described", Color::Green), contender("re-identified", Color::Blue)];
+    if !diagnosis.found.is_empty() {
+        contenders.push(contender("with the findings", Color::Orange));
+    }
+    let mut sections = vec![how_far(robot, diagnosis, resimulation)];
+    sections.push(findings(robot, diagnosis));
+    sections.extend(evidence::sections(&joints, &contenders, ROW_S));
+    sections.push(candidates(robot, diagnosis));
+    sections.push(not_found(robot, diagnosis));
+    sections.push(quality(robot, diagnosis, logs));
+    let (verdict, tone) = verdict(robot, diagnosis);
+    Page {
+        kind: format!("Diagnosis of {}", robot.name),
+        verdict,
+        tone,
+        lead: lead(robot, diagnosis),
+        next: Some(sentence(&diagnosis.next_experiment)),
+        sections,
+        provenance,
+    }
+}
+
+fn contender(name: &str, color: Color) -> Contender {
+    Contender { name: name.into(), color }
+}
+
+/// An effect with its joints, in words.
+fn named(robot: &Robot, family: Family) -> String {
+    let joints = joints(robot, family);
+    let on = if joints.is_empty() { String::new() } else { format!(" on {}", joints.join(" and ")) };
+    spaced(family.effect) + &on
+}
+
+/// Name of an effect in words.
+fn spaced(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
+    format!("{first}{}{end}", letters.as_str())
+}
+
+/// The answer in one sentence.
+fn verdict(robot: &Robot, diagnosis: &Diagnosis) -> (String, Tone) {
+    let names: Vec<String> = diagnosis
+        .found
+        .iter()
+        .map(|found| {
+            let own = named(robot, found.member.candidate.family());
+            let others = found.alternatives.iter().map(|other| named(robot, other.family));
+            [own].into_iter().chain(others).collect::<Vec<_>>().join(" or ")
+        })
+        .collect();
+    match diagnosis.verdict {
+        Verdict::Named => (format!("The model misses {}.", names.join(", and ")), Tone::Warn),
+        Verdict::OneOf => {
+            (format!("The model misses {}; the logs do not tell which.", names.join(", and ")), Tone::Warn)
+        }
+        Verdict::Unexplained => ("The model misses something that is not in the library of effects.".into(), Tone::Bad),
+        Verdict::NotTestable => ("Faults of the data forbid an answer.".into(), Tone::Bad),
+        Verdict::None => ("The model explains the logs: nothing beyond the noise.".into(), Tone::Good),
+    }
+}
+
+fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
+    let mut lead = Vec::new();
+    for found in &diagnosis.found {
+        let about = found.member.placed.effect.about();
+        let [before, after] = &found.rms;
+        let gain = |joint: &usize| before[*joint] / after[*joint];
+        let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
+        let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
+        lead.push(format!(
+            "{} ({}): {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+            sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
+            values(found).join(", "),
+            about.explanation,
+            joint.name,
+            significant(before[most]),
+            significant(after[most]),
+            significant(diagnosis.noise_floor[most]),
+        ));
+    }
+    for left in &diagnosis.unexplained {
+        let joint = &robot.joints[left.joint].name;
+        lead.push(format!("On {joint}, {:.0} % of what is left {}.", 100.0 * left.share, left.structure));
+    }
+    if !diagnosis.found.is_empty() {
+        lead.push(format!(
+            "Together the findings close {:.0} % of the gap between the re-identified model and the noise, on logs that the \
+             fit has not seen.",
+            100.0 * diagnosis.gap_closed
+        ));
+    }
+    lead.push(format!(
+        "Where nothing is wrong, at most {} % of diagnoses name anything: {:.0} independent tests were made, and the level \
+         is corrected for them.",
+        100.0 * diagnosis.alpha,
+        diagnosis.effective_tests
+    ));
+    lead
+}
+
+/// "rise 24.6 ± 0.7 N m" for every parameter that was estimated; the half width is that of the 95 % interval.
+fn values(found: &Found) -> Vec<String> {
+    let placed = &found.member.placed;
+    let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
+    all.filter(|(parameter, _)| parameter.role != Role::Held)
+        .map(|(parameter, (&value, &std))| {
+            format!("{} {} ± {} {}", parameter.name, significant(value), significant(NORMAL_95 * std), parameter.unit)
+        })
+        .collect()
+}
+
+fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> Section {
+    let rows = robot.joints.iter().enumerate().map(|(j, joint)| {
+        let floor = diagnosis.noise_floor[j];
+        let last =
+            if diagnosis.found.is_empty() { diagnosis.baseline_rms[1][j] } else { diagnosis.extended_test_rms[j] };
+        let torque = evidence::rms(&diagnosis.evidence.torque[j]);
+        let mut row = vec![
+            format!("{}, {}", joint.name, joint.effort_unit()),
+            significant(torque),
+            significant(diagnosis.simulation_test_rms[j]),
+            significant(diagnosis.baseline_rms[1][j]),
+        ];
+        if !diagnosis.found.is_empty() {
+            row.push(significant(last));
+        }
+        row.extend(resimulation.map(|run| significant(run.extended_rms[j])));
+        row.extend([significant(floor), format!("{:.2}", last / floor)]);
+        row
+    });
+    let mut header = vec!["joint", "torque", "as described", "re-identified"];
+    if !diagnosis.found.is_empty() {
+        header.push("with the findings");
+    }
+    if resimulation.is_some() {
+        header.push("in the simulator");
+    }
+    header.extend(["noise floor", "left / noise"]);
+    Section::new(
+        "How far off the model is",
+        vec![
+            Block::text(
+                "Root mean square of measured less predicted torque on held-out logs, over means of 20 ms: the arm as its \
+                 URDF describes it, with its parameters re-identified, and with the findings added; in the simulator: the \
+                 extended model driven along the measured motion in rapier.",
+            ),
+            Block::table(header, rows.collect()),
+        ],
+    )
+}
+
+fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+    if diagnosis.found.is_empty() {
+        let mut blocks = vec![Block::text("No effect of the library was found.")];
+        let left = diagnosis.unexplained.iter().map(|left| {
+            vec![
+                robot.joints[left.joint].name.clone(),
+                format!("{:.0} %", 100.0 * left.share),
+                left.structure.to_owned(),
+                probability(left.family_wise_p.log10()),
+            ]
+        });
+        let left: Vec<Vec<String>> = left.collect();
+        if !left.is_empty() {
+            blocks.push(Block::table(["joint", "share of what is left", "structure", "chance of as much"], left));
+        }
+        return Section::new("Findings", blocks);
+    }
+    let mut blocks = Vec::new();
+    for found in &diagnosis.found {
+        let placed = &found.member.placed;
+        let about = placed.effect.about();
+        let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
+        let rows = all.filter(|(parameter, _)| parameter.role != Role::Held).map(|(parameter, (&value, &std))| {
+            vec![
+                parameter.name.to_owned(),
+                significant(value),
+                parameter.unit.to_owned(),
+                significant(std),
+                significant(value - NORMAL_95 * std),
+                significant(value + NORMAL_95 * std),
+            ]
+        });
+        blocks.push(Block::text(format!(
+            "{}: {} Chance of a false alarm: {}. At least {:.0} % of the held-out sum of squares is gained (84 %).",
+            named(robot, found.member.candidate.family()),
+            sentence(about.explanation),
+            probability(found.family_wise_p.log10()),
+            100.0 * found.gain_lower_bound
+        )));
+        blocks.push(Block::table(["parameter", "value", "unit", "std", "95 % from", "to"], rows.collect()));
+        blocks.push(Block::text(format!("Law: {}. Reference: {}", about.equation, sentence(about.reference))));
+        blocks.extend(confusions(robot, found, about));
+    }
+    Section::new("Findings", blocks)
+}
+
+/// What else explains the same, or is easily taken for it.
+fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
+    let how = |name: &str| about.rivals.iter().find(|rival| rival.name == name).map_or("", |rival| rival.how_to_tell);
+    if !found.alternatives.is_empty() {
+        let rows = found.alternatives.iter().map(|other| {
+            vec![
+                named(robot, other.family),
+                significant(other.relative_likelihood),
+                how(other.family.effect).to_owned(),
+            ]
+        });
+        return vec![
+            Block::text("These logs cannot tell it from:"),
+            Block::table(["alternative", "relative likelihood", "how to tell"], rows.collect()),
+        ];
+    }
+    let rivals = about.rivals.iter().map(|rival| vec![spaced(rival.name), rival.how_to_tell.to_owned()]);
+    let rivals: Vec<Vec<String>> = rivals.collect();
+    match rivals.is_empty() {
+        true => Vec::new(),
+        false => vec![
+            Block::text("No other effect of the library explains these logs as well. It is easily taken for:"),
+            Block::table(["effect", "how to tell"], rivals),
+        ],
+    }
+}
+
+/// A probability from its decimal logarithm: one that underflows is still told.
+fn probability(log10: f64) -> String {
+    match log10 {
+        p if p < -300.0 => "<1e-300".into(),
+        p if p < -3.0 => format!("1e{:.0}", p.ceil()),
+        p => significant(10f64.powf(p)),
+    }
+}
+
+fn candidates(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+    let row = |(index, ranked): (usize, &crate::diagnosis::evidence::Ranked)| {
+        vec![
+            (index + 1).to_string(),
+            named(robot, ranked.family),
+            significant(ranked.statistic),
+            ranked.freedom.to_string(),
+            probability(ranked.log_p / std::f64::consts::LN_10),
+            status(diagnosis, ranked.family).to_owned(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = diagnosis.evidence.ranking.iter().enumerate().map(row).collect();
+    let header = ["rank", "candidate", "statistic", "degrees", "chance without it", "verdict"];
+    let (first, rest) = rows.split_at(RANKED.min(rows.len()));
+    let mut blocks = vec![
+        Block::text(
+            "The first scan: every effect at every place, added to the re-identified model, before anything was found. The \
+             statistic is chi-square with its degrees of freedom where the effect is absent. Several are large when one \
+             effect is there, because their torques resemble each other; the contest between them decides.",
+        ),
+        Block::table(header, first.to_vec()),
+    ];
+    if !rest.is_empty() {
+        blocks.push(Block::Folded(format!("The other {}", rest.len()), vec![Block::table(header, rest.to_vec())]));
+    }
+    Section::new("Candidates, ranked", blocks)
+}
+
+fn status(diagnosis: &Diagnosis, family: Family) -> &'static str {
+    if diagnosis.found.iter().any(|found| found.member.candidate.family() == family) {
+        return "found";
+    }
+    let alternatives = diagnosis.found.iter().flat_map(|found| &found.alternatives);
+    if alternatives.into_iter().any(|other| other.family == family) { "alternative" } else { "" }
+}
+
+/// Smallest sizes that would have been found, effects down, joints across.
+fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+    let mut names: Vec<(&str, &str)> =
+        diagnosis.not_found.iter().map(|missed| (missed.family.effect, missed.unit)).collect();
+    names.dedup();
+    let rows = names.iter().map(|&(name, unit)| {
+        let parameter = effects::find(name).ok().and_then(|effect| effect.parameters().first());
+        let cell = |joint: usize| {
+            let missed = diagnosis.not_found.iter().find(|missed| missed.family == Family { effect: name, joint });
+            missed.map_or("".to_owned(), |missed| missed.minimum_detectable.map_or("-".to_owned(), significant))
+        };
+        let about = parameter.map_or(String::new(), |parameter| format!(", {}", parameter.name));
+        let head = [format!("{}{about}", spaced(name)), unit.to_owned()];
+        head.into_iter().chain((0..robot.dof()).map(cell)).collect()
+    });
+    let header = ["effect and its parameter".to_owned(), "unit".to_owned()].into_iter().chain(robot.joint_names());
+    let rows: Vec<Vec<String>> = rows.collect();
+    Section::new(
+        "Not found, and how small it would have to be",
+        vec![
+            Block::text(
+                "The smallest size that would have been found with a probability of 80 % on these logs. A dash: these logs \
+                 cannot tell it from the model. An effect of the whole arm, or between two joints, stands under its first.",
+            ),
+            Block::Folded(
+                format!("Minimum detectable sizes of {} effects", rows.len()),
+                vec![Block::table(header, rows)],
+            ),
+        ],
+    )
+}
+
+fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
+    let Logs { train, held_out, faults } = given;
+    let log = |kind: &str, index: usize, log: &Recording| {
+        let cells = [log.samples().to_string(), format!("{:.1} s", log.duration()), format!("{:.0} Hz", log.rate_hz())];
+        [format!("{kind} {}", index + 1)].into_iter().chain(cells).collect::<Vec<String>>()
+    };
+    let logs = train.iter().enumerate().map(|(k, one)| log("training", k, one));
+    let logs = logs.chain(held_out.iter().enumerate().map(|(k, one)| log("held out", k, one)));
+    let evidence = &diagnosis.evidence;
+    let range = |values: &[f64]| {
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+    };
+    let rows = robot.joints.iter().enumerate().map(|(j, joint)| {
+        let used = evidence.valid[j].iter().filter(|&&ok| ok).count() as f64 / evidence.len().max(1) as f64;
+        let ((low, high), (slow, fast)) = (range(&evidence.q[j]), range(&evidence.qd[j]));
+        vec![
+            joint.name.clone(),
+            format!("{:.0} %", 100.0 * used),
+            format!("{} {}", significant(low), joint.position_unit()),
+            format!("{} {}", significant(high), joint.position_unit()),
+            format!("{} {}/s", significant(slow.abs().max(fast)), joint.position_unit()),
+        ]
+    });
+    let mut blocks = vec![Block::table(["log", "samples", "length", "rate"], logs.collect())];
+    if faults.is_empty() {
+        blocks.push(Block::text("No fault was found in the logs."));
+    } else {
+        let rows = faults.iter().map(|fault| vec![fault.log.clone(), fault.place.clone(), fault.text.clone()]);
+        blocks.push(Block::table(["log", "place", "what is wrong"], rows.collect()));
+    }
+    if diagnosis.held_out_from_training {
+        blocks.push(Block::text(
+            "No test log was given: the last part of every training log was held out. A log of another motion is a harder \
+             test.",
+        ));
+    }
+    blocks.push(Block::text(format!(
+        "Positions were smoothed at {} Hz, the cut-off that served the torque best. Of the held-out logs:",
+        significant(diagnosis.cutoff_hz)
+    )));
+    blocks.push(Block::table(["joint", "rows that count", "lowest position", "highest", "fastest"], rows.collect()));
+    Section::new("Data quality", blocks)
+}
+
+/// The rows of the held-out logs, one log after the other.
+fn rows(robot: &Robot, diagnosis: &Diagnosis, held_out: &[&Recording]) -> Vec<Joint> {
+    let evidence = &diagnosis.evidence;
+    let bounds: Vec<(usize, usize)> = evidence.starts.windows(2).map(|pair| (pair[0], pair[1])).collect();
+    let offsets = offsets(held_out.iter().map(|log| [log.time[0], log.time[log.samples() - 1]]));
+    let logs: Vec<(f64, &[f64])> =
+        offsets.into_iter().zip(bounds.iter().map(|&(from, to)| &evidence.time[from..to])).collect();
+    let time = joined_time(&logs);
+    let all = |values: &[f64]| joined(&bounds.iter().map(|&(from, to)| &values[from..to]).collect::<Vec<_>>());
+    robot
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let mut residuals = vec![all(&evidence.described[j]), all(&evidence.baseline[j])];
+            if !diagnosis.found.is_empty() {
+                residuals.push(all(&evidence.extended[j]));
+            }
+            let counts: Vec<f64> = evidence.valid[j].iter().map(|&ok| f64::from(u8::from(ok))).collect();
+            Joint {
+                name: joint.name.clone(),
+                effort_unit: joint.effort_unit(),
+                position_unit: joint.position_unit(),
+                time: time.clone(),
+                torque: all(&evidence.torque[j]),
+                q: all(&evidence.q[j]),
+                qd: all(&evidence.qd[j]),
+                residuals,
+                valid: all(&counts).into_iter().map(|share| share == 1.0).collect(),
+                noise: diagnosis.noise_floor[j],
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_that_underflow_are_told() {
+        assert_eq!(probability(-520.3), "<1e-300");
+        assert_eq!(probability(f64::NEG_INFINITY), "<1e-300");
+        assert_eq!(probability(-12.3), "1e-12");
+        assert_eq!(probability(-1.0), "0.100");
+    }
+
+    #[test]
+    fn sentences() {
+        assert_eq!(sentence("move joint 1"), "Move joint 1.");
+        assert_eq!(sentence(""), ".");
+    }
+}

@@ -84,7 +84,10 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let left = planned.len() - result.runs.len();
     if left > 0 {
         if !global.quiet {
-            eprintln!("Stopped with {left} runs to go; --resume continues. Up to here:\n{}", report::counts(&result.summary));
+            eprintln!(
+                "Stopped with {left} runs to go; --resume continues. Up to here:\n{}",
+                report::counts(&result.summary)
+            );
         }
         return Ok(FAILED);
     }

@@ -47,8 +47,12 @@ impl Journal {
             let mut lines = BufReader::new(File::open(&path).map_err(failed)?).lines();
             let first = lines.next().transpose().map_err(failed)?.unwrap_or_default();
             match serde_json::from_str::<Identity>(&first) {
-                Ok(known) if known != *identity => return refuse("holds runs of another study (seed, scenario or plan)"),
-                Ok(_) if !resume => return refuse("holds runs of a study that was not finished: continue with --resume"),
+                Ok(known) if known != *identity => {
+                    return refuse("holds runs of another study (seed, scenario or plan)");
+                }
+                Ok(_) if !resume => {
+                    return refuse("holds runs of a study that was not finished: continue with --resume");
+                }
                 Ok(_) => {}
                 Err(_) => return refuse("is no journal of blind runs"),
             }

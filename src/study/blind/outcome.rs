@@ -122,9 +122,8 @@ fn weigh(hidden: &[Placed], found: &[Found]) -> (Vec<Outcome>, Vec<usize>, Vec<f
         let holds = |one: &Found| {
             one.member.candidate.family() == family || one.alternatives.iter().any(|other| other.family == family)
         };
-        let told = |(index, one): &(usize, &Found)| {
-            one.verdict != Verdict::Unexplained && !used.contains(index) && holds(one)
-        };
+        let told =
+            |(index, one): &(usize, &Found)| one.verdict != Verdict::Unexplained && !used.contains(index) && holds(one);
         let Some((index, one)) = found.iter().enumerate().find(told) else {
             each.push(Outcome::Missed);
             continue;
@@ -137,7 +136,8 @@ fn weigh(hidden: &[Placed], found: &[Found]) -> (Vec<Outcome>, Vec<usize>, Vec<f
         });
         if one.member.candidate.family() == family {
             let values = one.member.placed.parameters.iter().zip(&one.member.std).zip(&placed.parameters);
-            errors.extend(values.filter(|((_, std), _)| **std > 0.0).map(|((value, std), truth)| (value - truth) / std));
+            errors
+                .extend(values.filter(|((_, std), _)| **std > 0.0).map(|((value, std), truth)| (value - truth) / std));
         }
     }
     (each, used, errors)

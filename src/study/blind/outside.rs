@@ -135,15 +135,7 @@ static DRIFTING: About = about(
     Site::Sensor,
 );
 static DRIFTING_PARAMETERS: [Parameter; 2] = [
-    Parameter {
-        name: "error",
-        symbol: "e",
-        unit: "1",
-        role: Role::Departure,
-        lower: -0.5,
-        upper: 0.5,
-        typical: 0.02,
-    },
+    Parameter { name: "error", symbol: "e", unit: "1", role: Role::Departure, lower: -0.5, upper: 0.5, typical: 0.02 },
     shape("period", "s", 1.0, 100.0, 9.0),
 ];
 

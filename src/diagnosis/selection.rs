@@ -25,7 +25,7 @@ const STRETCH: usize = 50;
 const SURELY: f64 = 1.0;
 
 /// Share of the level of other effects that an event in one log must reach.
-const ONCE: f64 = 1e-5;
+const ONCE: f64 = 1e-4;
 
 /// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
 /// if the torque had been cut off.

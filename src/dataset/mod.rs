@@ -189,7 +189,7 @@ impl Dataset {
         for (key, part) in self.parts() {
             let [from, to] = part.seconds();
             // Not a number compares to nothing.
-            if !(from < to) {
+            if from.partial_cmp(&to) != Some(std::cmp::Ordering::Less) {
                 let problem = format!("{}: from {from} s to {to} s is no part of a log", part.file.display());
                 return Err(self.error(key, problem));
             }

@@ -20,6 +20,10 @@ pub const TIMINGS: &str = "timings.parquet";
 /// The study's [`Identity`].
 pub const STUDY: &str = "study.json";
 const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.html";
+
+/// Makes the page that a study's results are told on.
+pub type Report<'a> = &'a dyn Fn(&Summary, &Timings) -> String;
 
 /// Where the rows of a chunk are.
 #[derive(Debug, Clone)]
@@ -30,7 +34,12 @@ pub(super) struct Source {
 }
 
 /// Writes the chunks of `sources`, in order, and their summary to `folder`.
-pub(super) fn join(folder: &ResultFolder, identity: &Identity, sources: &[Source]) -> Result<(Summary, Timings)> {
+pub(super) fn join(
+    folder: &ResultFolder,
+    identity: &Identity,
+    sources: &[Source],
+    report: Report,
+) -> Result<(Summary, Timings)> {
     let mut sums = Sums::new(identity);
     let mut times = Timings::default();
     folder.write_with(TRIALS, |path| {
@@ -54,6 +63,7 @@ pub(super) fn join(folder: &ResultFolder, identity: &Identity, sources: &[Source
     let summary = sums.summary();
     folder.write_json(SUMMARY, SUMMARY_SCHEMA, &summary)?;
     folder.write_json(STUDY, STUDY_SCHEMA, identity)?;
+    folder.write_text(REPORT, &report(&summary, &times))?;
     Ok((summary, times))
 }
 
@@ -110,7 +120,7 @@ fn chunk_of(path: &Path, identity: &Identity, batch: &RecordBatch) -> Result<usi
 ///
 /// # Errors
 /// If a folder holds no finished shard or one of another study, and for trials that are missing or double (named).
-pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Summary, Timings, PathBuf)> {
+pub fn merge(folders: &[PathBuf], out: &Path, report: Report) -> Result<(Summary, Timings, PathBuf)> {
     let shards = expand(folders)?;
     let mut study: Option<(&Path, Identity)> = None;
     let mut sources: Vec<Option<Source>> = Vec::new();
@@ -158,7 +168,7 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Summary, Timings, PathB
     }
     let folder = ResultFolder::create(out)?;
     let sources: Vec<Source> = sources.into_iter().flatten().collect();
-    let (summary, times) = join(&folder, &identity, &sources)?;
+    let (summary, times) = join(&folder, &identity, &sources, report)?;
     for name in super::folder::INPUTS {
         if let Ok(text) = std::fs::read_to_string(first.join(name)) {
             folder.write_text(name, &text)?;

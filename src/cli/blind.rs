@@ -1,66 +1,179 @@
 //! `tauscope blind`: hide effects in simulated arms and count how often the diagnosis names them.
 
-use super::{DONE, Global, print, progress};
+use super::{DONE, FAILED, Global, interrupt, print, progress};
 use crate::effects::{Placed, Scope, find};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
-use crate::report::blind::{self as report, SCHEMA};
+use crate::report::blind::{self as report, BlindResult, SCHEMA};
 use crate::scenario::{Setup, effect_joint};
-use crate::study::blind::{draw, run as blind_run};
+use crate::study::blind::journal::{Identity, Journal};
+use crate::study::blind::row::Row;
+use crate::study::blind::summary::Summary;
+use crate::study::blind::{Case, Class, Plan, draw, run as blind_run};
+use std::io::IsTerminal;
 use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Arguments of `tauscope blind`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scenario whose arm, limits and sensors are used.
+    /// Scenario whose arm, limits and sensors are used beside arms drawn at random.
     #[arg(long, value_name = "SCENARIO", default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
-    /// Runs to make.
-    #[arg(long, default_value_t = 10)]
-    runs: u64,
-    /// Effect to hide, `NAME` or `NAME:JOINT`; `none` for nothing; drawn from the library where absent.
-    #[arg(long, value_name = "EFFECT")]
+    /// The whole study (hours) in place of a first look (minutes).
+    #[arg(long)]
+    full: bool,
+    /// Runs of these classes only.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    class: Vec<Class>,
+    /// Repeat one run of the study, by its number, and show it; nothing is written.
+    #[arg(long, value_name = "N", conflicts_with_all = ["class", "resume"])]
+    run: Option<usize>,
+    /// Continue a study that was stopped.
+    #[arg(long)]
+    resume: bool,
+    /// Runs made at a time; as many as there are processors where absent.
+    #[arg(long, value_name = "N")]
+    jobs: Option<std::num::NonZeroUsize>,
+    /// In place of the study: hide this effect, `NAME` or `NAME:JOINT` or `none` or `any`, in the scenario's own arm.
+    #[arg(long, value_name = "EFFECT", conflicts_with_all = ["full", "class"])]
     effect: Option<String>,
-    /// Size of the effect: what it adds beyond the baseline over the torque noise, both root mean square.
-    #[arg(long, default_value_t = 1.0)]
+    /// Runs with --effect.
+    #[arg(long, default_value_t = 10, requires = "effect")]
+    runs: u64,
+    /// Size of --effect: what it adds beyond the baseline over the torque noise, both root mean square.
+    #[arg(long, default_value_t = 1.0, requires = "effect")]
     severity: f64,
-    /// Correlation times of the torque noise, s, taken in turn.
-    #[arg(long, value_name = "S", value_delimiter = ',', default_value = "0,0.13,0.5")]
+    /// Correlation times of the torque noise with --effect, s, taken in turn.
+    #[arg(long, value_name = "S", value_delimiter = ',', default_value = "0,0.13,0.5", requires = "effect")]
     correlation: Vec<f64>,
-    /// Whether the URDF's inertias are believed, or re-identified.
-    #[arg(long, value_enum, default_value = "nominal")]
+    /// With --effect: whether the URDF's inertias are believed, or re-identified.
+    #[arg(long, value_enum, default_value = "nominal", requires = "effect")]
     trust: Trust,
 }
 
-/// Makes the runs and writes the table.
+/// Makes the runs and writes the tables.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = Setup::load(&arguments.scenario, global.seed)?;
-    if arguments.correlation.is_empty() || !(arguments.severity > 0.0 && arguments.severity.is_finite()) {
+    let seed = setup.scenario.seed;
+    let (plan, mut cases) = plan(arguments, &setup)?;
+    if let Some(index) = arguments.run {
+        let count = cases.len();
+        let Some(case) = cases.get(index) else {
+            return Err(Error::request("--run", format!("the study has runs 0 to {}", count - 1)));
+        };
+        let row = Row::new(case, &blind_run(&setup, case));
+        print::result(global, SCHEMA, &row, || report::line(&row))?;
+        return Ok(DONE);
+    }
+    if !arguments.class.is_empty() {
+        cases.retain(|case| arguments.class.contains(&case.class));
+    }
+    let out = global.folder("blind");
+    drop(ResultFolder::create(&out)?);
+    let identity = Identity { seed, scenario: setup.scenario.name.clone(), plan };
+    let (journal, mut rows) = Journal::open(&out, &identity, arguments.resume)?;
+    let planned: Vec<usize> = cases.iter().map(|case| case.index).collect();
+    rows.retain(|row| planned.contains(&row.run));
+    cases.retain(|case| rows.iter().all(|row| row.run != case.index));
+    let (journal, rows) = make(&setup, &cases, journal, rows, arguments.jobs, global)?;
+
+    let result = BlindResult { seed, summary: Summary::new(&rows), runs: rows };
+    let left = planned.len() - result.runs.len();
+    if left > 0 {
+        if !global.quiet {
+            eprintln!(
+                "Stopped with {left} runs to go; --resume continues. Up to here:\n{}",
+                report::counts(&result.summary)
+            );
+        }
+        return Ok(FAILED);
+    }
+    let folder = ResultFolder::create(&out)?;
+    folder.write_json("blind.json", SCHEMA, &result)?;
+    folder.write_text("confusion.csv", &report::confusion_csv(&result.summary))?;
+    folder.write_text("blind.md", &report::page(&result))?;
+    let path = folder.finish()?;
+    journal.remove()?;
+    print::result(global, SCHEMA, &result, || {
+        format!("{}\n\nResults in {}", report::counts(&result.summary), path.display())
+    })?;
+    Ok(DONE)
+}
+
+/// Makes the cases on all processors, a run on each, until all are made or ctrl-C; adds to `rows`, in the plan's order.
+fn make(
+    setup: &Setup,
+    cases: &[Case],
+    journal: Journal,
+    mut rows: Vec<Row>,
+    jobs: Option<std::num::NonZeroUsize>,
+    global: &Global,
+) -> Result<(Journal, Vec<Row>)> {
+    let stop = interrupt::flag()?;
+    let bar = progress::bar(global, "blind runs", cases.len());
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let jobs = jobs.map_or(processors, usize::from).min(cases.len().max(1));
+    let next = AtomicUsize::new(0);
+    let shared = Mutex::new((journal, Vec::new()));
+    let work = || -> Result<()> {
+        // One run on a thread each wastes less of them than one run on all.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads((processors / jobs).max(1)).build();
+        let pool = pool.map_err(|problem| Error::request("--jobs", format!("no threads: {problem}")))?;
+        while !stop.load(Ordering::Relaxed) {
+            let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+            let row = pool.install(|| Row::new(case, &blind_run(setup, case)));
+            bar.inc(1);
+            if !global.quiet && !global.json {
+                match std::io::stderr().is_terminal() {
+                    true => bar.println(report::line(&row)),
+                    false => eprintln!("{} of {}: {}", bar.position(), cases.len(), report::line(&row)),
+                }
+            }
+            let mut shared = shared.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            shared.0.add(&row)?;
+            shared.1.push(row);
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().try_for_each(|worker| match worker.join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        })
+    })?;
+    bar.finish_and_clear();
+    let (journal, made) = shared.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    rows.extend(made);
+    rows.sort_by_key(|row| row.run);
+    Ok((journal, rows))
+}
+
+/// The cases asked for, and the plan in words.
+fn plan(arguments: &Arguments, setup: &Setup) -> Result<(String, Vec<Case>)> {
+    let Some(wanted) = &arguments.effect else {
+        let plan = if arguments.full { Plan::FULL } else { Plan::SMALL };
+        return Ok((format!("{plan:?}"), plan.cases(setup.scenario.seed, setup.known.dof())));
+    };
+    let Arguments { runs, severity, correlation, trust, .. } = arguments;
+    if correlation.is_empty() || !(*severity > 0.0 && severity.is_finite()) {
         return Err(Error::request("--severity", "must be a positive number, with at least one --correlation"));
     }
-    let folder = ResultFolder::create(global.folder("blind"))?;
-    let bar = progress::bar(global, "blind runs", arguments.runs as usize);
-    let mut rows = Vec::new();
-    for index in 0..arguments.runs {
-        let seed = setup.scenario.seed + index;
-        let correlation_s = arguments.correlation[index as usize % arguments.correlation.len()];
-        let mut case = draw(&setup, seed, arguments.severity, correlation_s, arguments.trust);
-        if let Some(wanted) = &arguments.effect {
-            case.hidden = hidden(wanted, &setup, index)?;
+    let case = |index: u64| {
+        let seed = setup.scenario.seed.wrapping_add(index);
+        let correlation_s = correlation[index as usize % correlation.len()];
+        let mut case = draw(setup, seed, *severity, correlation_s, *trust);
+        case.index = index as usize;
+        if wanted != "any" {
+            case.hidden = hidden(wanted, setup, index)?.into_iter().collect();
         }
-        rows.push(report::row(&setup, &case, &blind_run(&setup, &case)));
-        bar.inc(1);
-        if !global.quiet && !global.json {
-            bar.println(report::line(&rows[rows.len() - 1]));
-        }
-    }
-    bar.finish_and_clear();
-    let result = report::result(rows);
-    folder.write_json("blind.json", SCHEMA, &result)?;
-    let path = folder.finish()?;
-    print::result(global, SCHEMA, &result, || format!("{}\n\nResults in {}", report::counts(&result), path.display()))?;
-    Ok(DONE)
+        Ok(case)
+    };
+    let cases = (0..*runs).map(case).collect::<Result<Vec<Case>>>()?;
+    Ok((format!("{runs} x {wanted} at {severity}, noise {correlation:?}, {trust:?}"), cases))
 }
 
 /// The effect asked for; without a joint it takes all joints in turn.

@@ -107,6 +107,26 @@ impl Arm {
         over_rows(rows, &logs)
     }
 
+    /// What smoothing the positions once more does to the torque of the arm as found: the error of the first smoothing as seen
+    /// through it ("twicing", Tukey 1977).
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn smoothing_error(&self, rows: &Rows) -> Result<Column> {
+        let each = rows.logs.par_iter().map(|log| {
+            let mut q = log.motion.q.clone();
+            for joint in 0..q.channels() {
+                log.low_pass.apply_in_place(q.channel_mut(joint))?;
+            }
+            let smoother = Log::motion_of(q, log.period)?;
+            let mut torque = self.torque(&smoother, &smoother);
+            let plain = self.torque(&log.motion, &log.motion);
+            torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, before)| *value -= before);
+            Ok(torque)
+        });
+        Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
+    }
+
     /// Torque of the arm as found, `[joint][time]`: bodies along `link`, rotors and friction along `motor`.
     fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
         let mut torque = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), link);

@@ -34,6 +34,9 @@ const LOW_SPEED: f64 = 0.3;
 const SHORTEST_DRIFT: f64 = 0.1;
 const LONGEST_DRIFT: f64 = 3.0;
 
+/// Least distance of a power of speed from one.
+const APART: f64 = 0.02;
+
 /// Share of a group's largest column below which a column is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -259,7 +262,10 @@ fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
         let values = match parameter.role {
             Role::Amplitude | Role::Held => continue,
             Role::Departure => departures(effect, index, joint, rows),
-            Role::Shape => shape_grid(parameter, alone, joint, rows),
+            Role::Shape => {
+                let grid = shape_grid(parameter, alone, joint, rows);
+                grid.into_iter().map(|value| within_bounds(effect, index, value, joint, rows)).collect()
+            }
         };
         all = all
             .into_iter()
@@ -309,6 +315,19 @@ pub fn shape_bounds(parameter: &Parameter, joint: usize, rows: &Rows) -> (f64, f
     };
     let least = low.max(least).min(high);
     (least, high.min(most).max(least))
+}
+
+/// A shape within its bounds and away from where its effect is one of the baseline: a power of speed near one takes
+/// coefficients of any size that all but cancel the viscous friction's.
+pub fn within_bounds(effect: &dyn Effect, index: usize, value: f64, joint: usize, rows: &Rows) -> f64 {
+    let parameter = &effect.parameters()[index];
+    let (low, high) = shape_bounds(parameter, joint, rows);
+    let value = value.clamp(low, high);
+    match effect.about().name == "nonlinear_viscous_friction" && (value - 1.0).abs() < APART {
+        true if value < 1.0 => 1.0 - APART,
+        true => 1.0 + APART,
+        false => value,
+    }
 }
 
 fn fastest(rows: &Rows, joint: usize) -> f64 {

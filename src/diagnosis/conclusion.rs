@@ -32,6 +32,9 @@ const HELD_OUT: f64 = 0.3;
 /// Least acceleration that a motion is allowed, rad/s2.
 const SLOWEST: f64 = 0.5;
 
+/// How many times what the fitted model leaves its simulation may leave and still be a simulation of it.
+const STRAYS: f64 = 5.0;
+
 /// What a diagnosis is given.
 #[derive(Debug, Clone, Default)]
 pub struct Input<'a> {
@@ -276,11 +279,19 @@ impl Conclusion<'_> {
         let noise = &self.diagnosis.noise_floor;
         let shares = [gain, gap_closed]
             .map(|share| share(&baseline.residual, &extended.residual, &baseline.valid, noise, self.seed));
+        let extended_rms = rms(&extended.valid, &extended.residual);
+        let fitted = &self.diagnosis.extended_test_rms;
+        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
+        if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
+            let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
+                           for a simulation (friction or inertia that would have to be negative)";
+            return Err(Error::request(format!("joint `{}`", self.session.model.robot().joints[joint].name), problem));
+        }
         let described = resimulate(&[&described], rows).ok();
         Ok(Resimulation {
             described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
             baseline_rms: rms(&baseline.valid, &baseline.residual),
-            extended_rms: rms(&extended.valid, &extended.residual),
+            extended_rms,
             gain: shares[0],
             gap_closed: shares[1],
             positions: extended.positions.clone(),

@@ -176,7 +176,11 @@ pub fn contest(
         }
     }
     let least = CLOSE * winner.test.statistic;
-    let close = strong.into_iter().filter(|rival| rival.test.statistic > least).collect();
+    let here = winner.candidate.joints();
+    let mut close = strong;
+    close.retain(|rival| {
+        rival.test.statistic > least && rival.candidate.joints().iter().any(|joint| here.contains(joint))
+    });
     Ok(Contest { winner, alternatives, close })
 }
 

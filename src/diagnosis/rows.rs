@@ -43,7 +43,7 @@ const MEMORY_OF_ENDS: f64 = 5.0;
 const END_S: f64 = 0.1;
 
 /// Share of a joint's motion that reversals may not take.
-const KEPT_SHARE: f64 = 0.6;
+const KEPT_SHARE: f64 = 0.85;
 
 /// Fewest rows that count on every joint, to identify from.
 pub const FEWEST_ROWS: usize = 100;

@@ -25,14 +25,22 @@ const STRETCH: usize = 50;
 const SURELY: f64 = 1.0;
 
 /// Share of the level of other effects that an event in one log must reach.
-const ONCE: f64 = 1e-3;
+const ONCE: f64 = 1e-4;
 
 /// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
 
+/// Effects whose torque follows high derivatives of the motion, as the error of smooth positions does.
+const LIKE_SMOOTHING: [&str; 1] = ["joint_elasticity"];
+
 /// Cosines over each log that stand for slow drifts.
 const DRIFTS: usize = 10;
+
+/// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
+/// where much is wrong, all that is little fits a little.
+const MUCH_LEFT: f64 = 1.5;
+const WORTH_A_NAME: f64 = 0.05;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
@@ -128,6 +136,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             None => level,
             Some(_) => level.max(family_wise(beside_drift(session, &round, &winner), tests)),
         };
+        let level = match LIKE_SMOOTHING.contains(&winner.candidate.family().effect) {
+            true => level.max(family_wise(beside_smoothing(session, &round, &winner)?, tests)),
+            false => level,
+        };
         let limit = options.alpha * strictness(&winner.candidate);
         let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
         match accepted {
@@ -162,6 +174,17 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
 
 fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// Logarithm of the probability of what a candidate takes beside the error of the smoothing, joint by joint.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+fn beside_smoothing(session: &Session, round: &Round, winner: &Judged) -> Result<f64> {
+    let error = session.arm.smoothing_error(&session.train.rows)?;
+    let each: Vec<Column> = error.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal)).collect();
+    let fit = round.fit.with(&round.whitener.apply_all(&each));
+    Ok(fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p()))
 }
 
 /// Share of the level at which a candidate is believed.
@@ -250,7 +273,8 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     };
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
     tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
-    Ok((bound > 0.0).then_some((member, Gain { lower_bound: bound, rms })))
+    let least = if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) { WORTH_A_NAME } else { 0.0 };
+    Ok((bound > least).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Lower bound, by one standard deviation (84 %), of the share of the whitened sum of squares that is gained on the joints that the effect acts on.

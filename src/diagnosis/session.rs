@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::bodies;
-use super::candidates::{Candidate, bends, columns_in, is_level, linear, shape_bounds, shapes, straight_below};
+use super::candidates::{Candidate, bends, columns_in, is_level, linear, shapes, straight_below, within_bounds};
 use super::column::{Column, combined, rms};
 use super::known::Known;
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
@@ -316,8 +316,8 @@ impl<'a> Session<'a> {
                 for sign in [1.0, -1.0] {
                     let mut placed = best.candidate.placed.clone();
                     let value = &mut placed.parameters[index];
-                    let (low, high) = shape_bounds(parameter, joint, &self.train.rows);
-                    *value = moved(parameter, *value, sign * share).clamp(low, high);
+                    let wanted = moved(parameter, *value, sign * share);
+                    *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
                     if let Some(judged) = at(placed)?
                         && judged.test.statistic > best.test.statistic
                     {

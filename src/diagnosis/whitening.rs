@@ -105,6 +105,11 @@ impl Whitener {
         self
     }
 
+    /// Factor by which what the model leaves on a joint exceeds its noise, at least one.
+    pub fn misfit(&self, joint: usize) -> f64 {
+        self.joints[joint].misfit
+    }
+
     /// Standard deviation of each joint's noise in the rows, without what the model leaves beyond it, N m.
     pub fn noise_std(&self) -> Vec<f64> {
         self.joints.iter().map(|joint| joint.filter.noise().std()).collect()

@@ -1,116 +1,160 @@
-//! What blind runs tell: one line a run, and counts.
+//! What blind runs tell: one line a run, a table of the classes, the confusion matrix.
 
-use super::console::table;
-use crate::error::Result;
-use crate::scenario::Setup;
-use crate::study::blind::{BlindRun, Case, Outcome, name};
+use super::{console, markdown};
+use crate::study::blind::row::{Answer, Row};
+use crate::study::blind::summary::{ClassSummary, Summary};
+use crate::study::blind::{Class, Outcome};
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Schema of the `blind.json` that `tauscope blind` writes.
-pub const SCHEMA: &str = "tauscope.blind/1";
+pub const SCHEMA: &str = "tauscope.blind/2";
 
-/// All runs with their counts.
+/// All runs with what they come to.
 #[derive(Debug, Serialize)]
 pub struct BlindResult {
-    runs: Vec<Row>,
-    counts: Vec<Count>,
-}
-
-/// One run.
-#[derive(Debug, Serialize)]
-pub struct Row {
-    seed: u64,
-    hidden: String,
-    size: Vec<f64>,
-    severity: f64,
-    correlation_s: f64,
-    outcome: Option<Outcome>,
-    found: Vec<String>,
-    unexplained: Vec<String>,
-    cutoff_hz: f64,
-    gap_closed: f64,
-    seconds: f64,
-    error: Option<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct Count {
-    outcome: Outcome,
-    runs: usize,
-}
-
-/// The line of a run, made or failed.
-pub fn row(setup: &Setup, case: &Case, run: &Result<BlindRun>) -> Row {
-    let hidden = case.hidden.as_ref().map_or("nothing".to_owned(), |placed| name(setup, placed));
-    let mut row = Row {
-        seed: case.seed,
-        hidden,
-        size: Vec::new(),
-        severity: case.severity,
-        correlation_s: case.correlation_s,
-        outcome: None,
-        found: Vec::new(),
-        unexplained: Vec::new(),
-        cutoff_hz: 0.0,
-        gap_closed: 0.0,
-        seconds: 0.0,
-        error: None,
-    };
-    match run {
-        Ok(run) => {
-            row.size = run.hidden.as_ref().map_or_else(Vec::new, |placed| placed.parameters.clone());
-            row.outcome = Some(run.outcome);
-            row.cutoff_hz = run.diagnosis.cutoff_hz;
-            row.gap_closed = run.diagnosis.gap_closed;
-            row.seconds = run.seconds;
-            for found in &run.diagnosis.found {
-                let mut text = name(setup, &found.member.placed);
-                let values = found.member.placed.parameters.iter().zip(&found.member.std);
-                for (value, std) in values {
-                    text += &format!(" {value:.4e}+-{std:.1e}");
-                }
-                text += &format!(" p {:.1e}", found.family_wise_p);
-                for other in &found.alternatives {
-                    text += &format!(" or {}:{}", other.family.effect, other.family.joint + 1);
-                }
-                row.found.push(text);
-            }
-            let left = run.diagnosis.unexplained.iter();
-            row.unexplained = left.map(|left| setup.known.joints[left.joint].name.clone()).collect();
-        }
-        Err(error) => row.error = Some(error.to_string()),
-    }
-    row
+    /// Seed of the study.
+    pub seed: u64,
+    /// Counts with intervals.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Every run.
+    pub runs: Vec<Row>,
 }
 
 /// A run in one line.
 pub fn line(row: &Row) -> String {
-    let outcome = row.outcome.map_or("failed".to_owned(), |outcome| format!("{outcome:?}"));
-    format!(
-        "{} {} at {} x, noise {} s: {outcome} [{}] unexplained [{}] cut-off {} Hz, {:.1} s {}",
-        row.seed,
-        row.hidden,
-        row.severity,
-        row.correlation_s,
-        row.found.join(", "),
-        row.unexplained.join(", "),
-        row.cutoff_hz,
-        row.seconds,
-        row.error.as_deref().unwrap_or_default()
-    )
+    let outcome = row.outcome.map_or("failed", outcome);
+    let trust = if row.inertias_believed { "nominal" } else { "structure" };
+    let noise = if row.correlation_s > 0.0 { format!("{} s", row.correlation_s) } else { "white".to_owned() };
+    let mut text = format!(
+        "{} {} {} at {} x, {trust}, noise {noise}: {outcome}",
+        row.run,
+        class(row.class),
+        row.hidden_text(),
+        row.severity
+    );
+    let answers: Vec<String> = row.answers.iter().map(answer).collect();
+    let left: Vec<String> = row.unexplained.iter().map(|(joint, structure)| format!("{joint} {structure}")).collect();
+    for (what, list) in [("answers", answers), ("unexplained", left), ("data faults", row.faults.clone())] {
+        if !list.is_empty() {
+            text += &format!("; {what} [{}]", list.join(", "));
+        }
+    }
+    match &row.error {
+        Some(error) => text += &format!("; {error}"),
+        None => text += &format!("; {:.1} s", row.seconds),
+    }
+    text
 }
 
-/// All runs with their counts.
-pub fn result(runs: Vec<Row>) -> BlindResult {
-    const ALL: [Outcome; 6] =
-        [Outcome::Named, Outcome::OneOf, Outcome::Missed, Outcome::Wrong, Outcome::Quiet, Outcome::FalseAlarm];
-    let of = |outcome: Outcome| runs.iter().filter(|row| row.outcome == Some(outcome)).count();
-    let counts = ALL.into_iter().map(|outcome| Count { outcome, runs: of(outcome) }).filter(|count| count.runs > 0);
-    BlindResult { counts: counts.collect(), runs }
+fn answer(answer: &Answer) -> String {
+    let values = answer.parameters.iter().zip(&answer.std).map(|(value, std)| format!(" {value:.3e}+-{std:.0e}"));
+    let taken_back = if answer.verdict == "unexplained" { " (tentative)" } else { "" };
+    format!("{}{}{taken_back} p {:.0e}", answer.names.join(" or "), values.collect::<String>(), answer.family_wise_p)
 }
 
 /// The counts for people.
-pub fn counts(result: &BlindResult) -> String {
-    let rows = result.counts.iter().map(|count| vec![format!("{:?}", count.outcome), count.runs.to_string()]).collect();
-    table(&["outcome", "runs"], rows).to_string()
+pub fn counts(summary: &Summary) -> String {
+    let rows = summary.classes.iter().map(class_row).collect();
+    console::table(&HEADER, rows).to_string()
+}
+
+/// The counts and the confusion matrix as Markdown.
+pub fn page(result: &BlindResult) -> String {
+    let classes: Vec<Vec<String>> = result.summary.classes.iter().map(class_row).collect();
+    let confusion: Vec<Vec<String>> = result
+        .summary
+        .confusion
+        .iter()
+        .map(|entry| {
+            vec![class(entry.class).to_owned(), entry.hidden.clone(), entry.answered.clone(), entry.rate.text()]
+        })
+        .collect();
+    let wrong = result.runs.iter().filter(|row| {
+        row.error.is_some() || !row.wrong.is_empty() || row.outcome.is_some_and(|outcome| !outcome.is_right())
+    });
+    let wrong: Vec<String> = wrong.map(|row| format!("- {}\n", line(row))).collect();
+    format!(
+        "# Blind runs, seed {}\n\nShares with 95 % intervals (Wilson).\n\n{}\n## What was hidden and what was answered\n\n{}\n## \
+         Runs that did not come out as they should\n\n{}",
+        result.seed,
+        markdown::text_table(&HEADER, &classes),
+        markdown::text_table(&["class", "hidden", "answered", "runs"], &confusion),
+        wrong.concat()
+    )
+}
+
+/// The confusion matrix as CSV: a line per hidden effect, a column per answer.
+pub fn confusion_csv(summary: &Summary) -> String {
+    let answers: BTreeSet<&str> = summary.confusion.iter().map(|entry| entry.answered.as_str()).collect();
+    let mut rows: BTreeMap<(Class, &str), BTreeMap<&str, usize>> = BTreeMap::new();
+    for entry in &summary.confusion {
+        rows.entry((entry.class, &entry.hidden)).or_default().insert(&entry.answered, entry.rate.hits);
+    }
+    let head: Vec<&str> = ["class", "hidden"].into_iter().chain(answers.iter().copied()).collect();
+    let mut text = head.join(",") + "\n";
+    for ((of, hidden), counts) in rows {
+        let cells = answers.iter().map(|answer| counts.get(answer).copied().unwrap_or(0).to_string());
+        let cells: Vec<String> = [class(of).to_owned(), hidden.to_owned()].into_iter().chain(cells).collect();
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+const HEADER: [&str; 8] = [
+    "class",
+    "outcomes",
+    "as it should be",
+    "a wrong firm name",
+    "unexplained",
+    "parameters within 3 std",
+    "90 % of the gap closed",
+    "time",
+];
+
+fn class_row(summary: &ClassSummary) -> Vec<String> {
+    let mut outcomes: Vec<String> = Outcome::ALL
+        .iter()
+        .filter_map(|one| Some(format!("{} {}", summary.outcomes.get(one)?, outcome(*one))))
+        .collect();
+    if summary.failed > 0 {
+        outcomes.push(format!("{} failed", summary.failed));
+    }
+    vec![
+        class(summary.class).to_owned(),
+        outcomes.join(", "),
+        summary.right.text(),
+        summary.wrong_names.text(),
+        summary.unexplained.text(),
+        summary.parameters.text(),
+        summary.gap_closed.text(),
+        format!("{:.1} s", summary.median_seconds),
+    ]
+}
+
+fn class(class: Class) -> &'static str {
+    match class {
+        Class::Quiet => "nothing hidden",
+        Class::Single => "one effect",
+        Class::Faint => "one faint effect",
+        Class::Pair => "two effects",
+        Class::Outside => "outside the library",
+        Class::Fault => "fault of the data",
+        Class::Asked => "as asked",
+    }
+}
+
+fn outcome(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Named => "named",
+        Outcome::OneOf => "one of two",
+        Outcome::WideSet => "one of more",
+        Outcome::Half => "half",
+        Outcome::Missed => "missed",
+        Outcome::Wrong => "wrong",
+        Outcome::Flagged => "flagged",
+        Outcome::Quiet => "quiet",
+        Outcome::FalseAlarm => "false alarm",
+    }
 }

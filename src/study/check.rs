@@ -218,7 +218,7 @@ fn diagnose(setup: &Setup, runs: usize, tick: &dyn Fn()) -> Result<Diagnoses> {
     let mut right = 0;
     for run in 0..runs {
         let case = blind::draw(setup, setup.scenario.seed + run as u64, SEVERITY, 0.0, Trust::Nominal);
-        let outcome = blind::run(setup, &case)?.outcome;
+        let outcome = blind::run(setup, &case)?.judgement.outcome;
         right += usize::from(matches!(outcome, blind::Outcome::Named | blind::Outcome::OneOf));
         tick();
     }

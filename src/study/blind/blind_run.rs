@@ -1,0 +1,114 @@
+//! A blind run: the arm is simulated with what is hidden in it, and the logs are screened and diagnosed like anybody's.
+
+use super::arm::random_setup;
+use super::case::{ArmKind, Case};
+use super::motion::{TRAIN, kept, motions};
+use super::outcome::{Judgement, judge};
+use super::sizing::sized;
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, screen, still_joints};
+use crate::diagnosis::{Diagnosis, Options, diagnose};
+use crate::effects::{Placed, Site};
+use crate::error::Result;
+use crate::quality;
+use crate::recording::Recording;
+use crate::recording::lenient::Sieved;
+use crate::robot::Robot;
+use crate::scenario::Setup;
+use crate::simulation::integrator::Integrator;
+use crate::simulation::{measure, simulate};
+use std::time::Instant;
+
+/// A blind run that was made.
+#[derive(Debug)]
+pub struct BlindRun {
+    /// The arm's description.
+    pub robot: Robot,
+    /// What was hidden, at the size used.
+    pub hidden: Vec<Placed>,
+    /// Faults of the data that were found.
+    pub faults: Vec<DataFault>,
+    /// The answer; None where faults of the data forbid one.
+    pub diagnosis: Option<Diagnosis>,
+    /// How it came out.
+    pub judgement: Judgement,
+    /// Time that screening and diagnosis took, s.
+    pub seconds: f64,
+}
+
+/// Makes a blind run on the arm of `setup`, or on one drawn in its place.
+///
+/// # Errors
+/// If the hidden effect does not show on the arm, the simulation runs away under it, or those of the diagnosis.
+pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
+    let mut setup = match case.arm {
+        ArmKind::Scenario => setup.clone(),
+        ArmKind::Random(dof) => random_setup(setup, dof, case.seed),
+    };
+    let motions = motions(case, &setup)?;
+    let hidden: Vec<Placed> =
+        case.hidden.iter().map(|placed| sized(&setup, placed, case, &motions)).collect::<Result<_>>()?;
+    setup.scenario.seed = case.seed;
+    for sensor in &mut setup.sensors {
+        sensor.torque_correlation_s = case.correlation_s;
+    }
+    for placed in &hidden {
+        placed.effect.alter(&placed.parameters, placed.joint, &mut setup.plant);
+        if placed.effect.about().site == Site::Integrator {
+            setup.scenario.plant.integrator = Integrator::RapierNative;
+            setup.scenario.plant.step_s = placed.parameters[0];
+        }
+        setup.effects.push(placed.clone());
+    }
+    let mut logs: Vec<Recording> = motions
+        .iter()
+        .zip(0..)
+        .map(|(motion, index)| {
+            let log = measure(&setup, &simulate(&setup, motion, &mut |_| ())?, index)?;
+            // The truth and what a log of a controller would not have must not be seen.
+            Ok(kept(case, &Recording { truth: None, qdd: None, ..log }))
+        })
+        .collect::<Result<_>>()?;
+    if let Some(fault) = case.fault {
+        fault.put_into(&mut logs, case.seed);
+    }
+    let started = Instant::now();
+    let (faults, diagnosis) = answer(&setup.known, logs, case)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let judgement = judge(case, &hidden, &faults, diagnosis.as_ref());
+    Ok(BlindRun { robot: setup.known, hidden, faults, diagnosis, judgement, seconds })
+}
+
+/// What one who has the arm's description and the logs alone is told.
+fn answer(robot: &Robot, logs: Vec<Recording>, case: &Case) -> Result<(Vec<DataFault>, Option<Diagnosis>)> {
+    let mut screened: Vec<Screened> = Vec::new();
+    let mut refused: Vec<DataFault> = Vec::new();
+    for (index, log) in logs.into_iter().enumerate() {
+        let name = format!("log {}", index + 1);
+        let lines = (2..log.samples() + 2).collect();
+        let sieved = Sieved { recording: log, lines, rejected: Vec::new(), notes: Vec::new() };
+        match screen(&name, sieved.clone(), robot) {
+            Ok(log) => screened.push(log),
+            Err(problem) => {
+                let report = quality::examine(&sieved, Some(robot))?;
+                let Some(finding) = report.fatal() else { return Err(problem) };
+                let quality::Finding { kind, place, text, .. } = finding.clone();
+                refused.push(DataFault { kind, log: name, place, text, consequence: Consequence::Stops });
+            }
+        }
+    }
+    let training = &screened[..TRAIN.min(screened.len())];
+    let still = still_joints(training, robot).into_iter();
+    let still = still.map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
+    let mut faults: Vec<DataFault> = refused.into_iter().chain(still).collect();
+    faults.extend(screened.iter().flat_map(|log| log.faults.iter().cloned()));
+    if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
+        return Ok((faults, None));
+    }
+    let (train, test) = screened.split_at(TRAIN);
+    let pieces = |logs: &'_ [Screened]| logs.iter().flat_map(|log| log.pieces.clone()).collect::<Vec<Recording>>();
+    let (train, test) = (pieces(train), pieces(test));
+    let options = Options { trust: case.trust, seed: case.seed, ..Options::default() };
+    let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
+    let diagnosis = diagnose(robot, &train, &test, &options, &mut |_| ())?;
+    Ok((faults, Some(diagnosis)))
+}

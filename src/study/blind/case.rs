@@ -1,0 +1,132 @@
+//! One blind run as it is drawn, before anything is simulated.
+
+use super::fault::Fault;
+use crate::diagnosis::candidates;
+use crate::effects::{Effect, LIBRARY, Placed, Role};
+use crate::identification::effect_model::Trust;
+use crate::random;
+use crate::scenario::Setup;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Shapes are drawn within this factor of their typical size.
+const SHAPE_FACTOR: f64 = 1.4;
+
+/// What a run hides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum Class {
+    /// Nothing.
+    Quiet,
+    /// One effect of the library that adds as much as the noise.
+    Single,
+    /// One effect of the library that adds 0.3 times as much as the noise.
+    Faint,
+    /// Two effects of the library.
+    Pair,
+    /// A law that the library does not have.
+    Outside,
+    /// A fault of the data.
+    Fault,
+    /// What was asked for on the command line.
+    Asked,
+}
+
+/// The arm of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ArmKind {
+    /// That of the scenario.
+    Scenario,
+    /// One drawn at random with this number of turning joints.
+    Random(usize),
+}
+
+/// The motions of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionKind {
+    /// Freudenstein sequences.
+    Freudenstein,
+    /// Fourier series.
+    Fourier,
+}
+
+/// A blind run to be made.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// Its place in the plan.
+    pub index: usize,
+    /// What kind of thing it hides.
+    pub class: Class,
+    /// Seed of arm, motions, noise and all else that is drawn.
+    pub seed: u64,
+    /// The effects that are hidden; their amplitudes and departures are scaled to the severity.
+    pub hidden: Vec<Placed>,
+    /// The fault that is put into the logs.
+    pub fault: Option<Fault>,
+    /// Root mean square of what each effect adds beyond the baseline on its worst joint, over that of the torque noise.
+    pub severity: f64,
+    /// Correlation time of the torque noise, s.
+    pub correlation_s: f64,
+    /// What is believed of the arm.
+    pub trust: Trust,
+    /// The arm.
+    pub arm: ArmKind,
+    /// Its motions.
+    pub motion: MotionKind,
+    /// Whether the logs are cut out of the middle of longer motions.
+    pub cut: bool,
+}
+
+impl Case {
+    /// A case that hides nothing in logs of the scenario's own arm, from rest to rest, its inertias trusted.
+    pub fn plain(seed: u64) -> Self {
+        Case {
+            index: 0,
+            class: Class::Quiet,
+            seed,
+            hidden: Vec::new(),
+            fault: None,
+            severity: 1.0,
+            correlation_s: 0.0,
+            trust: Trust::Nominal,
+            arm: ArmKind::Scenario,
+            motion: MotionKind::Freudenstein,
+            cut: false,
+        }
+    }
+}
+
+/// A case on the scenario's own arm: any effect of the library that `trust` lets one see, at any of its places.
+pub fn draw(setup: &Setup, seed: u64, severity: f64, correlation_s: f64, trust: Trust) -> Case {
+    let mut source = random::stream(seed, "blind case", 0);
+    let effects = visible(trust);
+    let effect = effects[source.random_range(0..effects.len())];
+    let joint = source.random_range(candidates::places(effect, setup.known.dof()));
+    let hidden = vec![Placed::typical(effect, joint)];
+    Case { class: Class::Asked, hidden, severity, correlation_s, trust, ..Case::plain(seed) }
+}
+
+/// Effects of the library that can be told from the baseline under `trust`.
+pub fn visible(trust: Trust) -> Vec<&'static dyn Effect> {
+    LIBRARY.iter().copied().filter(|effect| candidates::is_candidate(*effect, trust, &[])).collect()
+}
+
+/// `effect` on a place drawn out of all on an arm of `dof` joints, with drawn shapes and signs.
+pub fn drawn(effect: &'static dyn Effect, dof: usize, source: &mut ChaCha8Rng) -> Placed {
+    let joint = source.random_range(candidates::places(effect, dof));
+    let mut placed = Placed::typical(effect, joint);
+    let factor = SHAPE_FACTOR.powf(source.random_range(-1.0..1.0));
+    for (parameter, value) in effect.parameters().iter().zip(&mut placed.parameters) {
+        match parameter.role {
+            Role::Shape => *value = (*value * factor).clamp(parameter.lower, parameter.upper),
+            Role::Amplitude | Role::Departure if -parameter.lower >= value.abs() => {
+                *value *= if source.random_bool(0.5) { -1.0 } else { 1.0 };
+            }
+            Role::Amplitude | Role::Departure | Role::Held => {}
+        }
+    }
+    placed
+}

@@ -85,7 +85,7 @@ fn threads_interruptions_and_shards_leave_the_bytes_as_they_are() {
     let part = place("parts/shard_0001_of_0003");
     let problem =
         merge(&[place("parts"), part.clone()], &place("merged"), &|_, _| String::new()).unwrap_err().to_string();
-    assert!(problem.contains("trials 2 to 3 are here and in"), "{problem}");
+    assert!(problem.contains("trials 2 to 3: here and in"), "{problem}");
     let problem = merge(&[place("merged/none")], &place("x"), &|_, _| String::new()).unwrap_err().to_string();
     assert!(problem.contains("merged/none"), "{problem}");
 }

@@ -146,7 +146,7 @@ pub fn merge(folders: &[PathBuf], out: &Path, report: Report) -> Result<(Summary
             let source = Source { trials: trials.clone(), timings: shard.join(TIMINGS), group };
             if let Some(known) = sources[chunk].replace(source) {
                 let range = trial_range(identity, chunk);
-                let problem = format!("{range} are here and in {}; merge each shard once", known.trials.display());
+                let problem = format!("{range}: here and in {}; merge each shard once", known.trials.display());
                 return Err(Error::input(&trials, None, "trial", problem));
             }
         }
@@ -180,7 +180,7 @@ pub fn merge(folders: &[PathBuf], out: &Path, report: Report) -> Result<(Summary
 fn trial_range(identity: &Identity, chunk: usize) -> String {
     let first = chunk * identity.chunk_trials;
     let last = (first + identity.chunk_trials).min(identity.montecarlo.trials) - 1;
-    format!("trials {first} to {last}")
+    if first == last { format!("trial {first}") } else { format!("trials {first} to {last}") }
 }
 
 /// The folders themselves, or the shards inside those that are no shards.

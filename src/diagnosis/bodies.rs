@@ -5,7 +5,7 @@
 //! of mass within its length. Without that a wrong link explains what a balancer or a spring does, by a mass behind the
 //! joint.
 
-use super::candidates::linear;
+use super::roles::linear;
 use crate::effects::{Placed, Site};
 use crate::robot::{Inertia, Robot};
 

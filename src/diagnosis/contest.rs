@@ -1,8 +1,10 @@
 //! One round of the search: the scan of all candidates, and the contest of the best for the name.
 
-use super::candidates::{Candidate, Family, Slot, linear, shapes};
+use super::candidates::{Candidate, Family, Slot};
+use super::judging::Judged;
+use super::roles::{linear, shapes};
 use super::score::{Projection, Scanned, effective_tests, log_survival};
-use super::session::{Judged, Member, Session};
+use super::session::{Member, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! What practitioners call the parameters of an effect: a payload's mass and centre of mass, the angle of a tilt.
 
-use super::candidates::{linear, shapes};
 use super::estimates::Estimates;
+use super::roles::{linear, shapes};
 use super::session::Member;
 use crate::robot::{Inertia, Robot};
 use nalgebra::DVector;

@@ -2,8 +2,8 @@
 //! these, in a form that the simulator takes.
 
 use super::arm::Arm;
-use super::candidates::linear;
 use super::estimates::{Estimates, gram};
+use super::roles::linear;
 use super::session::{Member, Session};
 use super::whitening::Whitener;
 use crate::channels::Channels;

@@ -6,10 +6,11 @@
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
-//! | every effect at every place, at a grid of its shapes | [`candidates`] |
+//! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
 //! | noise of each joint, from what a rich regression leaves | [`whitening`], [`innovations`] |
-//! | score tests, and the level of the best of many | [`score`] |
+//! | logs and arm, fits of a model | [`session`], [`solution`] |
+//! | score tests, and the level of the best of many | [`score`], [`judging`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
@@ -29,16 +30,20 @@ pub mod estimates;
 pub mod evidence;
 pub mod extended;
 pub mod gap;
+pub mod grid;
 pub mod inertias;
 pub mod innovations;
+pub mod judging;
 pub mod known;
 pub mod residual_structure;
 pub mod resimulation;
+pub mod roles;
 pub mod rows;
 pub mod score;
 pub mod screening;
 pub mod selection;
 pub mod session;
+pub mod solution;
 pub mod unexplained;
 pub mod verdict;
 pub mod whitening;

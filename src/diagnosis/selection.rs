@@ -6,8 +6,10 @@ use super::candidates::{self, Candidate, Family, Slot};
 use super::column::{Column, rms};
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
+use super::judging::Judged;
+use super::roles::is_level;
 use super::score::{Projection, family_wise};
-use super::session::{Judged, Member, Noise, Session};
+use super::session::{Member, Noise, Session};
 use super::unexplained::slow_cosines;
 use super::verdict::Verdict;
 use super::whitening::Whitener;
@@ -192,7 +194,7 @@ fn strictness(candidate: &Candidate) -> f64 {
     if candidate.log.is_some() {
         // No other log can confirm what happened once.
         ONCE
-    } else if candidates::is_level(candidate.placed.effect) {
+    } else if is_level(candidate.placed.effect) {
         EXTREMES
     } else {
         1.0
@@ -221,7 +223,7 @@ fn better_unseen(
     if winner.candidate.log.is_some() {
         return Ok((winner, alternatives));
     }
-    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([Member::new(judged)]).collect() };
+    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
     let first = with(&winner);
     let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
     let unseen = whitener.on(&session.test.rows);
@@ -257,7 +259,7 @@ pub struct Gain {
 /// The winner as a member of the model with its gain on the held-out rows, if that is surely positive. An event of one
 /// training log shows in no other: its gain is that on the training rows.
 fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, Gain)>> {
-    let member = Member::new(winner);
+    let member = winner.member();
     let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
     let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
     let before = session.held_out_residual(members, &whitener)?;

@@ -42,26 +42,15 @@ struct JointWhitener {
     misfit: f64,
 }
 
-/// What the regression under the noise holds beside the model itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Beside {
-    /// Nothing: what the model leaves counts as noise.
-    Nothing,
-    /// Smooth functions of each joint's motion, so that the noise does not swallow what is to be found.
-    RichColumns,
-}
-
 impl Whitener {
-    /// From what `torque` has beyond the columns in `present` (the baseline, effects) and those `beside` it.
-    pub fn new(rows: &Rows, torque: &Column, present: &[Column], beside: Beside) -> Self {
+    /// From what `torque` has beyond the columns in `present` (the baseline, effects) and the rich ones.
+    pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
         let joints = (0..rows.dof())
             .into_par_iter()
             .map(|joint| {
                 let mut columns: Vec<Vec<f64>> =
                     present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
-                if beside == Beside::RichColumns {
-                    columns.extend(rich(rows, joint));
-                }
+                columns.extend(rich(rows, joint));
                 let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
                 JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint)
             })

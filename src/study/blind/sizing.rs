@@ -2,9 +2,9 @@
 
 use super::case::Case;
 use super::motion::{TRAIN, reference_log};
-use crate::diagnosis::candidates;
 use crate::diagnosis::column::Column;
 use crate::diagnosis::column::rms;
+use crate::diagnosis::roles;
 use crate::diagnosis::score::Projection;
 use crate::diagnosis::session::Session;
 use crate::effects::{Placed, Role, Site};
@@ -44,7 +44,7 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
         Ok(each.iter().zip(&setup.sensors).map(|(rms, sensor)| rms / sensor.torque_noise).fold(0.0, f64::max))
     };
     let mut placed = placed.clone();
-    if candidates::is_level(placed.effect) {
+    if roles::is_level(placed.effect) {
         let largest = session.largest_torque(placed.joint);
         let (mut low, mut high) = (0.1 * largest, largest);
         for _ in 0..HALVINGS {

@@ -1,0 +1,158 @@
+//! Grids of the parameters that are not linear: where shapes and departures of an effect are looked for on a joint.
+
+use super::roles::{SIZES, bends, is_level, shapes};
+use super::rows::Rows;
+use crate::effects::{Effect, Parameter, Placed, Role};
+
+/// Points over the range of a shape, alone or one of several, and how far the range reaches to either side of the typical
+/// size.
+const ALONE: usize = 10;
+const ONE_OF_SEVERAL: usize = 6;
+const REACH: f64 = 30.0;
+
+/// Shares of the largest logged torque at which it may be cut off: noise alone exceeds the level.
+const CUT_OFF: [f64; 6] = [0.99, 0.96, 0.92, 0.87, 0.8, 0.7];
+
+/// Highest speed of a transition at low speed, over the joint's top speed; range of a drift's time constant, over the longest
+/// log.
+const LOW_SPEED: f64 = 0.3;
+const SHORTEST_DRIFT: f64 = 0.1;
+const LONGEST_DRIFT: f64 = 3.0;
+
+/// Least distance of a power of speed from one.
+const APART: f64 = 0.02;
+
+/// Highest harmonic of a ripple scan, and lengths of contacts, s.
+const HIGHEST_HARMONIC: f64 = 60.0;
+const CONTACTS_S: [f64; 3] = [1.5, 3.0, 6.0];
+
+/// The effect at one place with every combination of its grids.
+pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
+    let typical = Placed::typical(effect, joint);
+    if effect.about().name == "external_contact" {
+        return contacts(&typical, rows);
+    }
+    let alone = shapes(effect).len() == 1;
+    let mut all = vec![typical];
+    for (index, parameter) in effect.parameters().iter().enumerate() {
+        let values = match parameter.role {
+            Role::Amplitude | Role::Held => continue,
+            Role::Departure => departures(effect, index, joint, rows),
+            Role::Shape => {
+                let grid = shape_grid(parameter, alone, joint, rows);
+                grid.into_iter().map(|value| within_bounds(effect, index, value, joint, rows)).collect()
+            }
+        };
+        all = all
+            .into_iter()
+            .flat_map(|placed| {
+                values.iter().map(move |&value| {
+                    let mut placed = placed.clone();
+                    placed.parameters[index] = value;
+                    placed
+                })
+            })
+            .collect();
+    }
+    all
+}
+
+/// Effects in the log's timing bend with their size; the others are straight as far as one looks.
+fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
+    let parameter = &effect.parameters()[index];
+    if is_level(effect) {
+        let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
+        let largest = torque.fold(0.0f64, |m, (v, ok)| if *ok { m.max(v.abs()) } else { m });
+        return CUT_OFF.iter().map(|share| share * largest).filter(|level| *level > 0.0).collect();
+    }
+    if !bends(effect, index) {
+        return vec![parameter.typical];
+    }
+    let sizes = SIZES.iter().map(|size| size * parameter.typical);
+    sizes
+        .clone()
+        .map(|size| -size)
+        .chain(sizes)
+        .filter(|size| (parameter.lower..=parameter.upper).contains(size))
+        .collect()
+}
+
+/// Bounds of a shape on a joint as it moves in these logs: what is called a transition at low speed must lie at low speed, and
+/// a time constant longer than the logs is a drift.
+pub fn shape_bounds(parameter: &Parameter, joint: usize, rows: &Rows) -> (f64, f64) {
+    let (low, high) = (parameter.lower, parameter.upper);
+    let (least, most) = match parameter.unit {
+        "rad/s" => (0.0, LOW_SPEED * fastest(rows, joint)),
+        "s" if parameter.role == Role::Shape && low > 0.0 => {
+            let longest = duration(rows);
+            (SHORTEST_DRIFT * longest, LONGEST_DRIFT * longest)
+        }
+        _ => (low, high),
+    };
+    let least = low.max(least).min(high);
+    (least, high.min(most).max(least))
+}
+
+/// A shape within its bounds and away from where its effect is one of the baseline: a power of speed near one takes
+/// coefficients of any size that all but cancel the viscous friction's.
+pub fn within_bounds(effect: &dyn Effect, index: usize, value: f64, joint: usize, rows: &Rows) -> f64 {
+    let parameter = &effect.parameters()[index];
+    let (low, high) = shape_bounds(parameter, joint, rows);
+    let value = value.clamp(low, high);
+    match effect.about().name == "nonlinear_viscous_friction" && (value - 1.0).abs() < APART {
+        true if value < 1.0 => 1.0 - APART,
+        true => 1.0 + APART,
+        false => value,
+    }
+}
+
+fn fastest(rows: &Rows, joint: usize) -> f64 {
+    rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint)).fold(0.0, |m, v| m.max(v.abs()))
+}
+
+fn duration(rows: &Rows) -> f64 {
+    rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max)
+}
+
+fn shape_grid(parameter: &Parameter, alone: bool, joint: usize, rows: &Rows) -> Vec<f64> {
+    let (low, high) = shape_bounds(parameter, joint, rows);
+    if parameter.unit == "1/turn" {
+        let step = (std::f64::consts::PI / (2.0 * range(rows, joint))).max(0.4);
+        let count = ((HIGHEST_HARMONIC - low) / step) as usize;
+        return (0..=count).map(|k| low + k as f64 * step).collect();
+    }
+    let points = if alone { ALONE } else { ONE_OF_SEVERAL };
+    if low > 0.0 && high / low > 10.0 {
+        let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
+        return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();
+    }
+    (0..points).map(|k| low + (high - low) * (k as f64 + 0.5) / points as f64).collect()
+}
+
+/// How far a joint moves, rad.
+fn range(rows: &Rows, joint: usize) -> f64 {
+    let positions = rows.logs.iter().flat_map(|log| log.motion.q.channel(joint));
+    let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &q| (l.min(q), h.max(q)));
+    (high - low).max(1e-6)
+}
+
+/// Contacts of a few lengths, at any time of the longest log.
+fn contacts(typical: &Placed, rows: &Rows) -> Vec<Placed> {
+    let end = duration(rows);
+    let of_length = |length: f64| {
+        (0..).map(move |k| f64::from(k) * 0.5 * length).take_while(move |start| start + 0.5 * length < end).map(
+            move |start| {
+                let mut placed = typical.clone();
+                for (parameter, value) in placed.effect.parameters().iter().zip(&mut placed.parameters) {
+                    match parameter.name {
+                        "start" => *value = start,
+                        "end" => *value = start + length,
+                        _ => {}
+                    }
+                }
+                placed
+            },
+        )
+    };
+    CONTACTS_S.into_iter().flat_map(of_length).collect()
+}

@@ -1,0 +1,187 @@
+//! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
+
+use super::bodies;
+use super::candidates::{Candidate, columns_in};
+use super::column::{Column, combined, rms};
+use super::grid::within_bounds;
+use super::roles::{bends, is_level, linear, shapes, straight_below};
+use super::score::{Projection, Test};
+use super::session::{Member, Session, bounded};
+use super::whitening::Whitener;
+use crate::effects::{Parameter, Placed, Role};
+use crate::error::Result;
+
+/// Halvings of the step in the search for a shape.
+const HALVINGS: usize = 6;
+
+/// Times the size at which a departure's column is taken is moved to its estimate.
+const SECANTS: usize = 3;
+
+/// Share of a level within which its column's factor must lie: it is cut off wholly or not at all.
+const LEVEL_FACTOR: std::ops::Range<f64> = 0.5..2.0;
+
+/// Factor within which the estimate of a departure must agree with the size at which its column was taken.
+const SIZE_FACTOR: f64 = 2.0;
+
+/// Standard deviations by which an estimate may lie beyond a bound.
+const BEYOND_BOUND: f64 = 3.0;
+
+/// A candidate with its test in some whitening.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// Its columns, whitened.
+    pub whitened: Vec<Column>,
+    /// Its test.
+    pub test: Test,
+}
+
+impl Judged {
+    /// The candidate as part of the model.
+    pub fn member(&self) -> Member {
+        Member::new(&self.candidate, &self.test.values)
+    }
+}
+
+impl Session<'_> {
+    /// Tests a candidate; None where it cannot be told from what the fit has, or its estimate makes no sense.
+    pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
+        let mut candidate = candidate.clone();
+        let mut whitened = whitener.apply_all(&candidate.columns);
+        let effect = candidate.placed.effect;
+        let change = self.train.rows.before > 0;
+        let spread = bodies::prior(self.model.robot(), &candidate.placed);
+        loop {
+            let test = fit.test_with_prior(&whitened, &spread)?;
+            if !test.values.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            if is_physical(&candidate, &test, change) {
+                let mut placed = candidate.placed.clone();
+                linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
+                let believable = is_level(effect)
+                    || bodies::is_believable(self.model.robot(), &placed) && self.is_in_proportion(&candidate, &test);
+                return believable.then_some(Judged { candidate, whitened, test });
+            }
+            // An amplitude beyond its bound is one that is not there; the others may do without it.
+            let parameters = effect.parameters();
+            let beyond = linear(effect).into_iter().enumerate().filter(|(k, index)| {
+                let Parameter { role, lower, upper, .. } = parameters[*index];
+                let there = role == Role::Amplitude && !whitened[*k].parts.is_empty();
+                there && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
+            });
+            let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
+                (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())
+            })?;
+            candidate.columns[worst] = Column::default();
+            whitened[worst] = Column::default();
+            if !whitened.iter().any(Column::is_sound) {
+                return None;
+            }
+        }
+    }
+
+    /// Whether the torque of an estimate is not more than what can be of its joint's.
+    fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
+        let Some(share) = bodies::largest_share(&candidate.placed) else { return true };
+        let valid = &self.train.rows.valid;
+        let joint = candidate.placed.joint;
+        let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
+        let all = Column::on(joint, self.train.rows.torque[joint].clone());
+        of_effect <= share * rms(valid, &all)[joint]
+    }
+
+    /// Moves the shapes and sizes of a candidate to where its test is largest.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let effect = start.candidate.placed.effect;
+        let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
+        let mut best = start;
+        let at = |placed: Placed| -> Result<Option<Judged>> {
+            let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&placed))?.concat();
+            Ok(self.judge(&Candidate { placed, log, columns }, whitener, fit))
+        };
+        let shapes = shapes(effect);
+        let mut share = 0.25;
+        for _ in 0..HALVINGS {
+            for &index in &shapes {
+                let parameter = &effect.parameters()[index];
+                for sign in [1.0, -1.0] {
+                    let mut placed = best.candidate.placed.clone();
+                    let value = &mut placed.parameters[index];
+                    let wanted = moved(parameter, *value, sign * share);
+                    *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
+                    if let Some(judged) = at(placed)?
+                        && judged.test.statistic > best.test.statistic
+                    {
+                        best = judged;
+                        break;
+                    }
+                }
+            }
+            share *= 0.5;
+            if shapes.is_empty() {
+                break;
+            }
+        }
+        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure);
+        for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
+            let mut placed = best.candidate.placed.clone();
+            for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
+                let parameter = &effect.parameters()[index];
+                // A size of next to nothing drowns in rounding.
+                let least = 1e-3 * parameter.typical.abs();
+                let size = if value.abs() < least { least } else { value };
+                placed.parameters[index] = bounded(parameter, size);
+            }
+            match at(placed)? {
+                Some(judged) => best = judged,
+                None => break,
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
+fn is_physical(candidate: &Candidate, test: &Test, change: bool) -> bool {
+    let effect = candidate.placed.effect;
+    if is_level(effect) {
+        let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
+        return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
+    }
+    if candidate.one_sided() && !change && test.values[0] <= 0.0 {
+        return false;
+    }
+    if let [only] = linear(effect)[..]
+        && bends(effect, only)
+    {
+        // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
+        // as straight, and stands for everything below it.
+        let (size, smallest) = (candidate.placed.parameters[only], straight_below(effect, only));
+        let share = test.values[0] / size;
+        if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
+            return false;
+        }
+    }
+    let estimates = test.values.iter().zip(&test.std);
+    linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
+        let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+        (change && role == Role::Amplitude)
+            || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
+    })
+}
+
+/// A value moved by a share of itself where it is positive and wide, else of its range.
+fn moved(parameter: &Parameter, value: f64, share: f64) -> f64 {
+    let (low, high) = (parameter.lower, parameter.upper);
+    match parameter.unit {
+        "1/turn" => value + 2.0 * share,
+        "s" if low == 0.0 => value + 4.0 * share,
+        _ if low >= 0.0 && (low == 0.0 || high / low > 10.0) => value * (4.0 * share).exp(),
+        _ => value + 0.4 * share * (high - low),
+    }
+}

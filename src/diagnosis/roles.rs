@@ -1,0 +1,49 @@
+//! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
+
+use crate::effects::{Effect, Role};
+
+/// Effects whose departure is a level: absent at zero, smaller the higher it is.
+const LEVELS: [&str; 1] = ["torque_saturation"];
+
+/// Effects that come from outside.
+const EVENTS: [&str; 1] = ["external_contact"];
+
+/// Sizes of departures of which the torque is not linear, as multiples of the typical one.
+pub const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// Indices of the parameters for which there are columns: amplitudes and departures.
+pub fn linear(effect: &dyn Effect) -> Vec<usize> {
+    with_role(effect, |role| matches!(role, Role::Amplitude | Role::Departure))
+}
+
+/// Indices of the shapes, and of departures that are levels.
+pub fn shapes(effect: &dyn Effect) -> Vec<usize> {
+    let level = is_level(effect);
+    with_role(effect, |role| role == Role::Shape || (level && role == Role::Departure))
+}
+
+/// Whether the departure of an effect is a level.
+pub fn is_level(effect: &dyn Effect) -> bool {
+    LEVELS.contains(&effect.about().name)
+}
+
+/// Whether the torque of a departure is not straight in it: times by which signals are moved.
+pub fn bends(effect: &dyn Effect, index: usize) -> bool {
+    let parameter = &effect.parameters()[index];
+    parameter.role == Role::Departure && parameter.unit == "s"
+}
+
+/// Size below which the torque of a departure that bends is as good as straight in it.
+pub fn straight_below(effect: &dyn Effect, index: usize) -> f64 {
+    SIZES[0] * effect.parameters()[index].typical.abs()
+}
+
+fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
+    let parameters = effect.parameters().iter().enumerate();
+    parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
+}
+
+/// Whether an effect comes and goes on its own, whatever the motion.
+pub fn is_event(effect: &dyn Effect) -> bool {
+    EVENTS.contains(&effect.about().name)
+}

@@ -106,6 +106,10 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
         folder.write_json("diagnosis.json", SCHEMA, &result)?;
+        let logs: Vec<&Recording> = [&train, &test, &reference].into_iter().flat_map(|logs| recordings(logs)).collect();
+        let provenance = Provenance::here(global.seed);
+        let page = html::stopped::page(&robot, &logs, &faults, provenance);
+        folder.write_text(html::FILE, &page.render())?;
         let path = folder.finish()?;
         print::result(global, SCHEMA, &result, || {
             format!("{}\nResults in {}", report::stopped_lines(&faults), path.display())

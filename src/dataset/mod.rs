@@ -296,8 +296,8 @@ impl Dataset {
             let one = |part: &Part| {
                 let path = self.beside(&part.file);
                 let sieved = self.read(&path, robot)?;
-                let ends =
-                    [sieved.recording.time.first(), sieved.recording.time.last()].map(|t| t.copied().unwrap_or(0.0));
+                let ends = [sieved.recording.time.first(), sieved.recording.time.last()]
+                    .map(|t| (t.copied().unwrap_or(0.0) * 1e6).round() / 1e6);
                 let sieved = part.of(sieved);
                 if sieved.recording.time.is_empty() {
                     let ([from, to], [first, last]) = (part.seconds(), ends);

@@ -4,7 +4,8 @@
 use serde::Deserialize;
 use tauscope::channels::Channels;
 use tauscope::dynamics::{
-    Chain, EquationsOfMotion, Motion, block_row, inverse_dynamics, inverse_dynamics_at, mass_matrix, regressor,
+    Chain, EquationsOfMotion, Lanes, Motion, block_row, inverse_dynamics_at, inverse_dynamics_in, mass_matrix,
+    regressor_in,
 };
 use tauscope::robot::{self, InertiaCheck, PARAMETERS, Robot};
 use tauscope::simulation::rapier_arm::RapierArm;
@@ -85,35 +86,46 @@ fn inverse_dynamics_mass_matrix_and_gravity_agree_with_pinocchio_and_mujoco() {
     }
 }
 
-/// The states under one gravity as a batched motion.
-fn batch(states: &[&State]) -> Motion {
+/// Samples of a motion that runs through the states, over and over.
+fn batch(states: &[&State], samples: usize) -> Motion {
     let joints = states[0].q.len();
     let table = |value: fn(&State) -> &Vec<f64>| {
-        let vectors: Vec<Vec<f64>> =
-            (0..joints).map(|j| states.iter().map(|state| value(state)[j]).collect()).collect();
-        Channels::from_vectors(&vectors)
+        let sample = |joint: usize| (0..samples).map(|k| value(states[k % states.len()])[joint]).collect();
+        Channels::from_vectors(&(0..joints).map(sample).collect::<Vec<Vec<f64>>>())
     };
     Motion { q: table(|s| &s.q), qd: table(|s| &s.qd), qdd: table(|s| &s.qdd) }
 }
 
 #[test]
-fn batched_regressor_and_inverse_dynamics_agree_with_pinocchio() {
+fn regressor_and_inverse_dynamics_agree_with_pinocchio_in_all_lanes_with_all_tails() {
     for (reference, robot) in references() {
-        let dof = robot.dof();
-        for state_gravity in reference.states.iter().map(|s| s.gravity) {
-            let states: Vec<&State> = reference.states.iter().filter(|s| s.gravity == state_gravity).collect();
-            let chain = Chain::new(&robot).with_gravity(state_gravity);
-            let motion = batch(&states);
-            let torque = inverse_dynamics(&chain, &robot.inertial_parameters(), &motion);
-            let rows = regressor(&chain, &motion);
-            for (sample, state) in states.iter().enumerate() {
-                assert!(difference(&torque.at(sample), &state.tau) < 1e-10);
-                for joint in 0..dof {
-                    let own: Vec<f64> = (0..dof * PARAMETERS)
-                        .map(|c| rows.channel(block_row(dof, c / PARAMETERS, c % PARAMETERS, joint))[sample])
-                        .collect();
-                    assert!(difference(&own, &state.regressor[joint]) < 1e-10, "{} joint {joint}", robot.name);
-                }
+        for lanes in Lanes::available() {
+            for samples in (0..=2 * lanes.width() + 1).chain([reference.states.len()]) {
+                in_lanes(lanes, &reference, &robot, samples);
+            }
+        }
+    }
+}
+
+fn in_lanes(lanes: Lanes, reference: &Reference, robot: &Robot, samples: usize) {
+    let dof = robot.dof();
+    let mut gravities: Vec<[f64; 3]> = reference.states.iter().map(|s| s.gravity).collect();
+    gravities.dedup();
+    for gravity in gravities {
+        let states: Vec<&State> = reference.states.iter().filter(|s| s.gravity == gravity).collect();
+        let chain = Chain::new(robot).with_gravity(gravity);
+        let motion = batch(&states, samples);
+        let torque = inverse_dynamics_in(lanes, &chain, &robot.inertial_parameters(), &motion);
+        let rows = regressor_in(lanes, &chain, &motion);
+        assert_eq!([torque.samples(), rows.samples()], [samples; 2]);
+        for (sample, state) in (0..samples).zip(states.iter().cycle()) {
+            let context = format!("{} in {} lanes, sample {sample} of {samples}", robot.name, lanes.name());
+            assert!(difference(&torque.at(sample), &state.tau) < 1e-10, "{context}");
+            for joint in 0..dof {
+                let own: Vec<f64> = (0..dof * PARAMETERS)
+                    .map(|c| rows.channel(block_row(dof, c / PARAMETERS, c % PARAMETERS, joint))[sample])
+                    .collect();
+                assert!(difference(&own, &state.regressor[joint]) < 1e-10, "{context}, joint {joint}");
             }
         }
     }

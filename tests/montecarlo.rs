@@ -36,7 +36,10 @@ fn run(study: &Study, out: &Path, shard: Shard, resume: bool, stop_after: usize)
         }
     };
     let folder = StudyFolder::open(out, study, shard, resume).unwrap();
-    folder.run(study, &Progress { done: &tick, stop: &stop }).unwrap().map(|(summary, ..)| summary)
+    folder
+        .run(study, &Progress { done: &tick, stop: &stop }, &|_, _| String::new())
+        .unwrap()
+        .map(|(summary, ..)| summary)
 }
 
 fn bytes(folder: &Path) -> Vec<Vec<u8>> {
@@ -72,17 +75,18 @@ fn threads_interruptions_and_shards_leave_the_bytes_as_they_are() {
     for index in [2, 0] {
         run(&study, &place("parts"), Shard { index, count: 3 }, true, usize::MAX).unwrap();
     }
-    let problem = merge(&[place("parts")], &place("merged")).unwrap_err().to_string();
+    let problem = merge(&[place("parts")], &place("merged"), &|_, _| String::new()).unwrap_err().to_string();
     assert!(problem.contains("missing: trials 2 to 3, trials 8 to 9"), "{problem}");
     run(&study, &place("parts"), Shard { index: 1, count: 3 }, true, usize::MAX).unwrap();
-    let (merged, ..) = merge(&[place("parts")], &place("merged")).unwrap();
+    let (merged, ..) = merge(&[place("parts")], &place("merged"), &|_, _| String::new()).unwrap();
     assert_eq!(merged, summary);
     assert_eq!(bytes(&place("merged")), reference);
 
     let part = place("parts/shard_0001_of_0003");
-    let problem = merge(&[place("parts"), part.clone()], &place("merged")).unwrap_err().to_string();
-    assert!(problem.contains("trials 2 to 3 are here and in"), "{problem}");
-    let problem = merge(&[place("merged/none")], &place("x")).unwrap_err().to_string();
+    let problem =
+        merge(&[place("parts"), part.clone()], &place("merged"), &|_, _| String::new()).unwrap_err().to_string();
+    assert!(problem.contains("trials 2 to 3: here and in"), "{problem}");
+    let problem = merge(&[place("merged/none")], &place("x"), &|_, _| String::new()).unwrap_err().to_string();
     assert!(problem.contains("merged/none"), "{problem}");
 }
 
@@ -92,7 +96,8 @@ fn parts_of_another_study_are_refused() {
     let base = tempfile::tempdir().unwrap();
     run(&one, &base.path().join("a"), Shard { index: 0, count: 2 }, false, usize::MAX).unwrap();
     run(&other, &base.path().join("b"), Shard { index: 1, count: 2 }, false, usize::MAX).unwrap();
-    let problem = merge(&[base.path().join("a"), base.path().join("b")], &base.path().join("c")).unwrap_err();
+    let problem = merge(&[base.path().join("a"), base.path().join("b")], &base.path().join("c"), &|_, _| String::new())
+        .unwrap_err();
     assert!(problem.to_string().contains("another study"), "{problem}");
     assert!(!base.path().join("c").exists());
 }

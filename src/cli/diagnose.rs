@@ -27,6 +27,9 @@ const EXTENDED_NOTE: &str = "\
 
 ";
 
+/// Held-out logs shorter than this together judge nothing, s.
+const SHORTEST_HELD_OUT_S: f64 = 2.0;
+
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -88,9 +91,13 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         None => (load(&arguments.train)?, load(&arguments.test)?),
     };
     let reference = load(&arguments.reference)?;
-    for (option, logs) in [("--train", &train), ("--test", &test), ("--reference", &reference)] {
-        check_length(option, logs)?;
-    }
+    let (trained, judged) = match &arguments.dataset {
+        Some(path) => (format!("{}: train", path.display()), format!("{}: test", path.display())),
+        None => ("--train".to_owned(), "--test".to_owned()),
+    };
+    check_length(&trained, &train)?;
+    check_held_out(&judged, &test)?;
+    check_length("--reference", &reference)?;
     refuse_twice("--test", arguments, &train, &test)?;
     refuse_twice("--reference", arguments, &train, &reference)?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
@@ -99,6 +106,10 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
         folder.write_json("diagnosis.json", SCHEMA, &result)?;
+        let logs: Vec<&Recording> = [&train, &test, &reference].into_iter().flat_map(|logs| recordings(logs)).collect();
+        let provenance = Provenance::here(global.seed);
+        let page = html::stopped::page(&robot, &logs, &faults, provenance);
+        folder.write_text(html::FILE, &page.render())?;
         let path = folder.finish()?;
         print::result(global, SCHEMA, &result, || {
             format!("{}\nResults in {}", report::stopped_lines(&faults), path.display())
@@ -226,6 +237,19 @@ fn faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: 
     confirm(&mut all, train.len() + test.len() + reference.len());
     all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
     all
+}
+
+/// Logs that only judge may be shorter than those that are found from, but a moment tells nothing.
+fn check_held_out(option: &str, logs: &[Screened]) -> Result<()> {
+    let seconds: f64 = logs.iter().flat_map(|log| &log.pieces).map(Recording::duration).sum();
+    if logs.is_empty() || seconds >= SHORTEST_HELD_OUT_S {
+        return Ok(());
+    }
+    let problem = format!(
+        "the logs last {seconds:.1} s together; give {SHORTEST_HELD_OUT_S} s at the least, or none: the last part of every \
+         training log is held out then"
+    );
+    Err(Error::request(option, problem))
 }
 
 /// A log that is given twice judges nothing.

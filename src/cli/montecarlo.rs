@@ -2,9 +2,12 @@
 
 use super::{DONE, FAILED, Global, interrupt, print, progress};
 use crate::error::{Error, Result};
+use crate::report::html::{self, Provenance};
 use crate::report::montecarlo as report;
 use crate::scenario::{NoiseLevel, Setup};
-use crate::study::montecarlo::{self, Overrides, Plan, Progress, SUMMARY_SCHEMA, Shard, Study, StudyFolder};
+use crate::study::montecarlo::{
+    self, Overrides, Plan, Progress, SUMMARY_SCHEMA, Shard, Study, StudyFolder, Summary, Timings,
+};
 use std::path::PathBuf;
 
 /// Schema of a replayed trial.
@@ -60,7 +63,7 @@ enum Command {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(Command::Merge { folders }) = &arguments.command {
         let out = global.out.clone().unwrap_or_else(|| PathBuf::from("results/merged"));
-        let (summary, times, path) = montecarlo::merge(folders, &out)?;
+        let (summary, times, path) = montecarlo::merge(folders, &out, &page)?;
         let text = || format!("{}\n\nResults in {}", report::summary(&summary, &times), path.display());
         print::result(global, SUMMARY_SCHEMA, &summary, text)?;
         return Ok(DONE);
@@ -86,7 +89,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let stop = interrupt::flag()?;
     let bar = progress::bar(global, "trials", folder.trials(&study));
     let done = |trials: usize| bar.inc(trials as u64);
-    let finished = folder.run(&study, &Progress { done: &done, stop: &stop })?;
+    let finished = folder.run(&study, &Progress { done: &done, stop: &stop }, &page)?;
     let left = folder.trials(&study) as u64 - bar.position();
     bar.finish_and_clear();
     let Some((summary, times, path)) = finished else {
@@ -98,6 +101,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let text = || format!("{}\n\nResults in {}", report::summary(&summary, &times), path.display());
     print::result(global, SUMMARY_SCHEMA, &summary, text)?;
     Ok(DONE)
+}
+
+/// The study on a page.
+fn page(summary: &Summary, times: &Timings) -> String {
+    html::montecarlo::page(summary, times, Provenance::here(Some(summary.seed))).render()
 }
 
 /// One trial of a study, replayed.

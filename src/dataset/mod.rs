@@ -9,7 +9,7 @@
 //! [[train]]
 //! file = "a.csv"
 //! [[test]]
-//! file = "b.csv"                # from_s and to_s take a part of a file
+//! file = "b.csv"                # from_s and to_s, on the log's clock, take a part of a file
 //!
 //! [columns]                     # one per joint; usual names are found without
 //! time = "stamp"
@@ -180,7 +180,41 @@ impl Dataset {
         if dataset.spec.train.is_empty() {
             return Err(dataset.error("train", "name at least one log: [[train]] with file = \"...\""));
         }
+        dataset.check_parts()?;
         Ok(dataset)
+    }
+
+    /// Parts end after they begin, and what judges is not what was trained from.
+    fn check_parts(&self) -> Result<()> {
+        for (key, part) in self.parts() {
+            let [from, to] = part.seconds();
+            // Not a number compares to nothing.
+            if from.partial_cmp(&to) != Some(std::cmp::Ordering::Less) {
+                let problem = format!("{}: from {from} s to {to} s is no part of a log", part.file.display());
+                return Err(self.error(key, problem));
+            }
+        }
+        for test in &self.spec.test {
+            let [from, to] = test.seconds();
+            let shares = |train: &&Part| {
+                let [begin, end] = train.seconds();
+                train.file == test.file && begin < to && from < end
+            };
+            if let Some(train) = self.spec.train.iter().find(shares) {
+                let problem = format!(
+                    "{} is trained from in part or as a whole; judge by what the fit did not see, with to_s in [[train]] and \
+                     from_s in [[test]] or with another log",
+                    train.file.display()
+                );
+                return Err(self.error("test", problem));
+            }
+        }
+        Ok(())
+    }
+
+    fn parts(&self) -> impl Iterator<Item = (&'static str, &Part)> {
+        let of = |key| move |part| (key, part);
+        self.spec.train.iter().map(of("train")).chain(self.spec.test.iter().map(of("test")))
     }
 
     /// The URDF that the dataset names.
@@ -258,15 +292,26 @@ impl Dataset {
     /// # Errors
     /// Those of [`Dataset::read`].
     pub fn sieved(&self, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
-        let read = |parts: &[Part]| -> Result<Vec<(PathBuf, Sieved)>> {
+        let read = |key: &str, parts: &[Part]| -> Result<Vec<(PathBuf, Sieved)>> {
             let one = |part: &Part| {
                 let path = self.beside(&part.file);
-                let sieved = part.of(self.read(&path, robot)?);
+                let sieved = self.read(&path, robot)?;
+                let ends = [sieved.recording.time.first(), sieved.recording.time.last()]
+                    .map(|t| (t.copied().unwrap_or(0.0) * 1e6).round() / 1e6);
+                let sieved = part.of(sieved);
+                if sieved.recording.time.is_empty() {
+                    let ([from, to], [first, last]) = (part.seconds(), ends);
+                    let problem = format!(
+                        "{}: no row is from {from} s to {to} s; the log's clock goes from {first} s to {last} s",
+                        part.file.display()
+                    );
+                    return Err(self.error(key, problem));
+                }
                 Ok((path, sieved))
             };
             parts.iter().map(one).collect()
         };
-        Ok([read(&self.spec.train)?, read(&self.spec.test)?])
+        Ok([read("train", &self.spec.train)?, read("test", &self.spec.test)?])
     }
 
     fn beside(&self, file: &Path) -> PathBuf {
@@ -285,12 +330,17 @@ impl Dataset {
 }
 
 impl Part {
+    /// From when to when, on the log's clock.
+    fn seconds(&self) -> [f64; 2] {
+        [self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY)]
+    }
+
     /// The part of a log that is wanted.
     fn of(&self, sieved: Sieved) -> Sieved {
         if self.from_s.is_none() && self.to_s.is_none() {
             return sieved;
         }
-        let (from, to) = (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY));
+        let [from, to] = self.seconds();
         let start = sieved.recording.time.partition_point(|&t| t < from);
         let end = sieved.recording.time.partition_point(|&t| t < to).max(start);
         Sieved {

@@ -113,6 +113,21 @@ fn a_part_of_a_file() {
     let logs = case.dataset().unwrap().logs(&case.robot()).unwrap();
     assert_eq!((logs.train[0].samples(), logs.test[0].samples()), (1200, 800));
     assert!(logs.train[0].time[1199] < 6.0 && logs.test[0].time[0] >= 6.0);
+    let beyond = Case::new("[[train]]\nfile = \"log.csv\"\nfrom_s = 20\n", &format!("t,q1,q2,tau1,tau2\n{rows}"));
+    let error = beyond.dataset().unwrap().sieved(&beyond.robot()).unwrap_err().to_string();
+    assert!(error.contains("d.toml:2: train") && error.contains("clock goes from 0 s to 9.995 s"), "{error}");
+}
+
+#[test]
+fn stamps_in_nanoseconds() {
+    let rows: String = (0..60u64).map(|i| format!("{},1,2,3,4\n", 1_700_000_000_000_000_000 + 5_000_000 * i)).collect();
+    let train = "[[train]]\nfile = \"log.csv\"\n[units]\ntime = \"ns\"\n";
+    let log = Case::new(train, &format!("t,q1,q2,tau1,tau2\n{rows}")).read().unwrap();
+    assert!(
+        (log.samples(), log.time[0].round()) == (60, 1.7e9) && (log.rate_hz() - 200.0).abs() < 0.1,
+        "{}",
+        log.rate_hz()
+    );
 }
 
 #[test]
@@ -121,6 +136,10 @@ fn mistakes_are_named_by_line_and_key() {
     let log = "t,q1,q2,tau1,tau2\n0,1,2,3,4\n1,2,3,4,5\n";
     for (text, words) in [
         ("".to_owned(), ["train", "at least one log"]),
+        (format!("{train}[[test]]\nfile = \"log.csv\"\n"), ["d.toml:4: test", "trained from"]),
+        (format!("{train}to_s = 2\n[[test]]\nfile = \"log.csv\"\nfrom_s = 1\n"), ["d.toml:5: test", "trained from"]),
+        (format!("{train}from_s = 3\nto_s = 2\n"), ["d.toml:2: train", "from 3 s to 2 s"]),
+        (format!("{train}to_s = nan\n"), ["d.toml:2: train", "to NaN s"]),
         (format!("{train}[unit]\n"), ["d.toml:4: unit", "unknown field"]),
         (format!("{train}[units]\nposition = \"grad\"\n"), ["d.toml:5: ", "unknown variant `grad`"]),
         (format!("{train}[units]\ntorque = \"A\"\n"), ["motors.torque_constant_nm_a", "current"]),

@@ -26,8 +26,14 @@ const STRETCH: usize = 50;
 /// training logs, and the held-out logs, often fewer, must not contradict it.
 const SURELY: f64 = 1.0;
 
-/// Share of the level of other effects that an event in one log must reach.
+/// The same for an event in one log.
 const ONCE: f64 = 1e-4;
+
+/// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
+const NOISE_IS_ESTIMATED: f64 = 0.2;
+
+/// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
+const GEARS: f64 = 1e-3;
 
 /// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
 /// if the torque had been cut off.
@@ -196,8 +202,10 @@ fn strictness(candidate: &Candidate) -> f64 {
         ONCE
     } else if is_level(candidate.placed.effect) {
         EXTREMES
+    } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
+        GEARS
     } else {
-        1.0
+        NOISE_IS_ESTIMATED
     }
 }
 

@@ -117,7 +117,7 @@ impl Chain {
         if revolute {
             let (sine, cosine) = q.sin_cos();
             for (row, (s, c)) in rotation.iter_mut().zip(geometry.with_sine.iter().zip(&geometry.with_cosine)) {
-                *row = add(*row, add(scale(splat3(s), sine), scale(splat3(c), cosine)));
+                *row = std::array::from_fn(|k| row[k] + L::splat(c[k]).mul_add(cosine, L::splat(s[k]) * sine));
             }
         } else {
             translation = add(translation, scale(splat3(&geometry.slide), q));

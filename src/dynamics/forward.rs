@@ -5,7 +5,6 @@ use super::chain::{Chain, LinkState};
 use super::lane::{Lane, Mat3, Vec3, add, cross, dot, scale, times};
 use super::rnea::wrench;
 use crate::robot::PARAMETERS;
-use std::ops::Div;
 
 /// Equations of motion M qdd + h = tau at one state, M factored as L D L'.
 #[derive(Debug, Clone)]
@@ -17,7 +16,7 @@ pub struct EquationsOfMotion<L> {
     bias: Vec<L>,
 }
 
-impl<L: Lane + Div<Output = L>> EquationsOfMotion<L> {
+impl<L: Lane> EquationsOfMotion<L> {
     /// The equations at position `q` and velocity `qd`. `inertial` holds ten parameters per link, base to flange, and
     /// `armature` the reflected rotor inertia of each joint. The bodies need not be possible ones, as base parameters on
     /// the columns that carry them are not; what matters is that M is positive definite: see

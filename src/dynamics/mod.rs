@@ -14,11 +14,12 @@ mod rnea;
 pub use base_parameters::{BaseParameters, Grouping};
 pub use chain::Chain;
 pub use forward::EquationsOfMotion;
-pub use lane::Lane;
-pub use regressor::{block_row, regressor};
-pub use rnea::{inverse_dynamics, inverse_dynamics_at, mass_matrix};
+pub use lane::{Lane, Lanes};
+pub use regressor::{Entries, block_row, regressor, regressor_in};
+pub use rnea::{inverse_dynamics, inverse_dynamics_at, inverse_dynamics_in, mass_matrix};
 
 use crate::channels::Channels;
+use std::ops::Range;
 
 /// Positions, velocities and accelerations of all joints over time; each is `[joint][time]`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,5 +47,12 @@ impl Motion {
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.q.samples()
+    }
+
+    /// Position, velocity and acceleration of one joint at up to a lane's width of samples.
+    #[inline(always)]
+    fn lanes<L: Lane>(&self, joint: usize, samples: Range<usize>) -> (L, L, L) {
+        let part = |channels: &Channels| L::load_part(&channels.channel(joint)[samples.clone()]);
+        (part(&self.q), part(&self.qd), part(&self.qdd))
     }
 }

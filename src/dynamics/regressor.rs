@@ -5,9 +5,10 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::lane::{Lane, Vec3, add, cross, transpose_times};
+use super::lane::{Kernel, Lane, Lanes, Vec3, add, cross, dot, transpose_times};
 use crate::channels::Channels;
 use crate::robot::PARAMETERS;
+use std::ops::Range;
 
 /// Row of [`regressor`]'s result that holds d tau_joint / d phi_(link, parameter).
 pub fn block_row(dof: usize, link: usize, parameter: usize, joint: usize) -> usize {
@@ -19,25 +20,88 @@ pub fn block_row(dof: usize, link: usize, parameter: usize, joint: usize) -> usi
 /// # Panics
 /// If the motion does not fit the chain.
 pub fn regressor(chain: &Chain, motion: &Motion) -> Channels {
+    regressor_in(Lanes::best(), chain, motion)
+}
+
+/// [`regressor`] in lanes of one kind.
+///
+/// # Panics
+/// As [`regressor`].
+pub fn regressor_in(lanes: Lanes, chain: &Chain, motion: &Motion) -> Channels {
     let (dof, samples) = (chain.dof(), motion.samples());
-    assert_eq!(motion.joints(), dof, "the motion has another number of joints than the arm");
     let mut out = Channels::zeros(dof * PARAMETERS * dof, samples);
-    let data = out.as_mut_slice();
-    let mut screws = vec![([0.0; 3], [0.0; 3]); dof];
-    for sample in 0..samples {
-        let value = |channels: &Channels, joint: usize| channels.channel(joint)[sample];
-        entries::<f64>(
-            chain,
-            |joint| (value(&motion.q, joint), value(&motion.qd, joint), value(&motion.qdd, joint)),
-            &mut screws,
-            |link, joint, row| {
-                for (parameter, &entry) in row.iter().enumerate() {
-                    data[block_row(dof, link, parameter, joint) * samples + sample] = entry;
-                }
-            },
-        );
-    }
+    let places = |link, joint| std::array::from_fn(|p| Some(block_row(dof, link, p, joint)).filter(|_| joint <= link));
+    Entries::new(dof, places).write(lanes, chain, motion, 0..samples, out.as_mut_slice());
     out
+}
+
+/// Which entries of the regressor are wanted, and in which row of a table they belong.
+#[derive(Debug, Clone)]
+pub struct Entries {
+    /// Rows of the ten parameters, by link and joint.
+    places: Vec<[usize; PARAMETERS]>,
+    dof: usize,
+}
+
+/// The place of what is not wanted.
+const NOWHERE: usize = usize::MAX;
+
+impl Entries {
+    /// The entries for which `place`, given link and joint, says a row. A joint behind the link has none.
+    pub fn new(dof: usize, place: impl Fn(usize, usize) -> [Option<usize>; PARAMETERS]) -> Self {
+        let pairs = (0..dof).flat_map(|link| (0..dof).map(move |joint| (link, joint)));
+        let places = pairs.map(|(link, joint)| place(link, joint).map(|row| row.unwrap_or(NOWHERE))).collect();
+        Entries { places, dof }
+    }
+
+    /// Writes the wanted entries for a range of samples into `table`, `[row][sample of the range]`.
+    ///
+    /// # Panics
+    /// If the motion does not fit the chain, or the table is too small.
+    pub fn write(&self, lanes: Lanes, chain: &Chain, motion: &Motion, samples: Range<usize>, table: &mut [f64]) {
+        assert_eq!(
+            [motion.joints(), self.dof],
+            [chain.dof(); 2],
+            "the motion has another number of joints than the arm"
+        );
+        let lanes = lanes.for_positions(&motion.q, samples.clone());
+        lanes.run(Writing { entries: self, chain, motion, samples, table });
+    }
+}
+
+struct Writing<'a> {
+    entries: &'a Entries,
+    chain: &'a Chain,
+    motion: &'a Motion,
+    samples: Range<usize>,
+    table: &'a mut [f64],
+}
+
+impl Kernel for Writing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        let (dof, rows) = (self.chain.dof(), self.samples.len());
+        let zero = [L::splat(0.0); 3];
+        let mut screws = vec![(zero, zero); dof];
+        for sample in self.samples.clone().step_by(L::WIDTH) {
+            let here = sample..self.samples.end.min(sample + L::WIDTH);
+            let (first, count) = (sample - self.samples.start, here.len());
+            entries::<L>(
+                self.chain,
+                |joint| self.motion.lanes(joint, here.clone()),
+                &mut screws,
+                |link, joint, row| {
+                    for (&place, entry) in self.entries.places[link * dof + joint].iter().zip(row) {
+                        if place != NOWHERE {
+                            entry.store_part(&mut self.table[place * rows + first..][..count]);
+                        }
+                    }
+                },
+            );
+        }
+    }
 }
 
 /// A joint's unit screw in a link frame: angular part, and velocity of the link origin.
@@ -82,11 +146,12 @@ fn first_moment_gradient<L: Lane>(link: &LinkState<L>) -> [Vec3<L>; 3] {
 #[inline(always)]
 fn contract<L: Lane>(link: &LinkState<L>, gradient: &[Vec3<L>; 3], (u, w): &Screw<L>) -> [L; PARAMETERS] {
     let (a, omega, alpha) = (link.acceleration, link.omega, link.alpha);
-    let mass = w[0] * a[0] + w[1] * a[1] + w[2] * a[2];
+    let mass = dot(*w, a);
     let first = add(transpose_times(gradient, *w), cross(a, *u));
     // u . (omega x I omega) = (u x omega) . I omega
     let z = cross(*u, omega);
-    let moment = |i: usize| u[i] * alpha[i] + z[i] * omega[i];
-    let product = |i: usize, j: usize| u[i] * alpha[j] + u[j] * alpha[i] + z[i] * omega[j] + z[j] * omega[i];
+    let moment = |i: usize| z[i].mul_add(omega[i], u[i] * alpha[i]);
+    let product =
+        |i: usize, j: usize| z[j].mul_add(omega[i], z[i].mul_add(omega[j], u[j].mul_add(alpha[i], u[i] * alpha[j])));
     [mass, first[0], first[1], first[2], moment(0), product(0, 1), moment(1), product(0, 2), product(1, 2), moment(2)]
 }

@@ -2,7 +2,7 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::lane::{Lane, Vec3, add, cross, dot, scale, times};
+use super::lane::{Kernel, Lane, Lanes, Vec3, add, cross, dot, scale, times};
 use crate::channels::Channels;
 use crate::robot::PARAMETERS;
 
@@ -12,24 +12,48 @@ use crate::robot::PARAMETERS;
 /// # Panics
 /// If the motion or the parameters do not fit the chain.
 pub fn inverse_dynamics(chain: &Chain, inertial: &[f64], motion: &Motion) -> Channels {
+    inverse_dynamics_in(Lanes::best(), chain, inertial, motion)
+}
+
+/// [`inverse_dynamics`] in lanes of one kind.
+///
+/// # Panics
+/// As [`inverse_dynamics`].
+pub fn inverse_dynamics_in(lanes: Lanes, chain: &Chain, inertial: &[f64], motion: &Motion) -> Channels {
     let (dof, samples) = (chain.dof(), motion.samples());
     assert_eq!(motion.joints(), dof, "the motion has another number of joints than the arm");
     assert_eq!(inertial.len(), dof * PARAMETERS, "ten inertial parameters a link are wanted");
     let mut torque = Channels::zeros(dof, samples);
-    let mut scratch = Vec::with_capacity(dof);
-    let mut tau = vec![0.0; dof];
-    for sample in 0..samples {
-        let value = |channels: &Channels, joint: usize| channels.channel(joint)[sample];
-        recursion::<f64>(
-            chain,
-            inertial,
-            |joint| (value(&motion.q, joint), value(&motion.qd, joint), value(&motion.qdd, joint)),
-            &mut scratch,
-            |joint, effort| tau[joint] = effort,
-        );
-        torque.set(sample, &tau);
-    }
+    lanes.for_positions(&motion.q, 0..samples).run(Batch { chain, inertial, motion, torque: &mut torque });
     torque
+}
+
+struct Batch<'a> {
+    chain: &'a Chain,
+    inertial: &'a [f64],
+    motion: &'a Motion,
+    torque: &'a mut Channels,
+}
+
+impl Kernel for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        let samples = self.motion.samples();
+        let torque = self.torque.as_mut_slice();
+        let mut scratch = Vec::with_capacity(self.chain.dof());
+        for sample in (0..samples).step_by(L::WIDTH) {
+            let here = sample..samples.min(sample + L::WIDTH);
+            recursion::<L>(
+                self.chain,
+                self.inertial,
+                |joint| self.motion.lanes(joint, here.clone()),
+                &mut scratch,
+                |joint, effort| effort.store_part(&mut torque[joint * samples + sample..][..here.len()]),
+            );
+        }
+    }
 }
 
 /// Rigid-body joint torques at one state.
@@ -97,13 +121,7 @@ fn recursion<L: Lane>(
 pub(super) fn wrench<L: Lane>(body: &[f64], link: &LinkState<L>) -> (Vec3<L>, Vec3<L>) {
     let p = |index: usize| L::splat(body[index]);
     let first = [p(1), p(2), p(3)];
-    let inertia = |v: Vec3<L>| -> Vec3<L> {
-        [
-            p(4) * v[0] + p(5) * v[1] + p(7) * v[2],
-            p(5) * v[0] + p(6) * v[1] + p(8) * v[2],
-            p(7) * v[0] + p(8) * v[1] + p(9) * v[2],
-        ]
-    };
+    let inertia = |v: Vec3<L>| times(&[[p(4), p(5), p(7)], [p(5), p(6), p(8)], [p(7), p(8), p(9)]], v);
     let swing = add(cross(link.alpha, first), cross(link.omega, cross(link.omega, first)));
     let force = add(scale(link.acceleration, p(0)), swing);
     let spin = add(inertia(link.alpha), cross(link.omega, inertia(link.omega)));

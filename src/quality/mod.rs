@@ -144,6 +144,9 @@ pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
         let units = motion::findings(&view, &summaries, robot);
         let positions_doubtful = units.iter().any(|f| f.kind == Kind::PositionUnit);
         findings.extend(units);
+        // Derivatives across a long gap are those of no motion.
+        let stretch = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
+        let view = stretch.as_ref().map_or(Ok(view), View::new)?;
         findings.extend(velocity::findings(&view)?);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {

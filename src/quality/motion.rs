@@ -7,6 +7,9 @@ use std::f64::consts::{PI, TAU};
 /// A joint that stays within this hardly moves, rad or m; so does one that is never faster than twice the band.
 const STILL: f64 = 0.02;
 
+/// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
+const SLOW_CLOCK: f64 = 0.5;
+
 /// Positions of a joint are in another unit beyond this many times its limits; those of another joint may lie between.
 const BEYOND: f64 = 4.0;
 
@@ -74,6 +77,14 @@ fn reversals(velocity: &[f64]) -> usize {
 pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) -> Vec<Finding> {
     let mut out = Vec::new();
     let still = |s: &JointSummary| s.range[1] - s.range[0] < STILL || s.speed < 2.0 * BAND;
+    if summaries.iter().all(still) && view.period > SLOW_CLOCK {
+        let text = format!(
+            "samples are {:.3e} s apart, and nothing moves: is the time in ms, us or ns? Convert it to s, or say so in a dataset \
+             ([units] time)",
+            view.period
+        );
+        return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "t", text)];
+    }
     if summaries.iter().all(still) {
         let text = "no joint moves by more than 0.02 rad or faster than 0.06 rad/s: nothing can be identified from it";
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "q", text)];

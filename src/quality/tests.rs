@@ -89,6 +89,27 @@ fn clean_logs_have_no_finding() {
 }
 
 #[test]
+fn a_long_gap_is_the_only_finding_about_itself() {
+    let robot = irb();
+    let mut sieved = log(&robot, 250.0, 16.0);
+    let later = sieved.recording.slice(2500..4000);
+    let first = sieved.recording.slice(0..1500);
+    sieved.lines.drain(1500..2500);
+    let join = |a: &Channels, b: &Channels| a.map(|joint, signal| [signal, b.channel(joint)].concat());
+    sieved.recording = Recording {
+        time: [first.time, later.time].concat(),
+        q: join(&first.q, &later.q),
+        qd: first.qd.as_ref().zip(later.qd.as_ref()).map(|(a, b)| join(a, b)),
+        tau: join(&first.tau, &later.tau),
+        qdd: None,
+        truth: None,
+        ..first
+    };
+    let found = found(&sieved, Some(&robot));
+    assert!(found.len() == 1 && format!("{found:?}").contains("Gap"), "{found:?}");
+}
+
+#[test]
 fn torque_faults() {
     let robot = irb();
     for known in [None, Some(&robot)] {

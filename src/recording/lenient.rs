@@ -75,6 +75,9 @@ const ABSURD_RATIO: f64 = 1e3;
 /// No position, velocity or torque of an arm is larger than this in any unit.
 const ABSURD: f64 = 1e12;
 
+/// The same for time, which may be nanoseconds since 1970.
+const ABSURD_TIME: f64 = 1e19;
+
 /// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
 /// robot's joints in order; `map` renames columns.
 ///
@@ -192,7 +195,7 @@ impl Rows {
         let mut faults: BTreeMap<usize, (usize, Cause, String)> = BTreeMap::new();
         for &column in &used {
             let values = &self.columns[column];
-            let largest = if column == layout.time() { ABSURD } else { absurd_above(values) };
+            let largest = if column == layout.time() { ABSURD_TIME } else { absurd_above(values) };
             for (row, &value) in values.iter().enumerate() {
                 let fault = if !value.is_finite() {
                     (column, Cause::NotFinite, format!("{value} is not a finite number"))

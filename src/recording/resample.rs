@@ -2,6 +2,7 @@
 
 use super::Recording;
 use crate::channels::Channels;
+use std::ops::Range;
 
 /// Root mean square of the deviation of the steps from the median step, over the median step, above which a log is
 /// taken at even steps before it is used.
@@ -117,11 +118,21 @@ fn even_pieces(recording: Recording) -> Vec<Recording> {
     if !clock.is_irregular() {
         return vec![recording];
     }
+    stretches(&recording, &clock).into_iter().map(|rows| evenly(&recording.slice(rows))).collect()
+}
+
+/// Rows between the gaps that cannot be bridged, those too few to keep left out.
+fn stretches(recording: &Recording, clock: &Clock) -> Vec<Range<usize>> {
     let torn = |&&at: &&usize| (recording.time[at + 1] - recording.time[at]) * clock.rate_hz > TORN;
     let ends: Vec<usize> = clock.gaps.iter().filter(torn).map(|at| at + 1).chain([recording.samples()]).collect();
     let starts = [0].into_iter().chain(ends.iter().copied());
-    let kept = starts.zip(&ends).filter(|(start, end)| *end - start >= SHORTEST);
-    kept.map(|(start, &end)| evenly(&recording.slice(start..end))).collect()
+    starts.zip(&ends).map(|(start, &end)| start..end).filter(|rows| rows.len() >= SHORTEST).collect()
+}
+
+/// The longest run of rows without a gap that cannot be bridged; None where there is no such gap, or no run worth keeping.
+pub fn longest_stretch(recording: &Recording) -> Option<Range<usize>> {
+    let longest = stretches(recording, &Clock::new(recording)).into_iter().max_by_key(|rows| rows.len())?;
+    (longest.len() < recording.samples()).then_some(longest)
 }
 
 /// Value at `t` between the samples `place` and `place + 1`.

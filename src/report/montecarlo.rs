@@ -87,11 +87,13 @@ fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
     ]
 }
 
-fn noise(std: Option<f64>) -> String {
+/// A noise level in a table.
+pub(super) fn noise(std: Option<f64>) -> String {
     std.map_or("scenario's".to_owned(), |std| format!("{std}"))
 }
 
-fn window(window: u32) -> String {
+/// A smoothing window in a table.
+pub(super) fn window(window: u32) -> String {
     if window == 0 { "none".to_owned() } else { window.to_string() }
 }
 

@@ -163,3 +163,58 @@ fn bad_options_are_refused() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("--robot"), "{output:?}");
 }
+
+#[test]
+fn a_dataset_is_diagnosed() {
+    // The same logs as a controller would give them: degrees, and motor currents over gears, one of them the other way round.
+    const GEAR: f64 = 80.0;
+    const CONSTANT: f64 = 0.2;
+    for (from, to) in [("out/recording.csv", "amps.csv"), ("out/held_out.csv", "amps_held_out.csv")] {
+        let log = LOGS.read(from);
+        let mut lines = log.lines().filter(|line| !line.starts_with('#'));
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let wanted = |letters: &str| (1..7).map(|joint| format!("{letters}{joint}")).collect::<Vec<String>>();
+        let names = [vec!["t".to_owned()], wanted("q"), wanted("tau")].concat();
+        let places: Vec<usize> = names.iter().map(|name| header.iter().position(|h| h == name).unwrap()).collect();
+        let mut text = format!("t,{},{}", wanted("enc").join(","), wanted("amps").join(","));
+        for line in lines {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+            let row = places.iter().zip(&names).map(|(&place, name)| {
+                let sign = if name.ends_with('2') { -1.0 } else { 1.0 };
+                match name.chars().next() {
+                    Some('q') => sign * GEAR * cells[place].to_degrees(),
+                    Some('t') if name.len() > 1 => sign * cells[place] / (GEAR * CONSTANT),
+                    _ => cells[place],
+                }
+            });
+            text += "\n";
+            text += &row.map(|value| value.to_string()).collect::<Vec<String>>().join(",");
+        }
+        LOGS.write(to, &text);
+    }
+    let columns = |letters: &str| (1..7).map(|joint| format!("\"{letters}{joint}\"")).collect::<Vec<_>>().join(", ");
+    let described = format!(
+        "[columns]\nq = [{}]\ntau = [{}]\n[units]\nposition = \"deg\"\ntorque = \"A\"\n[motors]\ngear_ratio = {GEAR}\n\
+         torque_constant_nm_a = {CONSTANT}\nsign = [1, -1, 1, 1, 1, 1]\nposition_at = \"motor\"\n",
+        columns("enc"),
+        columns("amps")
+    );
+    let head = "schema = \"tauscope.dataset/1\"\nrobot = \"arm.urdf\"\n[[train]]\nfile = \"amps.csv\"\n";
+    let with = |name: &str, test: &str| {
+        LOGS.write(name, &format!("{head}{test}{described}"));
+        let more = ["--candidates", "stribeck_friction", "--no-resimulation", "--json"];
+        LOGS.tauscope(&[&["diagnose", "--dataset", name, "--out", &format!("of_{name}")][..], &more].concat())
+    };
+    let told = json(&with("d.toml", "[[test]]\nfile = \"amps_held_out.csv\"\n"));
+    assert_eq!(told["verdict"], "named", "{told}");
+    let finding = &told["findings"][0];
+    assert_eq!(
+        (finding["effect"].as_str(), finding["joints"][0].as_str()),
+        (Some("stribeck_friction"), Some("joint_2"))
+    );
+    // A short part judges, a moment does not, nor does what was found from.
+    let part = "to_s = 10.5\n[[test]]\nfile = \"amps.csv\"\nfrom_s = ";
+    assert_eq!(json(&with("part.toml", &format!("{part}10.5\n")))["schema"], "tauscope.diagnosis/1");
+    assert_refusal(&with("moment.toml", &format!("{part}13.5\n")), &["moment.toml: test", "2 s at the least"]);
+    assert_refusal(&with("same.toml", "[[test]]\nfile = \"amps.csv\"\n"), &["same.toml:5: test", "trained from"]);
+}

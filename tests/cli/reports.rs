@@ -64,6 +64,47 @@ fn a_diagnosis_writes_a_report_that_can_be_sent() {
 }
 
 #[test]
+fn a_diagnosis_that_faults_stop_writes_a_report_too() {
+    let case = Case::new(&[]);
+    let scenario = format!("{ROOT}/scenarios/effects/stribeck_friction.toml");
+    assert_done(&case.tauscope(&["simulate", &scenario, "--out", "logs", "-q"]));
+    // Torque of the second joint with its sign turned.
+    let log = case.read("logs/recording.csv");
+    let mut lines = log.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next().unwrap();
+    let column = header.split(',').position(|name| name == "tau2").unwrap();
+    let turned = lines.map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        cells[column] = (-cells[column].parse::<f64>().unwrap()).to_string();
+        cells.join(",") + "\n"
+    });
+    case.write("turned.csv", &format!("{header}\n{}", turned.collect::<String>()));
+    assert_done(&case.tauscope(&["diagnose", "--robot", "arm.urdf", "--train", "turned.csv", "--out", "out", "-q"]));
+    let page = sound(&case, "out/report.html");
+    for part in ["The logs cannot be diagnosed", "stops the diagnosis", "Next: ", "turned.csv", "Data quality"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert_eq!(page.matches("class=\"ts-figure chart\"").count(), 2 * 6);
+}
+
+#[test]
+fn a_study_writes_a_report_that_can_be_sent() {
+    let case = Case::new(&[]);
+    let study = ["montecarlo", "s.toml", "--trials", "3", "--estimators", "ols,wls", "--sg-windows", "0,31"];
+    let levels = ["--noise-levels", "1e-5,1e-4", "--out", "out", "-q"];
+    assert_done(&case.tauscope(&[&study[..], &levels[..]].concat()));
+    let page = sound(&case, "out/report.html");
+    assert!(page.contains("Closest to the true parameters") && page.contains("--estimators ols,wls"), "the verdict");
+    for part in ["Comparison", "Smoothing", "As the noise grows", "Parameters", "Every trial gave an estimate", "Seed "]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    // Windows at two levels, two quantities over the noise at two windows, parameters at two levels.
+    assert_eq!(page.matches("class=\"ts-figure chart\"").count(), 2 + 2 * 2 + 2);
+    assert!(!page.contains("NaN"));
+}
+
+#[test]
 fn a_report_does_not_colour_a_pipe() {
     let case = Case::new(&[]);
     let output = case.tauscope(&["run", "s.toml", "--out", "out"]);

@@ -3,12 +3,19 @@
 use super::{Film, Look, Marker, Quantity, Track, joined, joined_time, offsets};
 use crate::channels::Channels;
 use crate::identification::fit::{Fitted, Logs};
+use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::robot::Robot;
 
+/// Samples of the logs together that are shown: longer ones are thinned, or the recording would be larger than they are.
+const MOST_SHOWN: usize = 200_000;
+
 /// The film of a fit on its held-out logs; on the training logs, without residuals, where there are no others.
 pub fn film<'a>(robot: &'a Robot, logs: Logs, plain: &Fitted, extended: Option<&Fitted>) -> Film<'a> {
-    let (shown, held_out) = if logs.test.is_empty() { (logs.train, false) } else { (logs.test, true) };
+    let (whole, held_out) = if logs.test.is_empty() { (logs.train, false) } else { (logs.test, true) };
+    let step = whole.iter().map(|log| log.samples()).sum::<usize>().div_ceil(MOST_SHOWN).max(1);
+    let thin: Vec<Recording> = if step == 1 { Vec::new() } else { whole.iter().map(|log| every(log, step)).collect() };
+    let shown: Vec<&Recording> = if step == 1 { whole.to_vec() } else { thin.iter().collect() };
     let offsets = offsets(shown.iter().map(|log| [log.time[0], log.time[log.samples() - 1]]));
     let starts: Vec<(f64, &[f64])> = offsets.iter().copied().zip(shown.iter().map(|log| &log.time[..])).collect();
     let time = joined_time(&starts);
@@ -38,7 +45,7 @@ pub fn film<'a>(robot: &'a Robot, logs: Logs, plain: &Fitted, extended: Option<&
         signals: Vec::new(),
         markers: offsets
             .iter()
-            .zip(shown)
+            .zip(&shown)
             .enumerate()
             .map(|(k, (offset, log))| Marker {
                 time: offset + log.time[0],
@@ -77,6 +84,19 @@ pub fn film<'a>(robot: &'a Robot, logs: Logs, plain: &Fitted, extended: Option<&
     film
 }
 
+/// Every n-th sample of a log.
+fn every(log: &Recording, step: usize) -> Recording {
+    let thin = |table: &Channels| table.map(|_, signal| signal.iter().copied().step_by(step).collect());
+    Recording {
+        joints: log.joints.clone(),
+        time: log.time.iter().copied().step_by(step).collect(),
+        q: thin(&log.q),
+        qd: log.qd.as_ref().map(thin),
+        tau: thin(&log.tau),
+        ..Recording::default()
+    }
+}
+
 /// Times on the timeline and values of a fit's rows, those that only separate logs left out but for one.
 fn rows(fitted: &Fitted, offsets: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut logs: Vec<(f64, &[f64])> = Vec::new();
@@ -108,4 +128,19 @@ fn text(robot: &Robot, plain: &Fitted, extended: Option<&Fitted>) -> String {
          {rows}\nTorque: measured grey, identified blue, with effects orange. Gaps are reversals.\n",
         robot.name
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_log_keeps_its_times() {
+        let table = |scale: f64| Channels::from_vectors(&[(0..10).map(|i| scale * f64::from(i)).collect::<Vec<_>>()]);
+        let time: Vec<f64> = (0..10).map(f64::from).collect();
+        let log = Recording { time, q: table(2.0), tau: table(3.0), ..Recording::default() };
+        let thin = every(&log, 4);
+        assert_eq!((thin.time, thin.qd), (vec![0.0, 4.0, 8.0], None));
+        assert_eq!((thin.q.channel(0), thin.tau.channel(0)), (&[0.0, 8.0, 16.0][..], &[0.0, 12.0, 24.0][..]));
+    }
 }

@@ -115,7 +115,7 @@ mod tests {
         assert!(Journal::open(folder.path(), &identity(1), false).unwrap_err().to_string().contains("--resume"));
         assert!(Journal::open(folder.path(), &identity(2), true).unwrap_err().to_string().contains("another study"));
         let (mut journal, rows) = Journal::open(folder.path(), &identity(1), true).unwrap();
-        assert_eq!(rows, [row.clone()]);
+        assert_eq!(rows, std::slice::from_ref(&row));
         journal.add(&row).unwrap();
         drop(journal);
         let (journal, rows) = Journal::open(folder.path(), &identity(1), true).unwrap();

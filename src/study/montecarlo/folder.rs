@@ -1,6 +1,6 @@
 //! The folder of a study in the making: finished chunks survive whatever ends the program.
 
-use super::join::{self, Source, TRIALS, identity_of, summarise};
+use super::join::{self, Report, Source, TRIALS, identity_of, summarise};
 use super::plan::Identity;
 use super::shard::Shard;
 use super::summary::Summary;
@@ -107,7 +107,12 @@ impl StudyFolder {
     ///
     /// # Errors
     /// If a file cannot be written, or there are fewer chunks than shards.
-    pub fn run(&self, study: &Study, progress: &Progress) -> Result<Option<(Summary, Timings, PathBuf)>> {
+    pub fn run(
+        &self,
+        study: &Study,
+        progress: &Progress,
+        report: Report,
+    ) -> Result<Option<(Summary, Timings, PathBuf)>> {
         let chunks = self.chunks();
         if chunks.is_empty() {
             let problem =
@@ -125,7 +130,7 @@ impl StudyFolder {
             return Ok(None);
         }
         let folder = ResultFolder::create(&self.path)?;
-        let (summary, times) = join::join(&folder, &self.identity, &sources)?;
+        let (summary, times) = join::join(&folder, &self.identity, &sources, report)?;
         folder.write_text("scenario.toml", &study.setup.merged()?)?;
         for (name, source) in study.setup.inputs() {
             let text =

@@ -20,6 +20,10 @@ pub const TIMINGS: &str = "timings.parquet";
 /// The study's [`Identity`].
 pub const STUDY: &str = "study.json";
 const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.html";
+
+/// Makes the page that a study's results are told on.
+pub type Report<'a> = &'a dyn Fn(&Summary, &Timings) -> String;
 
 /// Where the rows of a chunk are.
 #[derive(Debug, Clone)]
@@ -30,7 +34,12 @@ pub(super) struct Source {
 }
 
 /// Writes the chunks of `sources`, in order, and their summary to `folder`.
-pub(super) fn join(folder: &ResultFolder, identity: &Identity, sources: &[Source]) -> Result<(Summary, Timings)> {
+pub(super) fn join(
+    folder: &ResultFolder,
+    identity: &Identity,
+    sources: &[Source],
+    report: Report,
+) -> Result<(Summary, Timings)> {
     let mut sums = Sums::new(identity);
     let mut times = Timings::default();
     folder.write_with(TRIALS, |path| {
@@ -54,6 +63,7 @@ pub(super) fn join(folder: &ResultFolder, identity: &Identity, sources: &[Source
     let summary = sums.summary();
     folder.write_json(SUMMARY, SUMMARY_SCHEMA, &summary)?;
     folder.write_json(STUDY, STUDY_SCHEMA, identity)?;
+    folder.write_text(REPORT, &report(&summary, &times))?;
     Ok((summary, times))
 }
 
@@ -110,7 +120,7 @@ fn chunk_of(path: &Path, identity: &Identity, batch: &RecordBatch) -> Result<usi
 ///
 /// # Errors
 /// If a folder holds no finished shard or one of another study, and for trials that are missing or double (named).
-pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Summary, Timings, PathBuf)> {
+pub fn merge(folders: &[PathBuf], out: &Path, report: Report) -> Result<(Summary, Timings, PathBuf)> {
     let shards = expand(folders)?;
     let mut study: Option<(&Path, Identity)> = None;
     let mut sources: Vec<Option<Source>> = Vec::new();
@@ -136,7 +146,7 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Summary, Timings, PathB
             let source = Source { trials: trials.clone(), timings: shard.join(TIMINGS), group };
             if let Some(known) = sources[chunk].replace(source) {
                 let range = trial_range(identity, chunk);
-                let problem = format!("{range} are here and in {}; merge each shard once", known.trials.display());
+                let problem = format!("{range}: here and in {}; merge each shard once", known.trials.display());
                 return Err(Error::input(&trials, None, "trial", problem));
             }
         }
@@ -158,7 +168,7 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Summary, Timings, PathB
     }
     let folder = ResultFolder::create(out)?;
     let sources: Vec<Source> = sources.into_iter().flatten().collect();
-    let (summary, times) = join(&folder, &identity, &sources)?;
+    let (summary, times) = join(&folder, &identity, &sources, report)?;
     for name in super::folder::INPUTS {
         if let Ok(text) = std::fs::read_to_string(first.join(name)) {
             folder.write_text(name, &text)?;
@@ -170,7 +180,7 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Summary, Timings, PathB
 fn trial_range(identity: &Identity, chunk: usize) -> String {
     let first = chunk * identity.chunk_trials;
     let last = (first + identity.chunk_trials).min(identity.montecarlo.trials) - 1;
-    format!("trials {first} to {last}")
+    if first == last { format!("trial {first}") } else { format!("trials {first} to {last}") }
 }
 
 /// The folders themselves, or the shards inside those that are no shards.

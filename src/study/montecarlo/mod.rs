@@ -14,7 +14,7 @@ mod table;
 mod trial;
 
 pub use folder::{Progress, StudyFolder};
-pub use join::{SUMMARY_SCHEMA, merge};
+pub use join::{Report, SUMMARY_SCHEMA, merge};
 pub use plan::{Identity, Overrides, Plan};
 pub use shard::Shard;
 pub use summary::{BestWindow, Cell, Quantiles, Summary};

@@ -27,7 +27,7 @@ impl Shard {
     /// scheduler's number of parts: needed where only some tasks of an array are submitted again. None outside such jobs.
     ///
     /// # Errors
-    /// If a variable is not a number, or the number of parts is not known.
+    /// If a variable is not a number, the number of parts is not known, or it is given outside such a job.
     pub fn from_environment(variable: impl Fn(&str) -> Option<String>, count: Option<usize>) -> Result<Option<Self>> {
         let number = |name: &str| -> Result<Option<usize>> {
             let read = |text: String| {
@@ -45,7 +45,15 @@ impl Shard {
         } else if let Some(index) = number("JOB_COMPLETION_INDEX")? {
             (index, count)
         } else {
-            return Ok(None);
+            // Computing all of it in every part of a job that does not number them would be a costly surprise.
+            return match count {
+                None => Ok(None),
+                Some(_) => {
+                    let problem = "the environment names no part of an array job; pass --shard I/N for one part, or neither for \
+                                   the whole study";
+                    Err(Error::request("--shards", problem))
+                }
+            };
         };
         let count = count.ok_or_else(|| {
             Error::request("--shards", "this is a part of an array job, but of how many? pass --shards N")
@@ -117,7 +125,8 @@ mod tests {
         assert!(read(&pod, None).unwrap_err().to_string().contains("--shards"));
         assert!(read(&pod, Some(3)).is_err());
         assert!(read(&[("JOB_COMPLETION_INDEX", "x")], Some(3)).is_err());
-        assert_eq!(read(&[], Some(3)).unwrap(), None);
+        assert_eq!(read(&[], None).unwrap(), None);
+        assert!(read(&[], Some(3)).unwrap_err().to_string().contains("--shard I/N"));
     }
 
     #[test]

@@ -1,0 +1,156 @@
+//! The number type of the kernels: one sample, or several side by side.
+
+mod dispatch;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+mod portable;
+mod sin_cos;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use dispatch::Lanes;
+pub(crate) use dispatch::{Kernel, WIDEST};
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A number, or a row of numbers that are computed alike. The kernels are written once over this trait.
+pub trait Lane:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+{
+    /// Samples side by side.
+    const WIDTH: usize;
+
+    /// The same value in every place.
+    fn splat(value: f64) -> Self;
+
+    /// The first `WIDTH` values of a slice.
+    fn load(values: &[f64]) -> Self;
+
+    /// Writes the first `WIDTH` values of a slice.
+    fn store(self, values: &mut [f64]);
+
+    /// self * factor + addend, rounded once where the machine can.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// from - self * factor, rounded once where the machine can.
+    fn mul_sub_from(self, factor: Self, from: Self) -> Self;
+
+    /// The nearest whole numbers.
+    fn round(self) -> Self;
+
+    /// Sine and cosine, to 1e-15 for angles up to 1e6 rad.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        sin_cos::sin_cos(self)
+    }
+
+    /// Up to `WIDTH` values of a slice, the places behind its end zero.
+    #[inline(always)]
+    fn load_part(values: &[f64]) -> Self {
+        if values.len() >= Self::WIDTH {
+            return Self::load(values);
+        }
+        let mut padded = [0.0; WIDEST];
+        padded[..values.len()].copy_from_slice(values);
+        Self::load(&padded)
+    }
+
+    /// Writes as many values as the slice takes, up to `WIDTH`.
+    #[inline(always)]
+    fn store_part(self, values: &mut [f64]) {
+        if values.len() >= Self::WIDTH {
+            return self.store(values);
+        }
+        let mut padded = [0.0; WIDEST];
+        self.store(&mut padded);
+        values.copy_from_slice(&padded[..values.len()]);
+    }
+}
+
+impl Lane for f64 {
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn load(values: &[f64]) -> Self {
+        values[0]
+    }
+
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        values[0] = self;
+    }
+
+    // f64::mul_add would be a library call on machines without the instruction.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
+
+    #[inline(always)]
+    fn mul_sub_from(self, factor: Self, from: Self) -> Self {
+        from - self * factor
+    }
+
+    #[inline(always)]
+    fn round(self) -> Self {
+        f64::round_ties_even(self)
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
+    }
+}
+
+/// A vector of three lanes.
+pub(super) type Vec3<L> = [L; 3];
+
+#[inline(always)]
+pub(super) fn add<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(super) fn scale<L: Lane>(a: Vec3<L>, s: L) -> Vec3<L> {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+#[inline(always)]
+pub(super) fn dot<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> L {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+#[inline(always)]
+pub(super) fn cross<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
+    [a[2].mul_sub_from(b[1], a[1] * b[2]), a[0].mul_sub_from(b[2], a[2] * b[0]), a[1].mul_sub_from(b[0], a[0] * b[1])]
+}
+
+/// A 3x3 matrix of lanes, row by row.
+pub(super) type Mat3<L> = [Vec3<L>; 3];
+
+#[inline(always)]
+pub(super) fn times<L: Lane>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
+}
+
+#[inline(always)]
+pub(super) fn transpose_times<L: Lane>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    let column = |c: usize| [m[0][c], m[1][c], m[2][c]];
+    [dot(column(0), v), dot(column(1), v), dot(column(2), v)]
+}
+
+#[inline(always)]
+pub(super) fn splat3<L: Lane>(v: &[f64; 3]) -> Vec3<L> {
+    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
+}

@@ -2,26 +2,31 @@
 
 use std::f64::consts::TAU;
 
-/// Samples in a segment.
-const SEGMENT: usize = 256;
+/// Most samples in a segment, and fewest: shorter signals take the largest power of two that fits.
+const LONGEST: usize = 256;
+const SHORTEST: usize = 64;
 
-/// Amplitude spectral density after Welch (1967): Hann windows over half-overlapping segments of 256 samples, each less its
-/// mean. Returns frequencies, Hz, and densities, unit of the signal per root Hz; nothing for a signal shorter than one
-/// segment. Samples that are not finite, as between two logs, must be replaced before.
+/// Amplitude spectral density after Welch (1967): Hann windows over half-overlapping segments of 256 samples (fewer for a
+/// shorter signal), each less its mean. Returns frequencies, Hz, and densities, unit of the signal per root Hz; nothing for a signal of fewer
+/// than 64 samples. Samples that are not finite, as between two logs, must be replaced before.
 pub fn amplitude_density(signal: &[f64], rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
-    let window: Vec<f64> = (0..SEGMENT).map(|k| 0.5 - 0.5 * (TAU * k as f64 / SEGMENT as f64).cos()).collect();
+    if signal.len() < SHORTEST {
+        return (Vec::new(), Vec::new());
+    }
+    let segment = LONGEST.min(1 << signal.len().ilog2());
+    let window: Vec<f64> = (0..segment).map(|k| 0.5 - 0.5 * (TAU * k as f64 / segment as f64).cos()).collect();
     let power: f64 = window.iter().map(|w| w * w).sum();
-    let turn: Vec<(f64, f64)> = (0..SEGMENT).map(|k| (TAU * k as f64 / SEGMENT as f64).sin_cos()).collect();
-    let bins = SEGMENT / 2 + 1;
+    let turn: Vec<(f64, f64)> = (0..segment).map(|k| (TAU * k as f64 / segment as f64).sin_cos()).collect();
+    let bins = segment / 2 + 1;
     let mut density = vec![0.0; bins];
-    let starts: Vec<usize> = (0..(signal.len() + 1).saturating_sub(SEGMENT)).step_by(SEGMENT / 2).collect();
+    let starts: Vec<usize> = (0..(signal.len() + 1).saturating_sub(segment)).step_by(segment / 2).collect();
     for &start in &starts {
-        let segment = &signal[start..start + SEGMENT];
-        let mean = segment.iter().sum::<f64>() / SEGMENT as f64;
+        let part = &signal[start..start + segment];
+        let mean = part.iter().sum::<f64>() / segment as f64;
         for (bin, sum) in density.iter_mut().enumerate() {
             let (mut re, mut im) = (0.0, 0.0);
-            for (k, (x, w)) in segment.iter().zip(&window).enumerate() {
-                let (sin, cos) = turn[bin * k % SEGMENT];
+            for (k, (x, w)) in part.iter().zip(&window).enumerate() {
+                let (sin, cos) = turn[bin * k % segment];
                 re += (x - mean) * w * cos;
                 im -= (x - mean) * w * sin;
             }
@@ -30,10 +35,7 @@ pub fn amplitude_density(signal: &[f64], rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
             *sum += sides * (re * re + im * im) / (power * rate_hz);
         }
     }
-    if starts.is_empty() {
-        return (Vec::new(), Vec::new());
-    }
-    let frequency = (0..bins).map(|bin| bin as f64 * rate_hz / SEGMENT as f64).collect();
+    let frequency = (0..bins).map(|bin| bin as f64 * rate_hz / segment as f64).collect();
     (frequency, density.into_iter().map(|sum| (sum / starts.len() as f64).sqrt()).collect())
 }
 
@@ -62,7 +64,8 @@ mod tests {
 
     #[test]
     fn too_short_has_none() {
-        assert!(amplitude_density(&[1.0; 255], 50.0).0.is_empty());
+        assert!(amplitude_density(&[1.0; 63], 50.0).0.is_empty());
+        assert_eq!(amplitude_density(&[1.0; 200], 50.0).0.len(), 65);
         assert_eq!(amplitude_density(&[1.0; 256], 50.0).0.len(), 129);
     }
 }

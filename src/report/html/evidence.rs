@@ -102,7 +102,7 @@ pub fn sections(joints: &[Joint], contenders: &[Contender], row_s: f64) -> Vec<S
             "Spectrum of the residuals",
             vec![
                 Block::text(
-                    "Amplitude density (Welch, windows of 256 rows); rows that do not count are taken as zero. What \
+                    "Amplitude density (Welch, windows of up to 256 rows); rows that do not count are taken as zero. What \
                      moves with the arm is at the left, flat noise is flat.",
                 ),
                 Block::Charts {

@@ -155,13 +155,13 @@ pub fn contest(
     }
     let winner = strong.remove(0);
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
+    // What acts elsewhere is no other name for what is seen here.
+    let here = winner.candidate.joints();
+    strong.retain(|rival| rival.candidate.joints().iter().any(|joint| here.contains(joint)));
     let mut alternatives = Vec::new();
     for rival in &strong {
-        // The same at another time is no other name, and what acts elsewhere is no other name for what is seen here.
-        let here = winner.candidate.joints();
-        if rival.candidate.family() == winner.candidate.family()
-            || !rival.candidate.joints().iter().any(|joint| here.contains(joint))
-        {
+        // Nor is the same at another time.
+        if rival.candidate.family() == winner.candidate.family() {
             continue;
         }
         let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
@@ -178,12 +178,8 @@ pub fn contest(
         }
     }
     let least = CLOSE * winner.test.statistic;
-    let here = winner.candidate.joints();
-    let mut close = strong;
-    close.retain(|rival| {
-        rival.test.statistic > least && rival.candidate.joints().iter().any(|joint| here.contains(joint))
-    });
-    Ok(Contest { winner, alternatives, close })
+    strong.retain(|rival| rival.test.statistic > least);
+    Ok(Contest { winner, alternatives, close: strong })
 }
 
 fn is_one_more(winner: &Judged, rival: &Judged) -> bool {

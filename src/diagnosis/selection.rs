@@ -26,11 +26,11 @@ const STRETCH: usize = 50;
 /// training logs, and the held-out logs, often fewer, must not contradict it.
 const SURELY: f64 = 1.0;
 
-/// The same for an event in one log.
-const ONCE: f64 = 1e-4;
-
 /// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
 const NOISE_IS_ESTIMATED: f64 = 0.2;
+
+/// The same for an event in one log.
+const ONCE: f64 = 1e-4;
 
 /// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
 const GEARS: f64 = 1e-3;

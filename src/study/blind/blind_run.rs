@@ -23,6 +23,8 @@ use std::time::Instant;
 pub struct BlindRun {
     /// The arm's description.
     pub robot: Robot,
+    /// The logs: those to identify from, and the one to judge by.
+    pub logs: Vec<Recording>,
     /// What was hidden, at the size used.
     pub hidden: Vec<Placed>,
     /// Faults of the data that were found.
@@ -72,10 +74,10 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
         fault.put_into(&mut logs, case.seed);
     }
     let started = Instant::now();
-    let (faults, diagnosis) = answer(&setup.known, logs, case)?;
+    let (faults, diagnosis) = answer(&setup.known, logs.clone(), case)?;
     let seconds = started.elapsed().as_secs_f64();
     let judgement = judge(case, &hidden, &faults, diagnosis.as_ref());
-    Ok(BlindRun { robot: setup.known, hidden, faults, diagnosis, judgement, seconds })
+    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, judgement, seconds })
 }
 
 /// What one who has the arm's description and the logs alone is told.

@@ -5,7 +5,7 @@ use super::case::{ArmKind, Case};
 use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
 use super::sizing::sized;
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, screen, still_joints};
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
 use crate::diagnosis::{Diagnosis, Options, diagnose};
 use crate::effects::{Placed, Site};
 use crate::error::Result;
@@ -98,15 +98,11 @@ fn answer(robot: &Robot, logs: Vec<Recording>, case: &Case) -> Result<(Vec<DataF
             }
         }
     }
-    let training = &screened[..TRAIN.min(screened.len())];
-    let still = still_joints(training, robot).into_iter();
-    let still = still.map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
-    let mut faults: Vec<DataFault> = refused.into_iter().chain(still).collect();
-    faults.extend(screened.iter().flat_map(|log| log.faults.iter().cloned()));
+    let (train, test) = screened.split_at(TRAIN.min(screened.len()));
+    let faults: Vec<DataFault> = refused.into_iter().chain(all_faults(train, test, &[], robot)).collect();
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         return Ok((faults, None));
     }
-    let (train, test) = screened.split_at(TRAIN);
     let pieces = |logs: &'_ [Screened]| logs.iter().flat_map(|log| log.pieces.clone()).collect::<Vec<Recording>>();
     let (train, test) = (pieces(train), pieces(test));
     let options = Options { trust: case.trust, seed: case.seed, ..Options::default() };

@@ -10,14 +10,13 @@
 //! up by the ratio of the rates.
 
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Motion, block_row, regressor};
+use crate::dynamics::{Chain, Entries, Lanes, Motion};
 use crate::effects::direction;
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
+use crate::identification::gram::Gram;
 use crate::identification::model::{Model, STANDARD};
 use crate::robot::{PARAMETERS, Robot};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Samples that go into the Gram matrices at once: regressor and columns then stay in the cache.
@@ -130,8 +129,8 @@ pub struct Samples {
 /// Which column of the regressor a base parameter scales on a joint.
 #[derive(Debug, Clone, Copy)]
 enum Column {
-    /// Channel of the rigid-body regressor.
-    Rigid(usize),
+    /// One of the rigid-body regressor.
+    Rigid,
     /// The joint's own acceleration.
     Rotor,
     /// The joint's own velocity, for viscous friction.
@@ -147,6 +146,8 @@ struct JointColumns {
     parameters: Vec<usize>,
     /// Where their columns come from.
     columns: Vec<Column>,
+    /// Row of the first of them in a table of all joints' columns.
+    first: usize,
     /// Standard deviation of the torque noise, N m.
     sigma: f64,
 }
@@ -159,6 +160,8 @@ pub struct Experiment {
     /// Values of the base parameters, for torque and relative deviations.
     beta: DVector<f64>,
     joints: Vec<JointColumns>,
+    /// The entries of the regressor that are columns, in their places in a table of all joints' columns.
+    entries: Entries,
     rate_hz: f64,
 }
 
@@ -179,10 +182,14 @@ impl Experiment {
             }
         }
         let model = Model::new(robot);
-        let joints =
-            torque_noise.iter().enumerate().map(|(joint, &sigma)| joint_columns(&model, joint, sigma)).collect();
+        let mut joints: Vec<JointColumns> = Vec::with_capacity(model.dof());
+        for (joint, &sigma) in torque_noise.iter().enumerate() {
+            let first = joints.last().map_or(0, |before| before.first + before.parameters.len());
+            joints.push(joint_columns(&model, joint, first, sigma));
+        }
+        let entries = entries(&model, &joints);
         let beta = DVector::from_vec(model.base().values(&Model::standard_values(robot)));
-        Ok(Experiment { chain: Chain::new(robot), model, beta, joints, rate_hz })
+        Ok(Experiment { chain: Chain::new(robot), model, beta, joints, entries, rate_hz })
     }
 
     /// The torque model with its base parameters.
@@ -208,20 +215,20 @@ impl Experiment {
     /// [`Experiment::information`], and shows `visit` the samples with their torque.
     pub fn scan(&self, motion: &dyn Reference, grid_hz: f64, visit: &mut dyn FnMut(&Samples)) -> Information {
         let total = (motion.duration_s() * grid_hz + 1e-9).floor() as usize + 1;
-        let mut grams: Vec<Mat<f64>> =
-            self.joints.iter().map(|joint| Mat::zeros(joint.parameters.len(), joint.parameters.len())).collect();
-        let mut table = Vec::new();
+        let mut grams: Vec<Gram> = self.joints.iter().map(|joint| Gram::new(joint.parameters.len())).collect();
+        let columns: usize = self.joints.iter().map(|joint| joint.parameters.len()).sum();
+        let mut table = vec![0.0; columns * BLOCK];
         for first in (0..total).step_by(BLOCK) {
             let mut samples = self.sample(motion, first..total.min(first + BLOCK), grid_hz);
-            let rigid = regressor(&self.chain, &samples.motion);
+            let rows = samples.time.len();
+            let table = &mut table[..columns * rows];
+            self.entries.write(Lanes::best(), &self.chain, &samples.motion, 0..rows, table);
             for (joint, (share, gram)) in self.joints.iter().zip(&mut grams).enumerate() {
-                share.fill(joint, &rigid, &samples, &mut table);
-                let rows = samples.time.len();
-                let block = MatRef::from_column_major_slice(&table, rows, share.parameters.len());
-                let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-                matmul(gram.as_mut(), lower, Accum::Add, block.transpose(), full, block, full, 1.0, Par::Seq);
+                let own = &mut table[share.first * rows..][..share.parameters.len() * rows];
+                share.fill_drive(joint, &samples.motion, own);
+                gram.add(own, rows);
                 let torque = samples.torque.channel_mut(joint);
-                for (column, &parameter) in table.chunks(rows).zip(&share.parameters) {
+                for (column, &parameter) in own.chunks(rows).zip(&share.parameters) {
                     let beta = self.beta[parameter];
                     torque.iter_mut().zip(column).for_each(|(tau, y)| *tau += beta * y);
                 }
@@ -247,11 +254,12 @@ impl Experiment {
     }
 
     /// The joints' Gram matrices, weighted and put together; `scale` log rows stand behind every row.
-    fn weighted(&self, grams: &[Mat<f64>], samples: f64, scale: f64) -> Information {
+    fn weighted(&self, grams: &[Gram], samples: f64, scale: f64) -> Information {
         let mut information = Information::none(self.beta.len());
         information.rows = samples * scale * self.joints.len() as f64;
         for (share, gram) in self.joints.iter().zip(grams) {
             let weight = scale / (share.sigma * share.sigma);
+            let gram = gram.matrix();
             for (c, &column) in share.parameters.iter().enumerate() {
                 for (r, &row) in share.parameters.iter().enumerate().skip(c) {
                     information.matrix[(row, column)] += weight * gram[(r, c)];
@@ -263,36 +271,41 @@ impl Experiment {
     }
 }
 
-fn joint_columns(model: &Model, joint: usize, sigma: f64) -> JointColumns {
+fn joint_columns(model: &Model, joint: usize, first: usize, sigma: f64) -> JointColumns {
     let parameters = model.active(joint);
     let columns = parameters
         .iter()
-        .map(|&b| {
-            let standard = model.base().kept()[b];
-            match standard % STANDARD {
-                inertial if inertial < PARAMETERS => {
-                    Column::Rigid(block_row(model.dof(), standard / STANDARD, inertial, joint))
-                }
-                PARAMETERS => Column::Rotor,
-                11 => Column::Viscous,
-                _ => Column::Coulomb,
-            }
+        .map(|&b| match model.base().kept()[b] % STANDARD {
+            inertial if inertial < PARAMETERS => Column::Rigid,
+            PARAMETERS => Column::Rotor,
+            11 => Column::Viscous,
+            _ => Column::Coulomb,
         })
         .collect();
-    JointColumns { parameters, columns, sigma }
+    JointColumns { parameters, columns, first, sigma }
+}
+
+fn entries(model: &Model, joints: &[JointColumns]) -> Entries {
+    Entries::new(model.dof(), |link, joint| {
+        std::array::from_fn(|parameter| {
+            let standard = link * STANDARD + parameter;
+            let own = joints[joint].parameters.iter().position(|&b| model.base().kept()[b] == standard);
+            own.map(|place| joints[joint].first + place)
+        })
+    })
 }
 
 impl JointColumns {
-    /// Writes the columns of `joint` one after the other into `table`.
-    fn fill(&self, joint: usize, rigid: &Channels, samples: &Samples, table: &mut Vec<f64>) {
-        table.clear();
-        for column in &self.columns {
+    /// Writes the columns of rotor inertia and friction of `joint` into the table of its columns.
+    fn fill_drive(&self, joint: usize, motion: &Motion, table: &mut [f64]) {
+        let (velocity, rows) = (motion.qd.channel(joint), motion.samples());
+        for (column, target) in self.columns.iter().zip(table.chunks_exact_mut(rows)) {
             match column {
-                Column::Rigid(channel) => table.extend_from_slice(rigid.channel(*channel)),
-                Column::Rotor => table.extend_from_slice(samples.motion.qdd.channel(joint)),
-                Column::Viscous => table.extend_from_slice(samples.motion.qd.channel(joint)),
+                Column::Rigid => {}
+                Column::Rotor => target.copy_from_slice(motion.qdd.channel(joint)),
+                Column::Viscous => target.copy_from_slice(velocity),
                 Column::Coulomb => {
-                    table.extend(samples.motion.qd.channel(joint).iter().map(|&velocity| direction(velocity, 0.0)));
+                    target.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, 0.0));
                 }
             }
         }

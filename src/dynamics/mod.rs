@@ -14,6 +14,7 @@ mod rnea;
 pub use base_parameters::{BaseParameters, Grouping};
 pub use chain::Chain;
 pub use forward::EquationsOfMotion;
+pub(crate) use lane::{Kernel, WIDEST};
 pub use lane::{Lane, Lanes};
 pub use regressor::{Entries, block_row, regressor, regressor_in};
 pub use rnea::{inverse_dynamics, inverse_dynamics_at, inverse_dynamics_in, mass_matrix};

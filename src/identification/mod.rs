@@ -5,6 +5,7 @@ pub mod consistent;
 pub mod effect_model;
 pub mod estimators;
 pub mod fit;
+pub mod gram;
 pub mod least_squares;
 pub mod levenberg_marquardt;
 pub mod linear_model;

@@ -55,7 +55,7 @@ impl<'a> Parts<'a> {
         let bodies = Self::bodies(owner, prepared, link);
         let mut parts = Parts {
             owner,
-            base: model.columns_behind_gears(&prepared.motion, link, &prepared.time, 0.0),
+            base: model.columns_behind_gears(&prepared.motion, link, 0.0),
             amplitudes: units,
             known: bodies.clone(),
             bodies,

@@ -109,18 +109,14 @@ impl Model {
     /// The columns of all base parameters along a motion: for every joint a table `[active base parameter][time]` in the
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
     pub fn columns(&self, motion: &Motion, width: f64) -> Vec<Channels> {
-        self.columns_behind_gears(motion, motion, width)
+        (0..self.dof()).map(|joint| self.columns_on(joint, motion, motion, width)).collect()
     }
 
-    /// [`Model::columns`] where motors and links move differently: inertial columns along `link`, rotor and friction
-    /// columns along `motor`.
-    pub fn columns_behind_gears(&self, motor: &Motion, link: &Motion, width: f64) -> Vec<Channels> {
-        (0..self.dof())
-            .map(|joint| {
-                let standard: Vec<usize> = self.active(joint).into_iter().map(|b| self.base.kept()[b]).collect();
-                standard_columns(&self.chain, joint, &standard, [motor, link], width)
-            })
-            .collect()
+    /// [`Model::columns`] of one joint, where motors and links may move differently: inertial columns along `link`, rotor
+    /// and friction columns along `motor`.
+    pub fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {
+        let standard: Vec<usize> = self.active(joint).into_iter().map(|b| self.base.kept()[b]).collect();
+        standard_columns(&self.chain, joint, &standard, [motor, link], width)
     }
 
     /// Standard parameters of an arm, in the order of [`Model::names`].
@@ -144,6 +140,10 @@ impl LinearModel for Model {
 
     fn columns(&self, motion: &Motion, _: &[f64]) -> Vec<Channels> {
         Model::columns(self, motion, 0.0)
+    }
+
+    fn columns_on(&self, joint: usize, motion: &Motion, _: &[f64]) -> Channels {
+        Model::columns_on(self, joint, motion, motion, 0.0)
     }
 }
 

@@ -153,11 +153,9 @@ impl Prepared {
     /// # Errors
     /// If the log is too short for the filter.
     pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
-        let columns = model.columns(&self.motion, &self.time);
-        columns
-            .iter()
-            .enumerate()
-            .map(|(joint, table)| {
+        (0..self.motion.joints())
+            .map(|joint| {
+                let table = model.columns_on(joint, &self.motion, &self.time);
                 let table: Vec<Vec<f64>> = table.iter().map(|column| self.thinned(column)).collect::<Result<_>>()?;
                 Ok(JointRegression {
                     joint: self.joints[joint].clone(),
@@ -208,11 +206,9 @@ impl Prepared {
 
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
     pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
-        let torque: Vec<Vec<f64>> = model
-            .columns(&self.motion, &self.time)
-            .iter()
-            .enumerate()
-            .map(|(joint, table)| {
+        let torque: Vec<Vec<f64>> = (0..self.motion.joints())
+            .map(|joint| {
+                let table = model.columns_on(joint, &self.motion, &self.time);
                 let mut tau = vec![0.0; table.samples()];
                 for (parameter, column) in model.active(joint).into_iter().zip(table.iter()) {
                     for (value, x) in tau.iter_mut().zip(column) {

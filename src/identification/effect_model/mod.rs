@@ -221,42 +221,54 @@ impl<'a> EffectModel<'a> {
         };
         let period = 1.0 / recording.rate_hz();
         let link = self.link_motion(recording, prepared)?;
-        let parts = Parts::new(self, prepared, &link);
+        let mut parts = Parts::new(self, prepared, &link);
         (0..self.model.dof())
             .map(|joint| {
-                let sensing = Sensing::new(self.sensors(joint).collect(), period);
-                let mut columns: Vec<(usize, Cow<[f64]>)> = parts.columns(joint);
-                let mut known = Cow::Borrowed(parts.known[joint].as_slice());
-                if sensing.acts() {
-                    let sensed = |column: &[f64]| sensing.small_signal(column);
-                    let mut own: Vec<(usize, Vec<f64>)> =
-                        columns.iter().map(|(k, column)| (*k, sensed(column))).collect();
-                    for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
-                        if let Some(column) = sensing.amplitude(&self.placed[effect], k, recording.samples()) {
-                            own.push((self.baseline.len() + index, column));
-                        }
-                    }
-                    let mut torque = sensed(&known);
-                    let total = parts.predicted(joint, &self.all_linear());
-                    sensing.clip(&total, &mut torque, &mut own);
-                    known = Cow::Owned(torque);
-                    columns = own.into_iter().map(|(k, column)| (k, Cow::Owned(column))).collect();
-                }
-                let torque = prepared.torque.channel(joint);
-                let rest: Vec<f64> =
-                    torque.iter().zip(known.iter()).map(|(measured, known)| measured - known).collect();
-                let parameters = columns.iter().map(|(parameter, _)| *parameter).collect();
-                let columns: Vec<Vec<f64>> =
-                    columns.iter().map(|(_, column)| prepared.thinned(column)).collect::<Result<_>>()?;
-                Ok(JointRegression {
-                    joint: self.model.robot().joints[joint].name.clone(),
-                    parameters,
-                    columns: Channels::from_vectors(&columns),
-                    torque: prepared.thinned(&rest)?,
-                    valid: prepared.rows_to_use(joint),
-                })
+                let rows = self.rows_of(joint, &parts, prepared, recording.samples(), period);
+                parts.release(joint);
+                rows
             })
             .collect()
+    }
+
+    /// The regression rows of one joint of one log.
+    fn rows_of(
+        &self,
+        joint: usize,
+        parts: &Parts,
+        prepared: &Prepared,
+        samples: usize,
+        period: f64,
+    ) -> Result<JointRegression> {
+        let sensing = Sensing::new(self.sensors(joint).collect(), period);
+        let mut columns: Vec<(usize, Cow<[f64]>)> = parts.columns(joint);
+        let mut known = Cow::Borrowed(parts.known[joint].as_slice());
+        if sensing.acts() {
+            let sensed = |column: &[f64]| sensing.small_signal(column);
+            let mut own: Vec<(usize, Vec<f64>)> = columns.iter().map(|(k, column)| (*k, sensed(column))).collect();
+            for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
+                if let Some(column) = sensing.amplitude(&self.placed[effect], k, samples) {
+                    own.push((self.baseline.len() + index, column));
+                }
+            }
+            let mut torque = sensed(&known);
+            let total = parts.predicted(joint, &self.all_linear());
+            sensing.clip(&total, &mut torque, &mut own);
+            known = Cow::Owned(torque);
+            columns = own.into_iter().map(|(k, column)| (k, Cow::Owned(column))).collect();
+        }
+        let torque = prepared.torque.channel(joint);
+        let rest: Vec<f64> = torque.iter().zip(known.iter()).map(|(measured, known)| measured - known).collect();
+        let parameters = columns.iter().map(|(parameter, _)| *parameter).collect();
+        let columns: Vec<Vec<f64>> =
+            columns.iter().map(|(_, column)| prepared.thinned(column)).collect::<Result<_>>()?;
+        Ok(JointRegression {
+            joint: self.model.robot().joints[joint].name.clone(),
+            parameters,
+            columns: Channels::from_vectors(&columns),
+            torque: prepared.thinned(&rest)?,
+            valid: prepared.rows_to_use(joint),
+        })
     }
 
     /// Present values of all linear parameters.

@@ -8,6 +8,7 @@ use crate::identification::model::{Model, STANDARD};
 use crate::identification::prepare::Prepared;
 use crate::robot::PARAMETERS;
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 /// A linear parameter of the arm itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +22,10 @@ pub(super) enum ArmParameter {
 /// Torque of all parts along one motion, before sensors and filter.
 pub(super) struct Parts<'a> {
     owner: &'a EffectModel<'a>,
-    base: Vec<Channels>,
+    /// Columns of the base parameters on each joint, made when they are asked for: those of all joints of a long log are
+    /// the largest thing there is.
+    base: Vec<OnceCell<Channels>>,
+    link: &'a Motion,
     /// Per amplitude: torque per unit.
     amplitudes: Vec<Channels>,
     /// Torque without free parameter: of believed bodies and drives, and of effects through their departures.
@@ -55,7 +59,8 @@ impl<'a> Parts<'a> {
         let bodies = Self::bodies(owner, prepared, link);
         let mut parts = Parts {
             owner,
-            base: model.columns_behind_gears(&prepared.motion, link, 0.0),
+            base: vec![OnceCell::new(); model.dof()],
+            link,
             amplitudes: units,
             known: bodies.clone(),
             bodies,
@@ -70,8 +75,18 @@ impl<'a> Parts<'a> {
             for (scale, column) in sum {
                 parts.known[joint].iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
             }
+            parts.release(joint);
         }
         parts
+    }
+
+    /// Forgets the columns of the base parameters on a joint until they are asked for again.
+    pub fn release(&mut self, joint: usize) {
+        self.base[joint].take();
+    }
+
+    fn base(&self, joint: usize) -> &Channels {
+        self.base[joint].get_or_init(|| self.owner.model.columns_on(joint, self.motor, self.link, 0.0))
     }
 
     /// Torque of bodies that is not fitted.
@@ -100,7 +115,7 @@ impl<'a> Parts<'a> {
         match parameter {
             ArmParameter::Base(base) => {
                 let place = model.active(joint).iter().position(|&b| b == base)?;
-                Some(self.base[joint].channel(place))
+                Some(self.base(joint).channel(place))
             }
             ArmParameter::Drive(own, _) if own != joint => None,
             ArmParameter::Drive(_, 0) => Some(self.motor.qdd.channel(joint)),
@@ -108,7 +123,7 @@ impl<'a> Parts<'a> {
                 // Viscous and Coulomb friction are base parameters of their own on every arm, in this order.
                 let friction = model.active(joint).into_iter().enumerate().filter(|(_, b)| model.is_friction(*b));
                 let (place, _) = friction.into_iter().nth(which - 1)?;
-                Some(self.base[joint].channel(place))
+                Some(self.base(joint).channel(place))
             }
         }
     }

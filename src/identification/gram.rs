@@ -124,7 +124,12 @@ fn add_tile<L: Lane>(tall: [&[f64]; TALL], broad: [&[f64]; BROAD], rows: usize, 
     }
     let mut row = 0;
     while row + L::WIDTH <= rows {
-        let x = [0, 1, 2].map(|k: usize| L::load(&broad[k][row..row + L::WIDTH]));
+        // Written out: a closure that hands on loads may be left out of line, compiled for the oldest machines.
+        let x = [
+            L::load(&broad[0][row..row + L::WIDTH]),
+            L::load(&broad[1][row..row + L::WIDTH]),
+            L::load(&broad[2][row..row + L::WIDTH]),
+        ];
         for (signal, entries) in tall.iter().zip(&mut entries) {
             let y = L::load(&signal[row..row + L::WIDTH]);
             for (entry, x) in entries.iter_mut().zip(x) {

@@ -2,8 +2,9 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::lane::{Kernel, Lane, Lanes, Vec3, add, cross, dot, scale, times};
+use super::spatial::{Vec3, add, cross, dot, scale, times};
 use crate::channels::Channels;
+use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 
 /// Rigid-body joint torques, `[joint][time]`, of a motion. `inertial` holds ten parameters per link, base to flange.

@@ -5,7 +5,7 @@
 //! end.
 
 use crate::channels::Channels;
-use crate::dynamics::{Kernel, Lane, Lanes, WIDEST};
+use crate::lane::{Kernel, Lane, Lanes};
 use nalgebra::DMatrix;
 
 /// Rows of a block: its columns then stay in the cache while the tiles pass over them.
@@ -186,10 +186,8 @@ impl Kernel for Products<'_> {
                     *sum = L::load(&x[k * L::WIDTH..]).mul_add(L::load(&y[k * L::WIDTH..]), *sum);
                 }
             }
-            let mut parts = [0.0; WIDEST];
-            ((sums[0] + sums[1]) + (sums[2] + sums[3])).store(&mut parts);
             let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
-            out.push(parts.iter().sum::<f64>() + rest);
+            out.push(((sums[0] + sums[1]) + (sums[2] + sums[3])).sum() + rest);
         }
         out
     }

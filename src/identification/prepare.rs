@@ -79,12 +79,17 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             (motion, Filter::None, Filter::None, 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
-            let derivative = |degree| -> Result<Channels> {
-                let smoother = SavitzkyGolay::new(window, order, degree, period, Edge::Polynomial)?;
-                filtered(q, joints, |x, out| smoother.apply(x, out))
-            };
-            let motion = Motion { q: derivative(0)?, qd: derivative(1)?, qdd: derivative(2)? };
-            let filter = Filter::SavitzkyGolay(SavitzkyGolay::new(window, order, 0, period, Edge::Polynomial)?);
+            let smoother = |degree| SavitzkyGolay::new(window, order, degree, period, Edge::Polynomial);
+            let filters = [smoother(0)?, smoother(1)?, smoother(2)?];
+            let mut motion = Motion::zeros(q.channels(), q.samples());
+            for (joint, name) in joints.iter().enumerate() {
+                let Motion { q: smooth, qd, qdd } = &mut motion;
+                let output = [smooth, qd, qdd].map(|channels| channels.channel_mut(joint));
+                SavitzkyGolay::apply_three(filters.each_ref(), q.channel(joint), output)
+                    .map_err(|e| Error::request(name.as_str(), e.to_string()))?;
+            }
+            let [filter, ..] = filters;
+            let filter = Filter::SavitzkyGolay(filter);
             (motion, filter.clone(), filter, decimation, window / 2)
         }
         Smoothing::LowPass { cutoff_hz, decimation } => {
@@ -193,7 +198,7 @@ impl Prepared {
     /// # Errors
     /// If the log is too short for the filter.
     pub(super) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
-        downsample(&self.filtered(signal)?, self.decimation)
+        self.filter.apply_every(signal, self.decimation)
     }
 
     /// Time of every regression row, s.

@@ -1,6 +1,6 @@
 //! The filter that the torque and every regressor column go through alike.
 
-use super::{Edge, SavitzkyGolay, ZeroPhaseLowPass, check_same_length};
+use super::{Edge, SavitzkyGolay, ZeroPhaseLowPass, check_same_length, downsample};
 use crate::error::{Error, Result};
 
 /// The filter between the recording and the estimate.
@@ -42,6 +42,25 @@ impl Filter {
                 filter.apply(input, output)
             }
             Filter::LowPass(filter) => filter.apply(input, output),
+        }
+    }
+
+    /// Every `step`-th output of [`Filter::apply`], to rounding: samples 0, `step`, 2 `step`, ...
+    ///
+    /// # Errors
+    /// As [`Filter::apply`]; when `step` is zero.
+    pub fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
+        match self {
+            Filter::None => downsample(input, step),
+            Filter::SavitzkyGolay(filter) => {
+                check_smooths_linearly(filter)?;
+                filter.apply_every(input, step)
+            }
+            Filter::LowPass(filter) => {
+                let mut output = vec![0.0; input.len()];
+                filter.apply(input, &mut output)?;
+                downsample(&output, step)
+            }
         }
     }
 }

@@ -10,13 +10,13 @@
 //! up by the ratio of the rates.
 
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Entries, Lanes, Motion};
-use crate::effects::direction;
+use crate::dynamics::{Chain, Motion};
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::identification::gram::Gram;
-use crate::identification::model::{Model, STANDARD};
-use crate::robot::{PARAMETERS, Robot};
+use crate::identification::model::Model;
+use crate::lane::Lanes;
+use crate::robot::Robot;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Samples that go into the Gram matrices at once: regressor and columns then stay in the cache.
@@ -126,32 +126,6 @@ pub struct Samples {
     pub torque: Channels,
 }
 
-/// Which column of the regressor a base parameter scales on a joint.
-#[derive(Debug, Clone, Copy)]
-enum Column {
-    /// One of the rigid-body regressor.
-    Rigid,
-    /// The joint's own acceleration.
-    Rotor,
-    /// The joint's own velocity, for viscous friction.
-    Viscous,
-    /// The direction of the joint's motion, for Coulomb friction.
-    Coulomb,
-}
-
-/// One joint's share of the regressor.
-#[derive(Debug, Clone)]
-struct JointColumns {
-    /// Base parameters that can act on the joint.
-    parameters: Vec<usize>,
-    /// Where their columns come from.
-    columns: Vec<Column>,
-    /// Row of the first of them in a table of all joints' columns.
-    first: usize,
-    /// Standard deviation of the torque noise, N m.
-    sigma: f64,
-}
-
 /// An arm with its torque sensors: what turns a motion into information.
 #[derive(Debug, Clone)]
 pub struct Experiment {
@@ -159,9 +133,8 @@ pub struct Experiment {
     model: Model,
     /// Values of the base parameters, for torque and relative deviations.
     beta: DVector<f64>,
-    joints: Vec<JointColumns>,
-    /// The entries of the regressor that are columns, in their places in a table of all joints' columns.
-    entries: Entries,
+    /// Standard deviation of the torque noise of each joint, N m.
+    sigma: Vec<f64>,
     rate_hz: f64,
 }
 
@@ -182,14 +155,8 @@ impl Experiment {
             }
         }
         let model = Model::new(robot);
-        let mut joints: Vec<JointColumns> = Vec::with_capacity(model.dof());
-        for (joint, &sigma) in torque_noise.iter().enumerate() {
-            let first = joints.last().map_or(0, |before| before.first + before.parameters.len());
-            joints.push(joint_columns(&model, joint, first, sigma));
-        }
-        let entries = entries(&model, &joints);
         let beta = DVector::from_vec(model.base().values(&Model::standard_values(robot)));
-        Ok(Experiment { chain: Chain::new(robot), model, beta, joints, entries, rate_hz })
+        Ok(Experiment { chain: Chain::new(robot), model, beta, sigma: torque_noise.to_vec(), rate_hz })
     }
 
     /// The torque model with its base parameters.
@@ -215,20 +182,20 @@ impl Experiment {
     /// [`Experiment::information`], and shows `visit` the samples with their torque.
     pub fn scan(&self, motion: &dyn Reference, grid_hz: f64, visit: &mut dyn FnMut(&Samples)) -> Information {
         let total = (motion.duration_s() * grid_hz + 1e-9).floor() as usize + 1;
-        let mut grams: Vec<Gram> = self.joints.iter().map(|joint| Gram::new(joint.parameters.len())).collect();
-        let columns: usize = self.joints.iter().map(|joint| joint.parameters.len()).sum();
-        let mut table = vec![0.0; columns * BLOCK];
+        let (columns, dof) = (self.model.base_columns(), self.sigma.len());
+        let mut grams: Vec<Gram> = (0..dof).map(|joint| Gram::new(columns.parameters(joint).len())).collect();
+        let mut table = vec![0.0; columns.places() * BLOCK];
         for first in (0..total).step_by(BLOCK) {
             let mut samples = self.sample(motion, first..total.min(first + BLOCK), grid_hz);
             let rows = samples.time.len();
-            let table = &mut table[..columns * rows];
-            self.entries.write(Lanes::best(), &self.chain, &samples.motion, 0..rows, table);
-            for (joint, (share, gram)) in self.joints.iter().zip(&mut grams).enumerate() {
-                let own = &mut table[share.first * rows..][..share.parameters.len() * rows];
-                share.fill_drive(joint, &samples.motion, own);
+            let table = &mut table[..columns.places() * rows];
+            columns.write(Lanes::best(), &self.chain, [&samples.motion; 2], 0.0, 0..rows, table);
+            for (joint, gram) in grams.iter_mut().enumerate() {
+                let share = columns.of(joint);
+                let own = &table[share.start * rows..share.end * rows];
                 gram.add(own, rows);
                 let torque = samples.torque.channel_mut(joint);
-                for (column, &parameter) in own.chunks(rows).zip(&share.parameters) {
+                for (column, &parameter) in own.chunks(rows).zip(columns.parameters(joint)) {
                     let beta = self.beta[parameter];
                     torque.iter_mut().zip(column).for_each(|(tau, y)| *tau += beta * y);
                 }
@@ -239,7 +206,7 @@ impl Experiment {
     }
 
     fn sample(&self, motion: &dyn Reference, range: std::ops::Range<usize>, grid_hz: f64) -> Samples {
-        let dof = self.joints.len();
+        let dof = self.sigma.len();
         let mut block = Motion::zeros(dof, range.len());
         let [mut q, mut qd, mut qdd] = [(); 3].map(|()| vec![0.0; dof]);
         let time: Vec<f64> = range.map(|k| k as f64 / grid_hz).collect();
@@ -256,58 +223,18 @@ impl Experiment {
     /// The joints' Gram matrices, weighted and put together; `scale` log rows stand behind every row.
     fn weighted(&self, grams: &[Gram], samples: f64, scale: f64) -> Information {
         let mut information = Information::none(self.beta.len());
-        information.rows = samples * scale * self.joints.len() as f64;
-        for (share, gram) in self.joints.iter().zip(grams) {
-            let weight = scale / (share.sigma * share.sigma);
+        information.rows = samples * scale * self.sigma.len() as f64;
+        for ((joint, gram), sigma) in grams.iter().enumerate().zip(&self.sigma) {
+            let weight = scale / (sigma * sigma);
             let gram = gram.matrix();
-            for (c, &column) in share.parameters.iter().enumerate() {
-                for (r, &row) in share.parameters.iter().enumerate().skip(c) {
+            let parameters = self.model.base_columns().parameters(joint);
+            for (c, &column) in parameters.iter().enumerate() {
+                for (r, &row) in parameters.iter().enumerate().skip(c) {
                     information.matrix[(row, column)] += weight * gram[(r, c)];
                 }
             }
         }
         information.matrix.fill_upper_triangle_with_lower_triangle();
         information
-    }
-}
-
-fn joint_columns(model: &Model, joint: usize, first: usize, sigma: f64) -> JointColumns {
-    let parameters = model.active(joint);
-    let columns = parameters
-        .iter()
-        .map(|&b| match model.base().kept()[b] % STANDARD {
-            inertial if inertial < PARAMETERS => Column::Rigid,
-            PARAMETERS => Column::Rotor,
-            11 => Column::Viscous,
-            _ => Column::Coulomb,
-        })
-        .collect();
-    JointColumns { parameters, columns, first, sigma }
-}
-
-fn entries(model: &Model, joints: &[JointColumns]) -> Entries {
-    Entries::new(model.dof(), |link, joint| {
-        std::array::from_fn(|parameter| {
-            let standard = link * STANDARD + parameter;
-            let own = joints[joint].parameters.iter().position(|&b| model.base().kept()[b] == standard);
-            own.map(|place| joints[joint].first + place)
-        })
-    })
-}
-
-impl JointColumns {
-    /// Writes the columns of rotor inertia and friction of `joint` into the table of its columns.
-    fn fill_drive(&self, joint: usize, motion: &Motion, table: &mut [f64]) {
-        let (velocity, rows) = (motion.qd.channel(joint), motion.samples());
-        for (column, target) in self.columns.iter().zip(table.chunks_exact_mut(rows)) {
-            match column {
-                Column::Rigid => {}
-                Column::Rotor => target.copy_from_slice(motion.qdd.channel(joint)),
-                Column::Viscous => target.copy_from_slice(velocity),
-                Column::Coulomb => {
-                    target.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, 0.0));
-                }
-            }
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
+pub mod base_columns;
 mod bounded;
 pub mod consistent;
 pub mod effect_model;
@@ -15,3 +16,4 @@ pub mod noise;
 pub mod paper78;
 pub mod prepare;
 pub mod separable;
+mod streamed;

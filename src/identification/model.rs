@@ -1,13 +1,18 @@
 //! The torque model that is identified: rigid bodies, rotor inertia, viscous and Coulomb friction of every joint.
 
+use super::base_columns::{BLOCK, BaseColumns};
 use super::linear_model::LinearModel;
+use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
 use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
+use crate::error::Result;
 use crate::random;
 use crate::robot::{JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
+use std::ops::Range;
 
 /// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
 pub const STANDARD: usize = PARAMETERS + 3;
@@ -23,6 +28,7 @@ pub struct Model {
     chain: Chain,
     names: Vec<String>,
     base: BaseParameters,
+    columns: BaseColumns,
 }
 
 impl Model {
@@ -31,7 +37,8 @@ impl Model {
         let chain = Chain::new(robot);
         let names = standard_names(robot.dof());
         let base = BaseParameters::new(&probe(&chain), &names);
-        Model { robot: robot.clone(), chain, names, base }
+        let columns = BaseColumns::new(robot.dof(), base.kept());
+        Model { robot: robot.clone(), chain, names, base, columns }
     }
 
     /// Number of joints.
@@ -97,19 +104,18 @@ impl Model {
 
     /// Base columns on one joint: indices of the base parameters that can act there (those of links from the joint outwards).
     pub fn active(&self, joint: usize) -> Vec<usize> {
-        (0..self.base.len())
-            .filter(|&b| {
-                let standard = self.base.kept()[b];
-                let (link, which) = (standard / STANDARD, standard % STANDARD);
-                if which < PARAMETERS { link >= joint } else { link == joint }
-            })
-            .collect()
+        self.columns.parameters(joint).to_vec()
+    }
+
+    /// How the columns of all base parameters are made.
+    pub fn base_columns(&self) -> &BaseColumns {
+        &self.columns
     }
 
     /// The columns of all base parameters along a motion: for every joint a table `[active base parameter][time]` in the
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
     pub fn columns(&self, motion: &Motion, width: f64) -> Vec<Channels> {
-        (0..self.dof()).map(|joint| self.columns_on(joint, motion, motion, width)).collect()
+        self.columns.tables(&self.chain, [motion; 2], width)
     }
 
     /// [`Model::columns`] of one joint, where motors and links may move differently: inertial columns along `link`, rotor
@@ -117,6 +123,16 @@ impl Model {
     pub fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {
         let standard: Vec<usize> = self.active(joint).into_iter().map(|b| self.base.kept()[b]).collect();
         standard_columns(&self.chain, joint, &standard, [motor, link], width)
+    }
+
+    /// Every `step`-th filtered sample of the columns of all joints, along the motion of motors and that of links; friction
+    /// changes sign without a width.
+    ///
+    /// # Errors
+    /// Those of the filter: the motion is too short for it.
+    pub fn filtered_columns_apart(&self, motions: [&Motion; 2], filter: &Filter, step: usize) -> Result<Vec<Channels>> {
+        let wanted: Vec<Range<usize>> = (0..self.dof()).map(|joint| self.columns.of(joint)).collect();
+        streamed::filtered(&Along { model: self, motions }, filter, step, motions[0].samples(), &wanted)
     }
 
     /// Standard parameters of an arm, in the order of [`Model::names`].
@@ -142,8 +158,42 @@ impl LinearModel for Model {
         Model::columns(self, motion, 0.0)
     }
 
-    fn columns_on(&self, joint: usize, motion: &Motion, _: &[f64]) -> Channels {
-        Model::columns_on(self, joint, motion, motion, 0.0)
+    fn filtered_columns(&self, motion: &Motion, _: &[f64], filter: &Filter, step: usize) -> Result<Vec<Channels>> {
+        self.filtered_columns_apart([motion; 2], filter, step)
+    }
+
+    fn torque(&self, motion: &Motion, _: &[f64], beta: &[f64]) -> Channels {
+        let mut torque = Channels::zeros(motion.joints(), motion.samples());
+        let mut table = Vec::new();
+        for start in (0..motion.samples()).step_by(BLOCK) {
+            let here = start..motion.samples().min(start + BLOCK);
+            table.resize(self.columns.places() * here.len(), 0.0);
+            self.columns.write(Lanes::best(), &self.chain, [motion; 2], 0.0, here.clone(), &mut table);
+            for joint in 0..self.dof() {
+                let columns = table.chunks_exact(here.len()).skip(self.columns.of(joint).start);
+                let target = &mut torque.channel_mut(joint)[here.clone()];
+                for (&parameter, column) in self.columns.parameters(joint).iter().zip(columns) {
+                    target.iter_mut().zip(column).for_each(|(value, x)| *value += x * beta[parameter]);
+                }
+            }
+        }
+        torque
+    }
+}
+
+/// The base columns of a model along a motion.
+struct Along<'a> {
+    model: &'a Model,
+    motions: [&'a Motion; 2],
+}
+
+impl Writer for Along<'_> {
+    fn places(&self) -> usize {
+        self.model.columns.places()
+    }
+
+    fn write(&self, samples: Range<usize>, table: &mut [f64]) {
+        self.model.columns.write(Lanes::best(), &self.model.chain, self.motions, 0.0, samples, table);
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::least_squares::JointRegression;
 use super::linear_model::LinearModel;
+use super::model::Model;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -158,14 +159,15 @@ impl Prepared {
     /// # Errors
     /// If the log is too short for the filter.
     pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
-        (0..self.motion.joints())
-            .map(|joint| {
-                let table = model.columns_on(joint, &self.motion, &self.time);
-                let table: Vec<Vec<f64>> = table.iter().map(|column| self.thinned(column)).collect::<Result<_>>()?;
+        let tables = model.filtered_columns(&self.motion, &self.time, &self.filter, self.decimation)?;
+        tables
+            .into_iter()
+            .enumerate()
+            .map(|(joint, columns)| {
                 Ok(JointRegression {
                     joint: self.joints[joint].clone(),
                     parameters: model.active(joint),
-                    columns: Channels::from_vectors(&table),
+                    columns,
                     torque: self.thinned(self.torque.channel(joint))?,
                     valid: self.rows_to_use(joint),
                 })
@@ -193,6 +195,14 @@ impl Prepared {
         Ok(out)
     }
 
+    /// The columns of `model` as regression rows, `[column][row]` for every joint, where links move as `link`.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub(super) fn columns(&self, model: &Model, link: &Motion) -> Result<Vec<Channels>> {
+        model.filtered_columns_apart([&self.motion, link], &self.filter, self.decimation)
+    }
+
     /// A signal of the log as regression rows: filtered, every n-th sample.
     ///
     /// # Errors
@@ -211,19 +221,7 @@ impl Prepared {
 
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
     pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
-        let torque: Vec<Vec<f64>> = (0..self.motion.joints())
-            .map(|joint| {
-                let table = model.columns_on(joint, &self.motion, &self.time);
-                let mut tau = vec![0.0; table.samples()];
-                for (parameter, column) in model.active(joint).into_iter().zip(table.iter()) {
-                    for (value, x) in tau.iter_mut().zip(column) {
-                        *value += x * beta[parameter];
-                    }
-                }
-                tau
-            })
-            .collect();
-        Channels::from_vectors(&torque)
+        model.torque(&self.motion, &self.time, beta)
     }
 
     /// The torque through the filter that regression rows go through, at the rate of the log.

@@ -173,20 +173,31 @@ impl SavitzkyGolay {
             return super::downsample(&output, step);
         }
         self.check(input, input)?;
-        let n = input.len();
-        let mut output = vec![0.0; n.div_ceil(step)];
-        // The first output whose window lies inside, and the first after those.
-        let first = self.half.div_ceil(step);
-        let end = (n.saturating_sub(self.half)).div_ceil(step).max(first);
-        let inside = if n >= self.window() { first.min(end)..end } else { 0..0 };
-        if !inside.is_empty() {
-            let begin = inside.start * step - self.half;
-            sliding::every(Lanes::best(), &self.coefficients(), input, begin, step, &mut output[inside.clone()]);
-        }
-        for row in (0..output.len()).filter(|row| !inside.contains(row)) {
-            output[row] = self.at_edge(input, row * step);
-        }
+        let mut output = vec![0.0; input.len().div_ceil(step)];
+        self.rows(input, 0, step, &mut output);
         Ok(output)
+    }
+
+    /// Outputs `first`, `first + step`, ..., one per place of `output`.
+    pub(super) fn rows(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
+        let (n, rows) = (input.len(), output.len());
+        // The rows whose windows lie inside.
+        let begin = self.half.saturating_sub(first).div_ceil(step).min(rows);
+        let end = n.saturating_sub(self.half + first).div_ceil(step).clamp(begin, rows);
+        let inside = if n >= self.window() { begin..end } else { 0..0 };
+        if !inside.is_empty() {
+            let start = first + begin * step - self.half;
+            let output = &mut output[inside.clone()];
+            if step == 1 {
+                let input = &input[start..][..output.len() + 2 * self.half];
+                sliding::interior(Lanes::best(), &self.weights, self.is_odd(), input, output);
+            } else {
+                sliding::every(Lanes::best(), &self.coefficients(), input, start, step, output);
+            }
+        }
+        for row in (0..rows).filter(|row| !inside.contains(row)) {
+            output[row] = self.at_edge(input, first + row * step);
+        }
     }
 
     fn check(&self, input: &[f64], output: &[f64]) -> Result<()> {

@@ -6,6 +6,7 @@ pub mod filter;
 mod gram;
 pub mod low_pass;
 pub mod savitzky_golay;
+mod sliding;
 pub mod spectrum;
 
 pub use decimate::{block_means, downsample};

@@ -114,7 +114,7 @@ pub fn trial(rows: &[Row]) -> String {
             cells
         })
         .collect();
-    table(&header, cells).to_string()
+    table(&header, cells)
 }
 
 /// What an accuracy check found: what got worse, or that nothing did.

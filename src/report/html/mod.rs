@@ -1,11 +1,13 @@
 //! `report.html`: one file that can be sent, read offline and on a phone, in light and dark. The verdict comes first, in
 //! words, then what it rests on.
 //!
-//! A [`Page`] is data: a verdict and sections of blocks; [`Page::render`] makes the file. [`run`], [`diagnosis`],
-//! [`stopped`], [`montecarlo`] and [`paper`] fill it; [`evidence`] draws what a residual looks like over time, velocity, position and frequency.
+//! A [`Page`] is data: a verdict and sections of blocks; [`Page::render`] makes the file. [`run`], [`measured`],
+//! [`diagnosis`], [`stopped`], [`montecarlo`] and [`paper`] fill it; [`evidence`] draws what a residual looks like over time,
+//! velocity, position and frequency.
 
 pub mod diagnosis;
 pub mod evidence;
+pub mod measured;
 pub mod montecarlo;
 pub mod paper;
 pub mod provenance;

@@ -62,7 +62,7 @@ fn verdict(robot: &Robot, fitted: &Fitted, rows: &[Joint]) -> (Tone, String) {
     match missed.is_empty() {
         true => {
             let worst = (0..robot.dof()).map(share).fold(0.0, f64::max);
-            let percent = significant(100.0 * worst);
+            let percent = format!("{:.1}", 100.0 * worst);
             (
                 Tone::Good,
                 format!(
@@ -138,7 +138,7 @@ fn scores(robot: &Robot, scored: &[Scored], rows: &[Joint]) -> Section {
     let at = |values: &[f64], j: usize| values.get(j).map_or("-".to_owned(), |&value| significant(value));
     let table = robot.joints.iter().enumerate().map(|(j, about)| {
         vec![
-            about.name.clone(),
+            format!("{}, {}", about.name, about.effort_unit()),
             rows.get(j)
                 .map_or("-".to_owned(), |row| format!("{} {}", significant(rms(&row.torque)), about.effort_unit())),
             at(&raw.torque_std_held_out_nm, j),

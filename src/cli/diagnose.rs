@@ -2,7 +2,7 @@
 
 use super::{DONE, Global, print, progress};
 use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, confirm, screen, still_joints};
+use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     refuse_twice("--test", arguments, &train, &test)?;
     refuse_twice("--reference", arguments, &train, &reference)?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let faults = faults(&train, &test, &reference, &robot);
+    let faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
@@ -228,21 +228,6 @@ fn screened(path: &PathBuf, robot: &Robot) -> Result<Screened> {
 
 fn recordings(logs: &[Screened]) -> Vec<&Recording> {
     logs.iter().flat_map(|log| &log.pieces).collect()
-}
-
-/// All faults; a joint that moves in no training log stops the diagnosis too.
-fn faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
-    let still = still_joints(train, robot);
-    let stills = still.into_iter().map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
-    let logs = train.iter().chain(test).chain(reference);
-    let mut all: Vec<DataFault> = stills.collect();
-    let told = logs.flat_map(|log| log.faults.iter().cloned());
-    let told: Vec<DataFault> =
-        told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
-    all.extend(told);
-    confirm(&mut all, train.len() + test.len() + reference.len());
-    all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
-    all
 }
 
 /// Logs that only judge may be shorter than those that are found from, but a moment tells nothing.

@@ -13,6 +13,7 @@
 //! | score tests, and the level of the best of many | [`score`], [`judging`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
+//! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
@@ -31,6 +32,7 @@ pub mod evidence;
 pub mod extended;
 pub mod gap;
 pub mod grid;
+pub mod held_out;
 pub mod inertias;
 pub mod innovations;
 pub mod judging;
@@ -44,6 +46,7 @@ pub mod screening;
 pub mod selection;
 pub mod session;
 pub mod solution;
+pub mod stretches;
 pub mod unexplained;
 pub mod verdict;
 pub mod whitening;

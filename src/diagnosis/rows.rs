@@ -3,6 +3,7 @@
 //! Positions pass a zero-phase low-pass whose cut-off the data choose. Torque is not filtered: torque and every column
 //! become means over the same short blocks, which keeps white noise white.
 
+use super::column::Column;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -184,6 +185,19 @@ impl Rows {
     pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
         signal[..self.changed_from()].fill(0.0);
         signal
+    }
+
+    /// Leaves out the rows of a joint in which `error` exceeds what is bearable on it, but no more than a share of those that
+    /// count: then the largest.
+    pub fn leave_out_largest(&mut self, error: &Column, bearable: &[f64], most: f64) {
+        for (joint, (valid, bearable)) in self.valid.iter_mut().zip(bearable).enumerate() {
+            let Some(error) = error.part(joint) else { continue };
+            let mut sizes: Vec<f64> = error.iter().zip(&*valid).filter(|(_, ok)| **ok).map(|(e, _)| e.abs()).collect();
+            sizes.sort_by(|a, b| b.total_cmp(a));
+            let limit = sizes.get((most * sizes.len() as f64) as usize).map_or(*bearable, |least| least.max(*bearable));
+            tracing::debug!(joint, bearable, limit, "error of the smoothing");
+            valid.iter_mut().zip(error).for_each(|(ok, error)| *ok &= error.abs() <= limit);
+        }
     }
 
     /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.

@@ -6,10 +6,12 @@ use super::candidates::{self, Candidate, Family, Slot};
 use super::column::{Column, rms};
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
+use super::held_out::Gains;
 use super::judging::Judged;
 use super::roles::is_level;
 use super::score::{Projection, family_wise};
 use super::session::{Member, Noise, Session};
+use super::stretches::without_best_stretches;
 use super::unexplained::slow_cosines;
 use super::verdict::Verdict;
 use super::whitening::Whitener;
@@ -18,13 +20,6 @@ use std::collections::BTreeMap;
 
 /// Effects are dropped in the end when what they take is more likely than this without them.
 const KEPT: f64 = 1e-4;
-
-/// Rows in a stretch over which held-out gains are summed before they count as independent (one second).
-const STRETCH: usize = 50;
-
-/// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
-/// training logs, and the held-out logs, often fewer, must not contradict it.
-const SURELY: f64 = 1.0;
 
 /// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
 const NOISE_IS_ESTIMATED: f64 = 0.2;
@@ -148,6 +143,13 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             true => level.max(family_wise(beside_smoothing(session, &round, &winner)?, tests)),
             false => level,
         };
+        let level = match happens_anywhere(&winner.candidate) {
+            true => level,
+            false => {
+                level.max(family_wise(without_best_stretches(session, &members, &round.whitener, &winner)?, tests))
+            }
+        };
+        tracing::debug!(level, "without the best stretches");
         let limit = options.alpha * strictness(&winner.candidate);
         let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
         match accepted {
@@ -193,6 +195,11 @@ fn beside_smoothing(session: &Session, round: &Round, winner: &Judged) -> Result
     let each: Vec<Column> = error.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal)).collect();
     let fit = round.fit.with(&round.whitener.apply_all(&each));
     Ok(fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p()))
+}
+
+/// Whether an effect may show in a moment of the logs alone: what happened once, and what happens where the torque is largest.
+fn happens_anywhere(candidate: &Candidate) -> bool {
+    candidate.log.is_some() || is_level(candidate.placed.effect)
 }
 
 /// Share of the level at which a candidate is believed.
@@ -243,7 +250,7 @@ fn better_unseen(
         joints.sort_unstable();
         joints.dedup();
         let after = session.held_out_residual(&with(rival), &whitener)?;
-        let bound = gain_lower_bound(&unseen, &before, &after, &joints, session.test.rows.len());
+        let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
         tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
         if bound > best.as_ref().map_or(0.0, |(best, _)| *best) {
             best = Some((bound, rival));
@@ -273,37 +280,20 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     let before = session.held_out_residual(members, &whitener)?;
     let after = session.held_out_residual(&with, &whitener)?;
     let joints = winner.candidate.joints();
-    let bound = match winner.candidate.log {
-        None => gain_lower_bound(&whitener.on(&session.test.rows), &before, &after, &joints, session.test.rows.len()),
+    let gains = match winner.candidate.log {
+        None => Gains::new(&whitener.on(&session.test.rows), &before, &after, &joints, session.test.rows.len()),
         Some(_) => {
             let [before, after] =
                 [members, &with].map(|members| session.residual_on(&session.train, members, &whitener));
-            gain_lower_bound(&whitener, &before?, &after?, &joints, session.train.rows.len())
+            Gains::new(&whitener, &before?, &after?, &joints, session.train.rows.len())
         }
     };
+    let bound = gains.lower_bound();
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
     tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
     let least = if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) { WORTH_A_NAME } else { 0.0 };
-    Ok((bound > least).then_some((member, Gain { lower_bound: bound, rms })))
-}
-
-/// Lower bound, by one standard deviation (84 %), of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
-///
-/// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
-/// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
-pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
-    let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
-    let mut gain = 0.0;
-    let mut chance = vec![0.0; rows / STRETCH + 1];
-    for (joint, values) in &before.parts {
-        let Some(others) = after.part(*joint) else { continue };
-        for ((place, b), a) in unseen.places(*joint).iter().zip(values).zip(others) {
-            gain += b * b - a * a;
-            chance[place / STRETCH] += 2.0 * a * (b - a);
-        }
-    }
-    let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-    (gain - SURELY * std) / before.dot(&before).max(f64::MIN_POSITIVE)
+    let spread = happens_anywhere(&winner.candidate) || gains.without_best_stretch() > 0.0;
+    Ok((bound > least && spread).then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

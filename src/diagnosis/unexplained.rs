@@ -1,9 +1,9 @@
 //! What is left when no more effects pass: generic functions of the motion and of time tell whether it has structure.
 
 use super::column::Column;
+use super::held_out::Gains;
 use super::rows::Rows;
 use super::score::Projection;
-use super::selection::gain_lower_bound;
 use super::session::{Member, Session};
 use super::solution::solve;
 use super::whitening::{Whitener, rich};
@@ -137,7 +137,7 @@ pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, a
             for (column, value) in unseen_columns.iter().chain(&again).zip(solved.values) {
                 after.add(-value, column);
             }
-            if gain_lower_bound(&unseen, &before, &after, &[joint], unseen_rows.len()) <= 0.0 {
+            if Gains::new(&unseen, &before, &after, &[joint], unseen_rows.len()).lower_bound() <= 0.0 {
                 continue;
             }
             // The fit minimises over all joints, so that it can give more than this joint has.

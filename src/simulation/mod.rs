@@ -2,6 +2,7 @@
 
 pub mod controller;
 pub mod engine;
+pub mod following;
 pub mod integrator;
 pub mod measured_motion;
 pub mod plant;

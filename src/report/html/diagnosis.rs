@@ -1,6 +1,7 @@
 //! The report of a diagnosis.
 
 use super::evidence::{self, Contender, Joint};
+use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
@@ -120,7 +121,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
         lead.push(format!(
-            "{} ({}): {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+            "{}, {}. {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
             values(found).join(", "),
             about.explanation,
@@ -142,21 +143,22 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         ));
     }
     lead.push(format!(
-        "Where nothing is wrong, at most {} % of diagnoses name anything: {:.0} independent tests were made, and the level \
-         is corrected for them.",
+        "Where nothing is wrong, at most {} % of diagnoses name anything: the level is corrected for the number of \
+         independent tests, which is {:.0}.",
         100.0 * diagnosis.alpha,
         diagnosis.effective_tests
     ));
     lead
 }
 
-/// "rise 24.6 ± 0.7 N m" for every parameter that was estimated; the half width is that of the 95 % interval.
+/// "rise 24.6 N m (95 %: 23.9 to 25.3)" for every parameter that was estimated.
 fn values(found: &Found) -> Vec<String> {
     let placed = &found.member.placed;
     let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
     all.filter(|(parameter, _)| parameter.role != Role::Held)
         .map(|(parameter, (&value, &std))| {
-            format!("{} {} ± {} {}", parameter.name, significant(value), significant(NORMAL_95 * std), parameter.unit)
+            let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
+            format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), parameter.unit)
         })
         .collect()
 }
@@ -234,8 +236,8 @@ fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Section {
             ]
         });
         blocks.push(Block::text(format!(
-            "{}: {} Chance of a false alarm: {}. At least {:.0} % of the held-out sum of squares is gained (84 %).",
-            named(robot, found.member.candidate.family()),
+            "{}: {} Chance of a false alarm: {}. It takes at least {:.0} % of the held-out sum of squares (84 % sure).",
+            sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
             sentence(about.explanation),
             probability(found.family_wise_p.log10()),
             100.0 * found.gain_lower_bound
@@ -295,7 +297,7 @@ fn candidates(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         ]
     };
     let rows: Vec<Vec<String>> = diagnosis.evidence.ranking.iter().enumerate().map(row).collect();
-    let header = ["rank", "candidate", "statistic", "degrees", "chance without it", "verdict"];
+    let header = ["rank", "candidate", "statistic", "degrees of freedom", "chance without it", "verdict"];
     let (first, rest) = rows.split_at(RANKED.min(rows.len()));
     let mut blocks = vec![
         Block::text(
@@ -378,7 +380,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     if faults.is_empty() {
         blocks.push(Block::text("No fault was found in the logs."));
     } else {
-        let rows = faults.iter().map(|fault| vec![fault.log.clone(), fault.place.clone(), fault.text.clone()]);
+        let rows = faults.iter().map(|fault| vec![file_name(&fault.log), fault.place.clone(), fault.text.clone()]);
         blocks.push(Block::table(["log", "place", "what is wrong"], rows.collect()));
     }
     if diagnosis.held_out_from_training {

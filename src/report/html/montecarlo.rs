@@ -2,7 +2,7 @@
 
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::report::console::significant;
-use crate::report::montecarlo::{noise, window};
+use crate::report::montecarlo::{noise, size, window};
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
 use crate::study::montecarlo::{Cell, Quantiles, Summary, Timings};
@@ -72,16 +72,20 @@ fn verdict(summary: &Summary, best: &[&Cell]) -> (String, Tone) {
             percent(only.coverage)
         ),
         [first, .., last] if whose(first) == whose(last) => format!(
-            "Closest to the true parameters is {}: median d_beta {} at the first noise level, {} at the last.",
+            "Closest to the true parameters is {}: median d_beta {} at {}, {} at {}.",
             whose(first),
             significant(median(first)),
-            significant(median(last))
+            level(first),
+            significant(median(last)),
+            level(last)
         ),
         [first, .., last] => format!(
-            "Closest to the true parameters at the first noise level is {} (median d_beta {}), at the last {} ({}).",
+            "Closest to the true parameters: {} at {} (median d_beta {}), {} at {} ({}).",
             whose(first),
+            level(first),
             significant(median(first)),
             whose(last),
+            level(last),
             significant(median(last))
         ),
     };
@@ -145,9 +149,9 @@ fn percent(share: Option<f64>) -> String {
 fn level(cell: &Cell) -> String {
     match (cell.encoder_rad, cell.torque_nm) {
         (None, None) => "the scenario's noise".to_owned(),
-        (Some(q), None) => format!("{q} rad of noise"),
-        (None, Some(tau)) => format!("{tau} N m of noise"),
-        (Some(q), Some(tau)) => format!("{q} rad and {tau} N m of noise"),
+        (Some(q), None) => format!("{} rad of noise", size(q)),
+        (None, Some(tau)) => format!("{} N m of noise", size(tau)),
+        (Some(q), Some(tau)) => format!("{} rad and {} N m of noise", size(q), size(tau)),
     }
 }
 
@@ -234,7 +238,7 @@ fn by_window(summary: &Summary) -> Option<Section> {
         let any = of_level(number).next()?;
         Some(Chart {
             title: format!("d_beta at {}", level(any)),
-            note: "median, thin: 5 and 95 %".into(),
+            note: "thin: 5, 95 %".into(),
             x_label: "Savitzky-Golay window (samples)".into(),
             log_y: true,
             traces: curves(summary, |name| {
@@ -434,10 +438,12 @@ mod tests {
         let page =
             rendered(vec![cell(0, 0, Some(0.5)), cell(0, 31, Some(0.2)), cell(1, 0, Some(0.7)), cell(1, 31, None)]);
         assert!(
-            page.contains("at the first noise level is wls with a window of 31 samples (median d_beta 0.200)"),
+            page.contains(
+                "parameters: wls with a window of 31 samples at 1e-4 rad of noise (median d_beta 0.200), wls"
+            ),
             "{page}"
         );
-        assert!(page.contains("at the last wls with no smoothing (0.700)"));
+        assert!(page.contains("wls with no smoothing at 0.001 rad of noise (0.700)"));
         assert!(page.contains("one part of a study of 8") && page.contains("no rows &lt;at all&gt;"));
         // Two windows with two quantities over the noise, and the parameters of two levels.
         assert_eq!(page.matches("class=\"ts-figure chart\"").count(), 2 * 2 + 2);

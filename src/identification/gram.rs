@@ -8,8 +8,9 @@ use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use nalgebra::DMatrix;
 
-/// Rows of a block: its columns then stay in the cache while the tiles pass over them.
-pub const BLOCK: usize = 128;
+/// Rows of a block: its columns then stay in the cache while the tiles pass over them; no power of two, or they would crowd
+/// into few places of it.
+pub const BLOCK: usize = 120;
 
 /// Height and breadth of a tile.
 const TALL: usize = 4;

@@ -10,6 +10,7 @@ pub mod resample;
 mod columns;
 #[cfg(test)]
 mod samples;
+mod sieve;
 
 use crate::channels::Channels;
 use crate::error::{Error, Result};
@@ -145,6 +146,43 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
         tracing::warn!("{}: {note}", path.display());
     }
     Ok(recording)
+}
+
+/// Writes a log in the format that the extension of the name tells: `csv`, `parquet`, `mcap` or `db3`. Returns what the
+/// format has no place for.
+///
+/// # Errors
+/// An unknown extension, a file that cannot be written, or a time that the format cannot hold.
+pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let (names, told, more) = (
+        (!recording.joints.iter().enumerate().all(|(joint, name)| *name == format!("joint_{}", joint + 1)))
+            .then_some("names of joints"),
+        (!recording.provenance.is_empty() || !recording.robot.is_empty()).then_some("where the log comes from"),
+        (recording.qdd.is_some() || recording.truth.is_some()).then_some("accelerations and truth"),
+    );
+    let lost = match extension.as_deref() {
+        Some("csv") => {
+            csv::write(path, recording)?;
+            [names, told]
+        }
+        Some("parquet") => {
+            parquet::write(path, recording)?;
+            [None, None]
+        }
+        #[cfg(feature = "bags")]
+        Some("mcap") => {
+            bag::write::mcap(path, recording)?;
+            [more, None]
+        }
+        #[cfg(feature = "bags")]
+        Some("db3") => {
+            bag::write::sqlite(path, recording)?;
+            [more, None]
+        }
+        _ => return Err(unknown_format(path)),
+    };
+    Ok(lost.into_iter().flatten().collect())
 }
 
 /// The name of a log must tell its format.

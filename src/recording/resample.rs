@@ -8,8 +8,13 @@ use std::ops::Range;
 /// taken at even steps before it is used.
 pub const IRREGULAR: f64 = 0.02;
 
-/// A step longer than this many median steps is a gap.
+/// A step longer than this many median steps is a gap, whatever the clock.
 pub const GAP: f64 = 2.5;
+
+/// Of a clock whose steps otherwise scatter by less than [`STEADY`] of the median, one longer than this already is: a row was
+/// lost.
+const LOST_ROW: f64 = 1.5;
+const STEADY: f64 = 0.1;
 
 /// How regular the clock of a log is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -31,16 +36,14 @@ impl Clock {
         let rate_hz = recording.rate_hz();
         let median = 1.0 / rate_hz;
         let steps = || recording.time.windows(2).map(|pair| pair[1] - pair[0]);
-        let gaps: Vec<usize> = steps().enumerate().filter(|(_, s)| *s > GAP * median).map(|(at, _)| at).collect();
-        let (sum, count) = steps()
-            .filter(|s| *s <= GAP * median)
-            .fold((0.0, 0usize), |(sum, count), s| (sum + (s - median).powi(2), count + 1));
-        Clock {
-            rate_hz,
-            jitter_s: (sum / count.max(1) as f64).sqrt(),
-            longest_step_s: steps().fold(0.0, f64::max),
-            gaps,
-        }
+        let scatter = |longest: f64| {
+            let kept = steps().filter(|s| *s <= longest * median);
+            let (sum, count) = kept.fold((0.0, 0usize), |(sum, count), s| (sum + (s - median).powi(2), count + 1));
+            (sum / count.max(1) as f64).sqrt()
+        };
+        let longest = if scatter(LOST_ROW) < STEADY * median { LOST_ROW } else { GAP };
+        let gaps: Vec<usize> = steps().enumerate().filter(|(_, s)| *s > longest * median).map(|(at, _)| at).collect();
+        Clock { rate_hz, jitter_s: scatter(longest), longest_step_s: steps().fold(0.0, f64::max), gaps }
     }
 
     /// Whether the log should be taken at even steps before it is used.

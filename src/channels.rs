@@ -59,6 +59,18 @@ impl Channels {
         &mut self.data
     }
 
+    /// Adds a signal behind the others.
+    ///
+    /// # Panics
+    /// If it has another number of samples.
+    pub fn push(&mut self, signal: &[f64]) {
+        assert!(self.channels == 0 || signal.len() == self.samples, "channels differ in length");
+        self.samples = signal.len();
+        self.channels += 1;
+        self.data.reserve_exact(signal.len());
+        self.data.extend_from_slice(signal);
+    }
+
     /// The values of all channels at one sample.
     pub fn at(&self, sample: usize) -> Vec<f64> {
         self.iter().map(|signal| signal[sample]).collect()

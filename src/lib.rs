@@ -11,8 +11,8 @@
 //! - Batched signals are laid out `[channel][time]` ([`channels::Channels`]).
 //! - Every random number comes from a recorded seed through a named stream ([`random`]).
 //!
-//! Imports run one way, from the top of this list downwards: [`cli`] and [`report`] know everything, [`robot`] and
-//! [`channels`] know nothing.
+//! Imports run one way, from the top of this list downwards: [`cli`] and [`report`] know everything, [`robot`],
+//! [`channels`] and [`lane`] know nothing.
 
 pub mod cli;
 pub mod report;
@@ -46,5 +46,6 @@ pub mod robot;
 
 pub mod channels;
 pub mod error;
+pub mod lane;
 pub mod output;
 pub mod random;

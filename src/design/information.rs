@@ -10,14 +10,13 @@
 //! up by the ratio of the rates.
 
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Motion, block_row, regressor};
-use crate::effects::direction;
+use crate::dynamics::{Chain, Motion};
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
-use crate::identification::model::{Model, STANDARD};
-use crate::robot::{PARAMETERS, Robot};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatRef, Par};
+use crate::identification::gram::Gram;
+use crate::identification::model::Model;
+use crate::lane::Lanes;
+use crate::robot::Robot;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Samples that go into the Gram matrices at once: regressor and columns then stay in the cache.
@@ -127,30 +126,6 @@ pub struct Samples {
     pub torque: Channels,
 }
 
-/// Which column of the regressor a base parameter scales on a joint.
-#[derive(Debug, Clone, Copy)]
-enum Column {
-    /// Channel of the rigid-body regressor.
-    Rigid(usize),
-    /// The joint's own acceleration.
-    Rotor,
-    /// The joint's own velocity, for viscous friction.
-    Viscous,
-    /// The direction of the joint's motion, for Coulomb friction.
-    Coulomb,
-}
-
-/// One joint's share of the regressor.
-#[derive(Debug, Clone)]
-struct JointColumns {
-    /// Base parameters that can act on the joint.
-    parameters: Vec<usize>,
-    /// Where their columns come from.
-    columns: Vec<Column>,
-    /// Standard deviation of the torque noise, N m.
-    sigma: f64,
-}
-
 /// An arm with its torque sensors: what turns a motion into information.
 #[derive(Debug, Clone)]
 pub struct Experiment {
@@ -158,7 +133,8 @@ pub struct Experiment {
     model: Model,
     /// Values of the base parameters, for torque and relative deviations.
     beta: DVector<f64>,
-    joints: Vec<JointColumns>,
+    /// Standard deviation of the torque noise of each joint, N m.
+    sigma: Vec<f64>,
     rate_hz: f64,
 }
 
@@ -179,10 +155,8 @@ impl Experiment {
             }
         }
         let model = Model::new(robot);
-        let joints =
-            torque_noise.iter().enumerate().map(|(joint, &sigma)| joint_columns(&model, joint, sigma)).collect();
         let beta = DVector::from_vec(model.base().values(&Model::standard_values(robot)));
-        Ok(Experiment { chain: Chain::new(robot), model, beta, joints, rate_hz })
+        Ok(Experiment { chain: Chain::new(robot), model, beta, sigma: torque_noise.to_vec(), rate_hz })
     }
 
     /// The torque model with its base parameters.
@@ -208,20 +182,20 @@ impl Experiment {
     /// [`Experiment::information`], and shows `visit` the samples with their torque.
     pub fn scan(&self, motion: &dyn Reference, grid_hz: f64, visit: &mut dyn FnMut(&Samples)) -> Information {
         let total = (motion.duration_s() * grid_hz + 1e-9).floor() as usize + 1;
-        let mut grams: Vec<Mat<f64>> =
-            self.joints.iter().map(|joint| Mat::zeros(joint.parameters.len(), joint.parameters.len())).collect();
-        let mut table = Vec::new();
+        let (columns, dof) = (self.model.base_columns(), self.sigma.len());
+        let mut grams: Vec<Gram> = (0..dof).map(|joint| Gram::new(columns.parameters(joint).len())).collect();
+        let mut table = vec![0.0; columns.places() * BLOCK];
         for first in (0..total).step_by(BLOCK) {
             let mut samples = self.sample(motion, first..total.min(first + BLOCK), grid_hz);
-            let rigid = regressor(&self.chain, &samples.motion);
-            for (joint, (share, gram)) in self.joints.iter().zip(&mut grams).enumerate() {
-                share.fill(joint, &rigid, &samples, &mut table);
-                let rows = samples.time.len();
-                let block = MatRef::from_column_major_slice(&table, rows, share.parameters.len());
-                let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-                matmul(gram.as_mut(), lower, Accum::Add, block.transpose(), full, block, full, 1.0, Par::Seq);
+            let rows = samples.time.len();
+            let table = &mut table[..columns.places() * rows];
+            columns.write(Lanes::best(), &self.chain, [&samples.motion; 2], 0.0, 0..rows, table);
+            for (joint, gram) in grams.iter_mut().enumerate() {
+                let share = columns.of(joint);
+                let own = &table[share.start * rows..share.end * rows];
+                gram.add(own, rows);
                 let torque = samples.torque.channel_mut(joint);
-                for (column, &parameter) in table.chunks(rows).zip(&share.parameters) {
+                for (column, &parameter) in own.chunks(rows).zip(columns.parameters(joint)) {
                     let beta = self.beta[parameter];
                     torque.iter_mut().zip(column).for_each(|(tau, y)| *tau += beta * y);
                 }
@@ -232,7 +206,7 @@ impl Experiment {
     }
 
     fn sample(&self, motion: &dyn Reference, range: std::ops::Range<usize>, grid_hz: f64) -> Samples {
-        let dof = self.joints.len();
+        let dof = self.sigma.len();
         let mut block = Motion::zeros(dof, range.len());
         let [mut q, mut qd, mut qdd] = [(); 3].map(|()| vec![0.0; dof]);
         let time: Vec<f64> = range.map(|k| k as f64 / grid_hz).collect();
@@ -247,54 +221,20 @@ impl Experiment {
     }
 
     /// The joints' Gram matrices, weighted and put together; `scale` log rows stand behind every row.
-    fn weighted(&self, grams: &[Mat<f64>], samples: f64, scale: f64) -> Information {
+    fn weighted(&self, grams: &[Gram], samples: f64, scale: f64) -> Information {
         let mut information = Information::none(self.beta.len());
-        information.rows = samples * scale * self.joints.len() as f64;
-        for (share, gram) in self.joints.iter().zip(grams) {
-            let weight = scale / (share.sigma * share.sigma);
-            for (c, &column) in share.parameters.iter().enumerate() {
-                for (r, &row) in share.parameters.iter().enumerate().skip(c) {
+        information.rows = samples * scale * self.sigma.len() as f64;
+        for ((joint, gram), sigma) in grams.iter().enumerate().zip(&self.sigma) {
+            let weight = scale / (sigma * sigma);
+            let gram = gram.matrix();
+            let parameters = self.model.base_columns().parameters(joint);
+            for (c, &column) in parameters.iter().enumerate() {
+                for (r, &row) in parameters.iter().enumerate().skip(c) {
                     information.matrix[(row, column)] += weight * gram[(r, c)];
                 }
             }
         }
         information.matrix.fill_upper_triangle_with_lower_triangle();
         information
-    }
-}
-
-fn joint_columns(model: &Model, joint: usize, sigma: f64) -> JointColumns {
-    let parameters = model.active(joint);
-    let columns = parameters
-        .iter()
-        .map(|&b| {
-            let standard = model.base().kept()[b];
-            match standard % STANDARD {
-                inertial if inertial < PARAMETERS => {
-                    Column::Rigid(block_row(model.dof(), standard / STANDARD, inertial, joint))
-                }
-                PARAMETERS => Column::Rotor,
-                11 => Column::Viscous,
-                _ => Column::Coulomb,
-            }
-        })
-        .collect();
-    JointColumns { parameters, columns, sigma }
-}
-
-impl JointColumns {
-    /// Writes the columns of `joint` one after the other into `table`.
-    fn fill(&self, joint: usize, rigid: &Channels, samples: &Samples, table: &mut Vec<f64>) {
-        table.clear();
-        for column in &self.columns {
-            match column {
-                Column::Rigid(channel) => table.extend_from_slice(rigid.channel(*channel)),
-                Column::Rotor => table.extend_from_slice(samples.motion.qdd.channel(joint)),
-                Column::Viscous => table.extend_from_slice(samples.motion.qd.channel(joint)),
-                Column::Coulomb => {
-                    table.extend(samples.motion.qd.channel(joint).iter().map(|&velocity| direction(velocity, 0.0)));
-                }
-            }
-        }
     }
 }

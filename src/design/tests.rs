@@ -59,7 +59,7 @@ fn stacked(experiment: &Experiment, motion: &dyn Reference, grid_hz: f64) -> DMa
         sampled.qdd.set(k, &qdd);
     }
     let mut rows = DMatrix::zeros(6 * samples, model.base().len());
-    for (joint, columns) in model.columns(&sampled, &time, 0.0).iter().enumerate() {
+    for (joint, columns) in model.columns(&sampled, 0.0).iter().enumerate() {
         for (&parameter, column) in model.active(joint).iter().zip(columns.iter()) {
             for (k, y) in column.iter().enumerate() {
                 rows[(joint * samples + k, parameter)] = y / NOISE[joint];

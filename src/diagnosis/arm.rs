@@ -40,8 +40,7 @@ impl Arm {
     /// Columns of the baseline: rotor inertia, viscous and Coulomb friction of every joint, and where the inertias are
     /// not believed all base parameters.
     pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
-        let tables: Vec<Vec<Channels>> =
-            rows.logs.par_iter().map(|log| model.columns(&log.motion, &log.time, 0.0)).collect();
+        let tables: Vec<Vec<Channels>> = rows.logs.par_iter().map(|log| model.columns(&log.motion, 0.0)).collect();
         let base = (0..model.base().len()).filter(|&b| self.trust == Trust::Structure || model.is_friction(b));
         let mut columns: Vec<Column> = base
             .map(|b| {

@@ -39,14 +39,19 @@ impl Gains {
         Gains { of_rows, std, before: before.dot(&before).max(f64::MIN_POSITIVE) }
     }
 
+    /// The share of the sum of squares that is gained.
+    pub fn share(&self) -> f64 {
+        self.of_rows.iter().sum::<f64>() / self.before
+    }
+
     /// Lower bound, by one standard deviation (84 %), of the share of the sum of squares that is gained.
     pub fn lower_bound(&self) -> f64 {
-        (self.of_rows.iter().sum::<f64>() - SURELY * self.std) / self.before
+        self.share() - SURELY * self.std / self.before
     }
 
     /// The share that is gained outside the stretch that gains most.
     pub fn without_best_stretch(&self) -> f64 {
         let best: f64 = self.of_rows[best_stretch(&self.of_rows)].iter().sum();
-        (self.of_rows.iter().sum::<f64>() - best) / self.before
+        self.share() - best / self.before
     }
 }

@@ -15,7 +15,7 @@
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
-//! | structure that no candidate carries | [`unexplained`] |
+//! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
@@ -31,7 +31,9 @@ pub mod estimates;
 pub mod evidence;
 pub mod extended;
 pub mod gap;
+pub mod generic;
 pub mod grid;
+pub mod harmonics;
 pub mod held_out;
 pub mod inertias;
 pub mod innovations;

@@ -6,13 +6,13 @@ use super::candidates::{self, Candidate, Family, Slot};
 use super::column::{Column, rms};
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
+use super::generic::slow_cosines;
 use super::held_out::Gains;
 use super::judging::Judged;
 use super::roles::is_level;
 use super::score::{Projection, family_wise};
 use super::session::{Member, Noise, Session};
 use super::stretches::without_best_stretches;
-use super::unexplained::slow_cosines;
 use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -20,6 +20,12 @@ use std::collections::BTreeMap;
 
 /// Effects are dropped in the end when what they take is more likely than this without them.
 const KEPT: f64 = 1e-4;
+
+/// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
+const BEYOND_CHANCE: f64 = 1e-6;
+
+/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
+const SEEN_ELSEWHERE: f64 = 0.01;
 
 /// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
 const NOISE_IS_ESTIMATED: f64 = 0.2;
@@ -143,15 +149,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             true => level.max(family_wise(beside_smoothing(session, &round, &winner)?, tests)),
             false => level,
         };
-        let level = match happens_anywhere(&winner.candidate) {
-            true => level,
-            false => {
-                level.max(family_wise(without_best_stretches(session, &members, &round.whitener, &winner)?, tests))
-            }
-        };
-        tracing::debug!(level, "without the best stretches");
+        let spread = happens_anywhere(&winner.candidate)
+            || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln();
         let limit = options.alpha * strictness(&winner.candidate);
-        let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
+        let accepted = if level > limit || !spread { None } else { accepted(session, &members, &winner, level)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
@@ -273,7 +274,7 @@ pub struct Gain {
 
 /// The winner as a member of the model with its gain on the held-out rows, if that is surely positive. An event of one
 /// training log shows in no other: its gain is that on the training rows.
-fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, Gain)>> {
+fn accepted(session: &Session, members: &[Member], winner: &Judged, level: f64) -> Result<Option<(Member, Gain)>> {
     let member = winner.member();
     let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
     let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
@@ -290,10 +291,13 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Op
     };
     let bound = gains.lower_bound();
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
-    tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
-    let least = if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) { WORTH_A_NAME } else { 0.0 };
-    let spread = happens_anywhere(&winner.candidate) || gains.without_best_stretch() > 0.0;
-    Ok((bound > least && spread).then_some((member, Gain { lower_bound: bound, rms })))
+    tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
+    let enough = match joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
+        true => bound > WORTH_A_NAME,
+        false if level < BEYOND_CHANCE => gains.share() > 0.0,
+        false => bound > 0.0,
+    };
+    Ok(enough.then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

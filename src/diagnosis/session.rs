@@ -178,8 +178,7 @@ impl<'a> Session<'a> {
                 all.extend(self.tangents(side, &member.candidate, &member.factors)?);
             } else {
                 // What happened in a training log did not happen here.
-                let effect = member.placed.effect;
-                all.extend(vec![Column::default(); linear(effect).len() + shapes(effect).len()]);
+                all.extend(vec![Column::default(); member.columns()]);
             }
         }
         Ok(all)
@@ -288,6 +287,11 @@ impl<'a> Session<'a> {
 }
 
 impl Member {
+    /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
+    pub fn columns(&self) -> usize {
+        linear(self.placed.effect).len() + shapes(self.placed.effect).len()
+    }
+
     /// A candidate with the factors of its columns as part of the model.
     pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();

@@ -1,6 +1,7 @@
 //! The geometry of an arm as the kernels read it, and the forward recursion they share.
 
-use super::lane::{Lane, Mat3, Vec3, add, cross, scale, splat3, transpose_times};
+use super::spatial::{Mat3, Vec3, add, cross, scale, splat3, transpose_times};
+use crate::lane::Lane;
 use crate::robot::{JointKind, Robot};
 use nalgebra::Matrix3;
 

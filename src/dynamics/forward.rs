@@ -2,8 +2,9 @@
 //! 1982, method 3; Featherstone 2008, chapter 6) and the recursive Newton-Euler bias.
 
 use super::chain::{Chain, LinkState};
-use super::lane::{Lane, Mat3, Vec3, add, cross, dot, scale, times};
 use super::rnea::wrench;
+use super::spatial::{Mat3, Vec3, add, cross, dot, scale, times};
+use crate::lane::Lane;
 use crate::robot::PARAMETERS;
 
 /// Equations of motion M qdd + h = tau at one state, M factored as L D L'.

@@ -7,14 +7,14 @@
 mod base_parameters;
 mod chain;
 mod forward;
-mod lane;
 mod regressor;
 mod rnea;
+mod spatial;
 
+pub use crate::lane::{Lane, Lanes};
 pub use base_parameters::{BaseParameters, Grouping};
 pub use chain::Chain;
 pub use forward::EquationsOfMotion;
-pub use lane::{Lane, Lanes};
 pub use regressor::{Entries, block_row, regressor, regressor_in};
 pub use rnea::{inverse_dynamics, inverse_dynamics_at, inverse_dynamics_in, mass_matrix};
 

@@ -5,8 +5,9 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::lane::{Kernel, Lane, Lanes, Vec3, add, cross, dot, transpose_times};
+use super::spatial::{Vec3, add, cross, dot, transpose_times};
 use crate::channels::Channels;
+use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 use std::ops::Range;
 

@@ -2,8 +2,9 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::lane::{Kernel, Lane, Lanes, Vec3, add, cross, dot, scale, times};
+use super::spatial::{Vec3, add, cross, dot, scale, times};
 use crate::channels::Channels;
+use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 
 /// Rigid-body joint torques, `[joint][time]`, of a motion. `inertial` holds ten parameters per link, base to flange.
@@ -121,9 +122,9 @@ fn recursion<L: Lane>(
 pub(super) fn wrench<L: Lane>(body: &[f64], link: &LinkState<L>) -> (Vec3<L>, Vec3<L>) {
     let p = |index: usize| L::splat(body[index]);
     let first = [p(1), p(2), p(3)];
-    let inertia = |v: Vec3<L>| times(&[[p(4), p(5), p(7)], [p(5), p(6), p(8)], [p(7), p(8), p(9)]], v);
+    let inertia = [[p(4), p(5), p(7)], [p(5), p(6), p(8)], [p(7), p(8), p(9)]];
     let swing = add(cross(link.alpha, first), cross(link.omega, cross(link.omega, first)));
     let force = add(scale(link.acceleration, p(0)), swing);
-    let spin = add(inertia(link.alpha), cross(link.omega, inertia(link.omega)));
+    let spin = add(times(&inertia, link.alpha), cross(link.omega, times(&inertia, link.omega)));
     (force, add(spin, cross(first, link.acceleration)))
 }

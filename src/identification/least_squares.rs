@@ -1,6 +1,7 @@
 //! Weighted least squares on base parameters, with weights per joint and standard deviations that allow for coloured noise.
 
-use super::linear_problem::LinearProblem;
+use super::gram::{Gram, products};
+use super::linear_problem::{LinearProblem, Sums};
 use super::noise::{AutoregressiveNoise, autocovariance};
 use crate::channels::Channels;
 use crate::error::{Error, Result};
@@ -129,15 +130,35 @@ impl JointRegression {
         a.iter().zip(b).zip(&self.valid).map(|((x, y), &ok)| if ok { x * y } else { 0.0 }).sum()
     }
 
+    /// X'X over the rows that count.
+    pub(super) fn gram(&self) -> DMatrix<f64> {
+        let mut gram = Gram::new(self.parameters.len());
+        gram.add_valid(&self.columns, &self.valid);
+        gram.matrix()
+    }
+
+    /// X'y over the rows that count, for one value y per row.
+    pub(super) fn products(&self, signal: &[f64]) -> Vec<f64> {
+        let fast = products(&self.columns, &self.masked(signal));
+        // Rows that do not count may hold what is not a number.
+        let sum = |(value, column): (f64, &[f64])| if value.is_finite() { value } else { self.dot(column, signal) };
+        fast.into_iter().zip(self.columns.iter()).map(sum).collect()
+    }
+
     /// Adds `weight` times X'X over the rows that count to `sum`, at the places of this joint's parameters.
     pub(super) fn add_gram(&self, weight: f64, sum: &mut DMatrix<f64>) {
-        self.scatter_gram(weight, &self.columns.map(|_, column| self.masked(column)), sum);
+        self.scatter(weight, &self.gram(), sum);
     }
 
     /// Adds `weight` times the Gram matrix of `table`, `[active parameter][row]`, to `sum`.
     pub(super) fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
-        let matrix = DMatrix::from_row_slice(self.parameters.len(), table.samples(), table.as_slice());
-        let gram = &matrix * matrix.transpose();
+        let mut gram = Gram::new(self.parameters.len());
+        gram.add(table.as_slice(), table.samples());
+        self.scatter(weight, &gram.matrix(), sum);
+    }
+
+    /// Adds `weight` times a matrix over this joint's columns to `sum`, at the places of the parameters.
+    pub(super) fn scatter(&self, weight: f64, gram: &DMatrix<f64>, sum: &mut DMatrix<f64>) {
         for (r, &row) in self.parameters.iter().enumerate() {
             for (c, &column) in self.parameters.iter().enumerate() {
                 sum[(row, column)] += weight * gram[(r, c)];
@@ -201,15 +222,15 @@ impl Estimate {
 /// Names the parameters the motion does not excite, or the joint without rows.
 pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> Result<Estimate> {
     require_rows(joints)?;
-    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
+    let sums = Sums::new(joints);
     let mut sigma = vec![1.0; joints.len()];
     for _ in 0..REWEIGHTINGS {
-        sigma = residual_sigma(joints, solve(joints, &sigma, &torques, names)?.0.as_slice());
+        sigma = residual_sigma(joints, solve(joints, &sums, &sigma, names)?.0.as_slice());
     }
-    let (beta, scaled) = solve(joints, &sigma, &torques, names)?;
+    let (beta, scaled) = solve(joints, &sums, &sigma, names)?;
     let beta = beta.as_slice().to_vec();
     Ok(Estimate {
-        covariance: sandwich(joints, &beta, &sigma, &scaled),
+        covariance: sandwich(joints, &sums, &beta, &sigma, &scaled),
         condition_number: scaled.condition_number,
         rows: joints.iter().map(JointRegression::rows).collect(),
         beta,
@@ -237,20 +258,18 @@ pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
 /// # Errors
 /// Names the parameters that the motion cannot tell apart.
 pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
-    let torques: Vec<Vec<f64>> = joints.iter().map(|joint| joint.torque.clone()).collect();
-    Ok(solve(joints, sigma, &torques, names)?.0.as_slice().to_vec())
+    Ok(solve(joints, &Sums::new(joints), sigma, names)?.0.as_slice().to_vec())
 }
 
 /// The weighted solution and the factored normal matrix for given joint standard deviations.
 fn solve(
     joints: &[JointRegression],
+    sums: &Sums,
     sigma: &[f64],
-    torques: &[Vec<f64>],
     names: &[String],
 ) -> Result<(DVector<f64>, ScaledNormal)> {
-    let problem = LinearProblem::new(joints, sigma, names.len());
-    let scaled = ScaledNormal::new(problem.normal(), names)?;
-    Ok((scaled.solve(&problem.right(torques)), scaled))
+    let scaled = ScaledNormal::new(&sums.normal(joints, sigma, names.len()), names)?;
+    Ok((scaled.solve(&sums.right(joints, sigma, names.len())), scaled))
 }
 
 /// Standard deviation of each joint's residual. A residual without noise would give an infinite weight, so it is kept
@@ -268,10 +287,16 @@ pub fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
 
 /// Covariance H^-1 X'W Cov(noise) W X H^-1, the noise of each joint modelled as autoregressive from its residual: white
 /// noise gives H^-1, coloured noise what it costs.
-fn sandwich(joints: &[JointRegression], beta: &[f64], sigma: &[f64], normal: &ScaledNormal) -> DMatrix<f64> {
+fn sandwich(
+    joints: &[JointRegression],
+    sums: &Sums,
+    beta: &[f64],
+    sigma: &[f64],
+    normal: &ScaledNormal,
+) -> DMatrix<f64> {
     let parameters = beta.len();
     let mut meat = DMatrix::zeros(parameters, parameters);
-    let noises = residual_noise(joints, beta, sigma, normal);
+    let noises = residual_noise(joints, sums, beta, sigma, normal);
     for ((joint, s), noise) in joints.iter().zip(sigma).zip(noises) {
         let colored = joint.columns.map(|_, column| {
             let mut signal = joint.masked(column);
@@ -289,11 +314,12 @@ fn sandwich(joints: &[JointRegression], beta: &[f64], sigma: &[f64], normal: &Sc
 /// loses there is added back.
 fn residual_noise(
     joints: &[JointRegression],
+    sums: &Sums,
     beta: &[f64],
     sigma: &[f64],
     normal: &ScaledNormal,
 ) -> Vec<AutoregressiveNoise> {
-    let problem = LinearProblem::new(joints, sigma, beta.len());
+    let problem = LinearProblem::with_normal(joints, sigma, sums.normal(joints, sigma, beta.len()));
     let lags = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
         joints.iter().zip(signals).map(|(joint, signal)| autocovariance(signal, &joint.valid, NOISE_ORDER)).collect()
     };

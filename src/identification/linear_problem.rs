@@ -5,6 +5,42 @@ use super::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 
+/// Each joint's X'X and X'tau, worked out once: the normal equations for any weights of the joints follow without the rows.
+pub(super) struct Sums {
+    grams: Vec<DMatrix<f64>>,
+    products: Vec<Vec<f64>>,
+}
+
+impl Sums {
+    /// Goes through all rows.
+    pub fn new(joints: &[JointRegression]) -> Self {
+        Sums {
+            grams: joints.iter().map(JointRegression::gram).collect(),
+            products: joints.iter().map(|joint| joint.products(&joint.torque)).collect(),
+        }
+    }
+
+    /// X'WX with W = 1 / sigma^2 on each joint's rows.
+    pub fn normal(&self, joints: &[JointRegression], sigma: &[f64], parameters: usize) -> DMatrix<f64> {
+        let mut normal = DMatrix::zeros(parameters, parameters);
+        for ((joint, gram), s) in joints.iter().zip(&self.grams).zip(sigma) {
+            joint.scatter(1.0 / (s * s), gram, &mut normal);
+        }
+        normal
+    }
+
+    /// X'W tau.
+    pub fn right(&self, joints: &[JointRegression], sigma: &[f64], parameters: usize) -> DVector<f64> {
+        let mut right = DVector::zeros(parameters);
+        for ((joint, products), s) in joints.iter().zip(&self.products).zip(sigma) {
+            for (&parameter, value) in joint.parameters.iter().zip(products) {
+                right[parameter] += value / (s * s);
+            }
+        }
+        right
+    }
+}
+
 /// Rows of all joints, weighted by the joints' standard deviations, with the normal matrix worked out once.
 pub struct LinearProblem<'a> {
     joints: &'a [JointRegression],
@@ -22,6 +58,11 @@ impl<'a> LinearProblem<'a> {
         LinearProblem { joints, sigma, normal }
     }
 
+    /// The problem whose normal matrix is known.
+    pub(super) fn with_normal(joints: &'a [JointRegression], sigma: &'a [f64], normal: DMatrix<f64>) -> Self {
+        LinearProblem { joints, sigma, normal }
+    }
+
     /// J'WJ.
     pub fn normal(&self) -> &DMatrix<f64> {
         &self.normal
@@ -31,8 +72,8 @@ impl<'a> LinearProblem<'a> {
     pub fn right(&self, residuals: &[Vec<f64>]) -> DVector<f64> {
         let mut right = DVector::zeros(self.normal.nrows());
         for ((joint, s), residual) in self.joints.iter().zip(self.sigma).zip(residuals) {
-            for (&parameter, column) in joint.parameters.iter().zip(joint.columns.iter()) {
-                right[parameter] += joint.dot(column, residual) / (s * s);
+            for (&parameter, value) in joint.parameters.iter().zip(joint.products(residual)) {
+                right[parameter] += value / (s * s);
             }
         }
         right

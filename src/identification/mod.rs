@@ -1,10 +1,12 @@
 //! Identification: from a recording to base parameters with standard deviations.
 
+pub mod base_columns;
 mod bounded;
 pub mod consistent;
 pub mod effect_model;
 pub mod estimators;
 pub mod fit;
+pub mod gram;
 pub mod least_squares;
 pub mod levenberg_marquardt;
 pub mod linear_model;
@@ -14,3 +16,4 @@ pub mod noise;
 pub mod paper78;
 pub mod prepare;
 pub mod separable;
+mod streamed;

@@ -1,13 +1,18 @@
 //! The torque model that is identified: rigid bodies, rotor inertia, viscous and Coulomb friction of every joint.
 
+use super::base_columns::{BLOCK, BaseColumns};
 use super::linear_model::LinearModel;
+use super::streamed::{self, Writer};
 use crate::channels::Channels;
-use crate::dynamics::{BaseParameters, Chain, Motion, block_row, regressor};
-use crate::effects::{Along, CoulombFriction, Effect, Placed, ViscousFriction, contributions};
+use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
+use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
+use crate::error::Result;
 use crate::random;
 use crate::robot::{JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
+use std::ops::Range;
 
 /// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
 pub const STANDARD: usize = PARAMETERS + 3;
@@ -23,6 +28,7 @@ pub struct Model {
     chain: Chain,
     names: Vec<String>,
     base: BaseParameters,
+    columns: BaseColumns,
 }
 
 impl Model {
@@ -30,8 +36,9 @@ impl Model {
     pub fn new(robot: &Robot) -> Self {
         let chain = Chain::new(robot);
         let names = standard_names(robot.dof());
-        let base = BaseParameters::new(&probe(robot, &chain), &names);
-        Model { robot: robot.clone(), chain, names, base }
+        let base = BaseParameters::new(&probe(&chain), &names);
+        let columns = BaseColumns::new(robot.dof(), base.kept());
+        Model { robot: robot.clone(), chain, names, base, columns }
     }
 
     /// Number of joints.
@@ -97,35 +104,35 @@ impl Model {
 
     /// Base columns on one joint: indices of the base parameters that can act there (those of links from the joint outwards).
     pub fn active(&self, joint: usize) -> Vec<usize> {
-        (0..self.base.len())
-            .filter(|&b| {
-                let standard = self.base.kept()[b];
-                let (link, which) = (standard / STANDARD, standard % STANDARD);
-                if which < PARAMETERS { link >= joint } else { link == joint }
-            })
-            .collect()
+        self.columns.parameters(joint).to_vec()
+    }
+
+    /// How the columns of all base parameters are made.
+    pub fn base_columns(&self) -> &BaseColumns {
+        &self.columns
     }
 
     /// The columns of all base parameters along a motion: for every joint a table `[active base parameter][time]` in the
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
-    pub fn columns(&self, motion: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
-        self.columns_behind_gears(motion, motion, time, width)
+    pub fn columns(&self, motion: &Motion, width: f64) -> Vec<Channels> {
+        self.columns.tables(&self.chain, [motion; 2], width)
     }
 
-    /// [`Model::columns`] where motors and links move differently: inertial columns along `link`, rotor and friction
-    /// columns along `motor`.
-    pub fn columns_behind_gears(&self, motor: &Motion, link: &Motion, time: &[f64], width: f64) -> Vec<Channels> {
-        let source = Source::new(&self.robot, &self.chain, motor, link, time, width);
-        (0..self.dof())
-            .map(|joint| {
-                let columns: Vec<Vec<f64>> = self
-                    .active(joint)
-                    .into_iter()
-                    .map(|b| source.column(self.base.kept()[b], joint).unwrap_or_else(|| vec![0.0; motor.samples()]))
-                    .collect();
-                Channels::from_vectors(&columns)
-            })
-            .collect()
+    /// [`Model::columns`] of one joint, where motors and links may move differently: inertial columns along `link`, rotor
+    /// and friction columns along `motor`.
+    pub fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {
+        let standard: Vec<usize> = self.active(joint).into_iter().map(|b| self.base.kept()[b]).collect();
+        standard_columns(&self.chain, joint, &standard, [motor, link], width)
+    }
+
+    /// Every `step`-th filtered sample of the columns of all joints, along the motion of motors and that of links; friction
+    /// changes sign without a width.
+    ///
+    /// # Errors
+    /// Those of the filter: the motion is too short for it.
+    pub fn filtered_columns_apart(&self, motions: [&Motion; 2], filter: &Filter, step: usize) -> Result<Vec<Channels>> {
+        let wanted: Vec<Range<usize>> = (0..self.dof()).map(|joint| self.columns.of(joint)).collect();
+        streamed::filtered(&Along { model: self, motions }, filter, step, motions[0].samples(), &wanted)
     }
 
     /// Standard parameters of an arm, in the order of [`Model::names`].
@@ -147,8 +154,46 @@ impl LinearModel for Model {
         Model::active(self, joint)
     }
 
-    fn columns(&self, motion: &Motion, time: &[f64]) -> Vec<Channels> {
-        Model::columns(self, motion, time, 0.0)
+    fn columns(&self, motion: &Motion, _: &[f64]) -> Vec<Channels> {
+        Model::columns(self, motion, 0.0)
+    }
+
+    fn filtered_columns(&self, motion: &Motion, _: &[f64], filter: &Filter, step: usize) -> Result<Vec<Channels>> {
+        self.filtered_columns_apart([motion; 2], filter, step)
+    }
+
+    fn torque(&self, motion: &Motion, _: &[f64], beta: &[f64]) -> Channels {
+        let mut torque = Channels::zeros(motion.joints(), motion.samples());
+        let mut table = Vec::new();
+        for start in (0..motion.samples()).step_by(BLOCK) {
+            let here = start..motion.samples().min(start + BLOCK);
+            table.resize(self.columns.places() * here.len(), 0.0);
+            self.columns.write(Lanes::best(), &self.chain, [motion; 2], 0.0, here.clone(), &mut table);
+            for joint in 0..self.dof() {
+                let columns = table.chunks_exact(here.len()).skip(self.columns.of(joint).start);
+                let target = &mut torque.channel_mut(joint)[here.clone()];
+                for (&parameter, column) in self.columns.parameters(joint).iter().zip(columns) {
+                    target.iter_mut().zip(column).for_each(|(value, x)| *value += x * beta[parameter]);
+                }
+            }
+        }
+        torque
+    }
+}
+
+/// The base columns of a model along a motion.
+struct Along<'a> {
+    model: &'a Model,
+    motions: [&'a Motion; 2],
+}
+
+impl Writer for Along<'_> {
+    fn places(&self) -> usize {
+        self.model.columns.places()
+    }
+
+    fn write(&self, samples: Range<usize>, table: &mut [f64]) {
+        self.model.columns.write(Lanes::best(), &self.model.chain, self.motions, 0.0, samples, table);
     }
 }
 
@@ -163,40 +208,36 @@ fn standard_names(dof: usize) -> Vec<String> {
         .collect()
 }
 
-/// Everything the column of a standard parameter is made of.
-struct Source<'a> {
-    rows: Channels,
-    motion: &'a Motion,
-    /// Torque per unit viscous and per unit Coulomb friction, on each joint.
-    friction: Vec<[Channels; 2]>,
-}
-
-impl<'a> Source<'a> {
-    fn new(robot: &Robot, chain: &Chain, motion: &'a Motion, link: &Motion, time: &[f64], width: f64) -> Self {
-        let along = Along::new(robot, chain, time, motion, width);
-        let unit = |effect: &'static dyn Effect, joint| Placed { effect, joint, parameters: vec![1.0] };
-        let placed: Vec<Placed> =
-            (0..chain.dof()).flat_map(|joint| [unit(&ViscousFriction, joint), unit(&CoulombFriction, joint)]).collect();
-        let mut torques = contributions(&placed, &along).into_iter();
-        let friction = std::iter::from_fn(|| Some([torques.next()?, torques.next()?])).collect();
-        Source { rows: regressor(chain, link), motion, friction }
-    }
-
-    /// Torque on `joint` per unit of a standard parameter; None where it cannot act.
-    fn column(&self, standard: usize, joint: usize) -> Option<Vec<f64>> {
-        let (link, which) = (standard / STANDARD, standard % STANDARD);
-        match which {
-            inertial if inertial < PARAMETERS => (link >= joint)
-                .then(|| self.rows.channel(block_row(self.motion.joints(), link, inertial, joint)).to_vec()),
-            _ if link != joint => None,
-            PARAMETERS => Some(self.motion.qdd.channel(joint).to_vec()),
-            friction => Some(self.friction[joint][friction - PARAMETERS - 1].channel(joint).to_vec()),
+/// Torque on `joint` per unit of some standard parameters, `[one of them][time]`, along the motion of motors and of links;
+/// zero where one cannot act.
+fn standard_columns(
+    chain: &Chain,
+    joint: usize,
+    standard: &[usize],
+    [motor, link]: [&Motion; 2],
+    width: f64,
+) -> Channels {
+    let samples = motor.samples();
+    let mut table = Channels::zeros(standard.len(), samples);
+    let place = |wanted: usize| standard.iter().position(|&own| own == wanted);
+    let entries = Entries::new(chain.dof(), |body, other| {
+        std::array::from_fn(|p| place(body * STANDARD + p).filter(|_| other == joint && joint <= body))
+    });
+    entries.write(Lanes::best(), chain, link, 0..samples, table.as_mut_slice());
+    // What the laws of viscous and Coulomb friction come to at unit parameters; a test holds them to it.
+    let velocity = motor.qd.channel(joint);
+    let drive: [&dyn Fn(usize) -> f64; 3] =
+        [&|k| motor.qdd.channel(joint)[k], &|k| velocity[k], &|k| direction(velocity[k], width)];
+    for (which, value) in drive.into_iter().enumerate() {
+        if let Some(row) = place(joint * STANDARD + PARAMETERS + which) {
+            table.channel_mut(row).iter_mut().enumerate().for_each(|(k, x)| *x = value(k));
         }
     }
+    table
 }
 
 /// Regressor rows of all standard parameters at random noise-free states: what can be told apart by any motion.
-fn probe(robot: &Robot, chain: &Chain) -> DMatrix<f64> {
+fn probe(chain: &Chain) -> DMatrix<f64> {
     let dof = chain.dof();
     let samples = PROBES_PER_JOINT * dof;
     let mut random = random::stream(0, "base parameter probe", 0);
@@ -204,14 +245,12 @@ fn probe(robot: &Robot, chain: &Chain) -> DMatrix<f64> {
     for signals in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
         signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
     }
-    let time = vec![0.0; samples];
-    let source = Source::new(robot, chain, &motion, &motion, &time, 0.0);
     let mut observation = DMatrix::zeros(samples * dof, dof * STANDARD);
-    for standard in 0..dof * STANDARD {
-        for joint in 0..dof {
-            if let Some(column) = source.column(standard, joint) {
-                observation.view_mut((joint * samples, standard), (samples, 1)).copy_from_slice(&column);
-            }
+    let standard: Vec<usize> = (0..dof * STANDARD).collect();
+    for joint in 0..dof {
+        let table = standard_columns(chain, joint, &standard, [&motion; 2], 0.0);
+        for (column, values) in table.iter().enumerate() {
+            observation.view_mut((joint * samples, column), (samples, 1)).copy_from_slice(values);
         }
     }
     observation
@@ -230,10 +269,32 @@ mod tests {
         let model = Model::new(&robot);
         assert_eq!(model.names().len(), 78);
         assert_eq!(model.base().len(), 52);
-        let singular = probe(&robot, &Chain::new(&robot)).svd(false, false).singular_values;
+        let singular = probe(&Chain::new(&robot)).svd(false, false).singular_values;
         let rank = singular.iter().filter(|&&s| s > 1e-10 * singular[0]).count();
         assert_eq!(rank, 52, "the singular values must agree with the QR");
         let first = &model.base().groupings()[0];
         assert!(first.name.starts_with("Izz1 + Ia1"), "{}", first.name);
+    }
+
+    #[test]
+    fn friction_columns_are_the_laws_at_unit_parameters() {
+        use crate::effects::{Along, Placed, contribution};
+        let robot =
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+                .unwrap();
+        let chain = Chain::new(&robot);
+        let mut motion = Motion::zeros(robot.dof(), 5);
+        motion.qd.as_mut_slice().iter_mut().enumerate().for_each(|(k, v)| *v = 0.02 * (k as f64 - 14.0));
+        let time = [0.0; 5];
+        let along = Along::new(&robot, &chain, &time, &motion, 0.05);
+        for joint in 0..robot.dof() {
+            let standard = [joint * STANDARD + PARAMETERS + 1, joint * STANDARD + PARAMETERS + 2];
+            let table = standard_columns(&chain, joint, &standard, [&motion; 2], 0.05);
+            for (column, effect) in [&ViscousFriction as &'static dyn Effect, &CoulombFriction].into_iter().enumerate()
+            {
+                let law = contribution(&Placed { effect, joint, parameters: vec![1.0] }, &along);
+                assert_eq!(table.channel(column), law.channel(joint));
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::least_squares::JointRegression;
 use super::linear_model::LinearModel;
+use super::model::Model;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -81,12 +82,17 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             (motion, Filter::None, Filter::None, 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
-            let derivative = |degree| -> Result<Channels> {
-                let smoother = SavitzkyGolay::new(window, order, degree, period, Edge::Polynomial)?;
-                filtered(q, joints, |x, out| smoother.apply(x, out))
-            };
-            let motion = Motion { q: derivative(0)?, qd: derivative(1)?, qdd: derivative(2)? };
-            let filter = Filter::SavitzkyGolay(SavitzkyGolay::new(window, order, 0, period, Edge::Polynomial)?);
+            let smoother = |degree| SavitzkyGolay::new(window, order, degree, period, Edge::Polynomial);
+            let filters = [smoother(0)?, smoother(1)?, smoother(2)?];
+            let mut motion = Motion::zeros(q.channels(), q.samples());
+            for (joint, name) in joints.iter().enumerate() {
+                let Motion { q: smooth, qd, qdd } = &mut motion;
+                let output = [smooth, qd, qdd].map(|channels| channels.channel_mut(joint));
+                SavitzkyGolay::apply_three(filters.each_ref(), q.channel(joint), output)
+                    .map_err(|e| Error::request(name.as_str(), e.to_string()))?;
+            }
+            let [filter, ..] = filters;
+            let filter = Filter::SavitzkyGolay(filter);
             (motion, filter.clone(), filter, decimation, window / 2)
         }
         Smoothing::LowPass { cutoff_hz, decimation } => {
@@ -155,16 +161,15 @@ impl Prepared {
     /// # Errors
     /// If the log is too short for the filter.
     pub fn regression(&self, model: &impl LinearModel) -> Result<Vec<JointRegression>> {
-        let columns = model.columns(&self.motion, &self.time);
-        columns
-            .iter()
+        let tables = model.filtered_columns(&self.motion, &self.time, &self.filter, self.decimation)?;
+        tables
+            .into_iter()
             .enumerate()
-            .map(|(joint, table)| {
-                let table: Vec<Vec<f64>> = table.iter().map(|column| self.thinned(column)).collect::<Result<_>>()?;
+            .map(|(joint, columns)| {
                 Ok(JointRegression {
                     joint: self.joints[joint].clone(),
                     parameters: model.active(joint),
-                    columns: Channels::from_vectors(&table),
+                    columns,
                     torque: self.thinned(self.torque.channel(joint))?,
                     valid: self.rows_to_use(joint),
                 })
@@ -192,12 +197,20 @@ impl Prepared {
         Ok(out)
     }
 
+    /// The columns of `model` as regression rows, `[column][row]` for every joint, where links move as `link`.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub(super) fn columns(&self, model: &Model, link: &Motion) -> Result<Vec<Channels>> {
+        model.filtered_columns_apart([&self.motion, link], &self.filter, self.decimation)
+    }
+
     /// A signal of the log as regression rows: filtered, every n-th sample.
     ///
     /// # Errors
     /// If the log is too short for the filter.
     pub(super) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
-        downsample(&self.filtered(signal)?, self.decimation)
+        self.filter.apply_every(signal, self.decimation)
     }
 
     /// Time of every regression row, s.
@@ -228,21 +241,7 @@ impl Prepared {
 
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.
     pub fn predict(&self, model: &impl LinearModel, beta: &[f64]) -> Channels {
-        let torque: Vec<Vec<f64>> = model
-            .columns(&self.motion, &self.time)
-            .iter()
-            .enumerate()
-            .map(|(joint, table)| {
-                let mut tau = vec![0.0; table.samples()];
-                for (parameter, column) in model.active(joint).into_iter().zip(table.iter()) {
-                    for (value, x) in tau.iter_mut().zip(column) {
-                        *value += x * beta[parameter];
-                    }
-                }
-                tau
-            })
-            .collect();
-        Channels::from_vectors(&torque)
+        model.torque(&self.motion, &self.time, beta)
     }
 
     /// The torque through the filter that regression rows go through, at the rate of the log.

@@ -184,7 +184,7 @@ struct Tables {
 impl Tables {
     fn new(model: &Model, motion: &Motion, tau: &Channels) -> Option<Tables> {
         let (dof, base) = (model.dof(), model.base().len());
-        let columns = model.columns(motion, &vec![0.0; motion.samples()], 0.0);
+        let columns = model.columns(motion, 0.0);
         let mut tables = Tables {
             gram: Vec::new(),
             right: Vec::new(),

@@ -53,7 +53,7 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     let motion = picked(view, &rows);
     let model = robot.map(Model::new);
     let columns = match &model {
-        Some(model) => model.columns(&motion, &vec![0.0; rows.len()], 0.0),
+        Some(model) => model.columns(&motion, 0.0),
         None => (0..view.dof()).map(|joint| joint_alone(&motion, joint)).collect(),
     };
     let fits: Vec<Option<JointFit>> = (0..view.dof())

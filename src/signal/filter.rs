@@ -1,6 +1,6 @@
 //! The filter that the torque and every regressor column go through alike.
 
-use super::{Edge, SavitzkyGolay, ZeroPhaseLowPass, check_same_length};
+use super::{Edge, SavitzkyGolay, ZeroPhaseLowPass, check_same_length, downsample};
 use crate::error::{Error, Result};
 
 /// Samples after which the response to an impulse has died away.
@@ -45,6 +45,45 @@ impl Filter {
                 filter.apply(input, output)
             }
             Filter::LowPass(filter) => filter.apply(input, output),
+        }
+    }
+
+    /// Samples on either side that an output depends on; None where it is all of them.
+    pub fn reach(&self) -> Option<usize> {
+        match self {
+            Filter::None => Some(0),
+            Filter::SavitzkyGolay(filter) => Some(filter.window() / 2),
+            Filter::LowPass(_) => None,
+        }
+    }
+
+    /// Outputs `first`, `first` + `step`, ... of a part of a signal, one per place of `output`. Where a window does not
+    /// fit, the part must end where the signal does. For filters that have a [`Filter::reach`], linear ones.
+    pub(crate) fn rows(&self, part: &[f64], first: usize, step: usize, output: &mut [f64]) {
+        match self {
+            Filter::SavitzkyGolay(filter) => filter.rows(part, first, step, output),
+            Filter::None | Filter::LowPass(_) => {
+                output.iter_mut().zip(part[first..].iter().step_by(step)).for_each(|(y, x)| *y = *x);
+            }
+        }
+    }
+
+    /// Every `step`-th output of [`Filter::apply`], to rounding: samples 0, `step`, 2 `step`, ...
+    ///
+    /// # Errors
+    /// As [`Filter::apply`]; when `step` is zero.
+    pub fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
+        match self {
+            Filter::None => downsample(input, step),
+            Filter::SavitzkyGolay(filter) => {
+                check_smooths_linearly(filter)?;
+                filter.apply_every(input, step)
+            }
+            Filter::LowPass(filter) => {
+                let mut output = vec![0.0; input.len()];
+                filter.apply(input, &mut output)?;
+                downsample(&output, step)
+            }
         }
     }
 

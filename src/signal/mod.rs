@@ -7,6 +7,7 @@ mod gram;
 pub mod low_pass;
 pub mod noise;
 pub mod savitzky_golay;
+mod sliding;
 pub mod spectrum;
 
 pub use decimate::{block_means, downsample};

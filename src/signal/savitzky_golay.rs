@@ -2,13 +2,12 @@
 
 use super::check_same_length;
 use super::gram::Gram;
+use super::sliding;
 use crate::error::{Error, Result};
+use crate::lane::Lanes;
 use std::f64::consts::TAU;
 
 const SUBJECT: &str = "Savitzky-Golay filter";
-
-/// Outputs computed together in the interior: enough independent sums to hide the latency of the additions.
-const BLOCK: usize = 16;
 
 /// Highest order taken: the weights are good to 1e-13 of the greatest one up to here, and motions need far less.
 const MAX_ORDER: usize = 12;
@@ -124,6 +123,84 @@ impl SavitzkyGolay {
     /// # Errors
     /// When the lengths differ, the input is empty, or it is shorter than the window with [`Edge::Polynomial`].
     pub fn apply(&self, input: &[f64], output: &mut [f64]) -> Result<()> {
+        self.check(input, output)?;
+        let n = input.len();
+        if n >= self.window() {
+            let inner = &mut output[self.half..n - self.half];
+            sliding::interior(Lanes::best(), &self.weights, self.is_odd(), input, inner);
+        }
+        self.apply_edges(input, output);
+        Ok(())
+    }
+
+    /// The signal and its first two derivatives in one pass: filters of one window and edge, with derivatives 0, 1 and 2.
+    ///
+    /// # Errors
+    /// As [`SavitzkyGolay::apply`], and when the filters are others.
+    pub fn apply_three(filters: [&Self; 3], input: &[f64], output: [&mut [f64]; 3]) -> Result<()> {
+        let alike = |(derivative, filter): (usize, &&Self)| {
+            filter.derivative == derivative && filter.half == filters[0].half && filter.edge == filters[0].edge
+        };
+        if !filters.iter().enumerate().all(alike) {
+            let problem = "a signal and its derivatives come from one window and edge, with derivatives 0, 1 and 2";
+            return Err(Error::request(SUBJECT, problem));
+        }
+        for (filter, output) in filters.iter().zip(&output) {
+            filter.check(input, output)?;
+        }
+        let (n, half) = (input.len(), filters[0].half);
+        let [smooth, rate, second] = output;
+        if n >= filters[0].window() {
+            let inner = [&mut smooth[half..n - half], &mut rate[half..n - half], &mut second[half..n - half]];
+            let weights = filters.map(|filter| filter.weights.as_slice());
+            sliding::interior_of_three(Lanes::best(), weights, input, inner);
+        }
+        for (filter, output) in filters.iter().zip([smooth, rate, second]) {
+            filter.apply_edges(input, output);
+        }
+        Ok(())
+    }
+
+    /// Every `step`-th output of [`SavitzkyGolay::apply`], to rounding, without computing the others: samples 0, `step`,
+    /// 2 `step`, ...
+    ///
+    /// # Errors
+    /// As [`SavitzkyGolay::apply`]; when `step` is zero.
+    pub fn apply_every(&self, input: &[f64], step: usize) -> Result<Vec<f64>> {
+        if step <= 1 {
+            let mut output = vec![0.0; input.len()];
+            self.apply(input, &mut output)?;
+            return super::downsample(&output, step);
+        }
+        self.check(input, input)?;
+        let mut output = vec![0.0; input.len().div_ceil(step)];
+        self.rows(input, 0, step, &mut output);
+        Ok(output)
+    }
+
+    /// Outputs `first`, `first + step`, ..., one per place of `output`.
+    pub(super) fn rows(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
+        let (n, rows) = (input.len(), output.len());
+        // The rows whose windows lie inside.
+        let begin = self.half.saturating_sub(first).div_ceil(step).min(rows);
+        let end = n.saturating_sub(self.half + first).div_ceil(step).clamp(begin, rows);
+        let inside = if n >= self.window() { begin..end } else { 0..0 };
+        if !inside.is_empty() {
+            let start = first + begin * step - self.half;
+            let output = &mut output[inside.clone()];
+            if step == 1 {
+                let input = &input[start..][..output.len() + 2 * self.half];
+                sliding::interior(Lanes::best(), &self.weights, self.is_odd(), input, output);
+            } else {
+                sliding::every(Lanes::best(), &self.coefficients(), input, start, step, output);
+            }
+        }
+        for row in (0..rows).filter(|row| !inside.contains(row)) {
+            output[row] = self.at_edge(input, first + row * step);
+        }
+    }
+
+    fn check(&self, input: &[f64], output: &[f64]) -> Result<()> {
         check_same_length(SUBJECT, input, output)?;
         if input.is_empty() {
             return Err(Error::request(SUBJECT, "the signal is empty; give at least one sample"));
@@ -138,24 +215,30 @@ impl SavitzkyGolay {
                 ),
             ));
         }
-        if n >= window {
-            let inner = &mut output[self.half..n - self.half];
-            if self.is_odd() {
-                interior::<true>(&self.weights, input, inner);
-            } else {
-                interior::<false>(&self.weights, input, inner);
-            }
-        }
-        if self.edge == Edge::Polynomial {
-            self.apply_polynomial_edges(input, output);
-        } else {
-            let start = self.half.min(n);
-            let end = (n - start).max(start);
-            for t in (0..start).chain(end..n) {
-                output[t] = self.continued_at(input, t);
-            }
-        }
         Ok(())
+    }
+
+    fn apply_edges(&self, input: &[f64], output: &mut [f64]) {
+        let n = input.len();
+        let start = self.half.min(n);
+        let end = (n - start).max(start);
+        for t in (0..start).chain(end..n) {
+            output[t] = self.at_edge(input, t);
+        }
+    }
+
+    /// The output at `t` where the window reaches beyond the signal.
+    fn at_edge(&self, input: &[f64], t: usize) -> f64 {
+        if self.edge != Edge::Polynomial {
+            return self.continued_at(input, t);
+        }
+        let (n, window) = (input.len(), self.window());
+        let row = |t: usize| &self.start_weights[t * window..][..window];
+        if t < self.half {
+            row(t).iter().zip(input).map(|(w, x)| w * x).sum()
+        } else {
+            self.sign() * row(n - 1 - t).iter().zip(input.iter().rev()).map(|(w, x)| w * x).sum::<f64>()
+        }
     }
 
     /// The response at `hz` as (real, imaginary): a sinusoid of that frequency comes out multiplied by it. Real for
@@ -179,15 +262,7 @@ impl SavitzkyGolay {
         if self.is_odd() { -1.0 } else { 1.0 }
     }
 
-    fn apply_polynomial_edges(&self, input: &[f64], output: &mut [f64]) {
-        let (n, window, sign) = (input.len(), self.window(), self.sign());
-        for (t, row) in self.start_weights.chunks_exact(window).enumerate() {
-            output[t] = row.iter().zip(input).map(|(w, x)| w * x).sum();
-            output[n - 1 - t] = sign * row.iter().zip(input.iter().rev()).map(|(w, x)| w * x).sum::<f64>();
-        }
-    }
-
-    /// The output at `t` where the window reaches beyond the signal, summed in the interior's order.
+    /// The output at `t` where the window reaches beyond a signal that is continued.
     fn continued_at(&self, input: &[f64], t: usize) -> f64 {
         let (t, sign) = (t as isize, self.sign());
         self.weights.iter().enumerate().skip(1).fold(self.weights[0] * continued(input, t, self.edge), |sum, (i, w)| {
@@ -213,40 +288,6 @@ fn continued(input: &[f64], t: isize, edge: Edge) -> f64 {
         }
         Edge::Mirror | Edge::Nearest | Edge::Polynomial => input[inside as usize],
     }
-}
-
-/// The outputs whose whole window lies in `input`, with the weights' symmetry halving the products.
-///
-/// The sums run in the same order for every output, so that the result does not depend on where a block begins.
-fn interior<const ODD: bool>(weights: &[f64], input: &[f64], output: &mut [f64]) {
-    let half = weights.len() - 1;
-    let mut blocks = output.chunks_exact_mut(BLOCK);
-    let mut start = 0;
-    for block in &mut blocks {
-        let block: &mut [f64; BLOCK] = block.try_into().expect("chunks_exact gives blocks of this length");
-        *block = sums::<ODD, BLOCK>(weights, &input[start..start + BLOCK + 2 * half]);
-        start += BLOCK;
-    }
-    for out in blocks.into_remainder() {
-        [*out] = sums::<ODD, 1>(weights, &input[start..start + 1 + 2 * half]);
-        start += 1;
-    }
-}
-
-/// `N` neighbouring outputs from the `N + 2 * half` samples under their windows.
-#[inline(always)]
-fn sums<const ODD: bool, const N: usize>(weights: &[f64], samples: &[f64]) -> [f64; N] {
-    let half = weights.len() - 1;
-    let at = |i: usize| -> &[f64; N] { samples[i..i + N].try_into().expect("the slice has this length") };
-    let mut sum = at(half).map(|x| weights[0] * x);
-    for (i, &w) in weights.iter().enumerate().skip(1) {
-        let (before, after) = (at(half - i), at(half + i));
-        for k in 0..N {
-            let pair = if ODD { after[k] - before[k] } else { after[k] + before[k] };
-            sum[k] += w * pair;
-        }
-    }
-    sum
 }
 
 #[cfg(test)]
@@ -398,6 +439,28 @@ mod tests {
                 .map(|(y, &t)| (y - value(&wanted, t)).abs())
                 .fold(0.0, f64::max);
             prop_assert!(worst < tolerance, "off by {worst}, allowed {tolerance}");
+        }
+
+        /// Three derivatives in one pass, and thinned outputs, are those of one filter after the other.
+        #[test]
+        fn together_and_thinned_are_the_same(
+            input in prop::collection::vec(-1.0..1.0_f64, 1..150), half in 1_usize..25, step in 1_usize..20,
+            edge in prop::sample::select(vec![Edge::Polynomial, Edge::Nearest, Edge::Mirror, Edge::Constant(0.5)]),
+        ) {
+            let n = input.len();
+            let filters = [0, 1, 2].map(|d| SavitzkyGolay::new(2 * half + 1, 2, d, 1.0, edge).unwrap());
+            prop_assume!(edge != Edge::Polynomial || n > 2 * half);
+            let (mut a, mut b, mut c) = (vec![f64::NAN; n], vec![f64::NAN; n], vec![f64::NAN; n]);
+            SavitzkyGolay::apply_three(filters.each_ref(), &input, [&mut a, &mut b, &mut c]).unwrap();
+            for (filter, together) in filters.iter().zip([&a, &b, &c]) {
+                let alone = filtered(filter, &input);
+                prop_assert_eq!(together, &alone);
+                let thinned = filter.apply_every(&input, step).unwrap();
+                prop_assert_eq!(thinned.len(), n.div_ceil(step));
+                for (x, y) in thinned.iter().zip(alone.iter().step_by(step)) {
+                    prop_assert!((x - y).abs() < 1e-14, "{x} {y}");
+                }
+            }
         }
 
         /// The vectorised interior equals the plain sum over the window.

@@ -252,42 +252,103 @@ impl<'a> EffectModel<'a> {
         };
         let period = 1.0 / recording.rate_hz();
         let link = self.link_motion(recording, prepared)?;
-        let parts = Parts::new(self, prepared, &link);
+        let mut parts = Parts::new(self, prepared, &link);
+        let mut base = match self.trust {
+            Trust::Structure => prepared.columns(self.model, &link)?,
+            Trust::Nominal => vec![Channels::default(); self.model.dof()],
+        };
         (0..self.model.dof())
             .map(|joint| {
                 let sensing = Sensing::new(self.sensors(joint).collect(), period);
-                let mut columns: Vec<(usize, Cow<[f64]>)> = parts.columns(joint);
-                let mut known = Cow::Borrowed(parts.known[joint].as_slice());
-                if sensing.acts() {
-                    let sensed = |column: &[f64]| sensing.small_signal(column);
-                    let mut own: Vec<(usize, Vec<f64>)> =
-                        columns.iter().map(|(k, column)| (*k, sensed(column))).collect();
-                    for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
-                        if let Some(column) = sensing.amplitude(&self.placed[effect], k, recording.samples()) {
-                            own.push((self.baseline.len() + index, column));
-                        }
-                    }
-                    let mut torque = sensed(&known);
-                    let total = parts.predicted(joint, &self.all_linear());
-                    sensing.clip(&total, &mut torque, &mut own);
-                    known = Cow::Owned(torque);
-                    columns = own.into_iter().map(|(k, column)| (k, Cow::Owned(column))).collect();
-                }
-                let torque = prepared.torque.channel(joint);
-                let rest: Vec<f64> =
-                    torque.iter().zip(known.iter()).map(|(measured, known)| measured - known).collect();
-                let parameters = columns.iter().map(|(parameter, _)| *parameter).collect();
-                let columns: Vec<Vec<f64>> =
-                    columns.iter().map(|(_, column)| prepared.thinned(column)).collect::<Result<_>>()?;
-                Ok(JointRegression {
-                    joint: self.model.robot().joints[joint].name.clone(),
-                    parameters,
-                    columns: Channels::from_vectors(&columns),
-                    torque: prepared.thinned(&rest)?,
-                    valid: prepared.rows_to_use(joint),
-                })
+                let rows = match sensing.acts() {
+                    true => self.sensed_rows(joint, &parts, prepared, recording.samples(), &sensing),
+                    false => self.plain_rows(joint, &parts, prepared, std::mem::take(&mut base[joint])),
+                };
+                parts.release(joint);
+                rows
             })
             .collect()
+    }
+
+    /// The regression rows of one joint of one log whose sensors say what is; `base` are those of its base columns, where
+    /// they are fitted.
+    fn plain_rows(&self, joint: usize, parts: &Parts, prepared: &Prepared, base: Channels) -> Result<JointRegression> {
+        let active = self.model.active(joint);
+        let place = |parameter: ArmParameter| match parameter {
+            ArmParameter::Base(base) => active.iter().position(|&own| own == base),
+            ArmParameter::Drive(..) => None,
+        };
+        let places: Vec<Option<usize>> = self.arm.iter().map(|&parameter| place(parameter)).collect();
+        let all = places.iter().flatten().count() == base.channels();
+        let mut parameters = Vec::new();
+        let mut columns = Channels::default();
+        for (index, &parameter) in self.arm.iter().enumerate() {
+            if let Some(place) = places[index] {
+                if !all {
+                    columns.push(base.channel(place));
+                }
+            } else if let Some(column) = parts.column(parameter, joint) {
+                columns.push(&prepared.thinned(&column)?);
+            } else {
+                continue;
+            }
+            parameters.push(index);
+        }
+        if all && base.channels() > 0 {
+            columns = base;
+        }
+        for (index, column) in parts.amplitudes(joint) {
+            columns.push(&prepared.thinned(column)?);
+            parameters.push(index);
+        }
+        let torque = prepared.torque.channel(joint);
+        let torque = match parts.known(joint) {
+            Some(known) => prepared.thinned(&difference(torque, known))?,
+            None => prepared.thinned(torque)?,
+        };
+        self.joint_rows(joint, parameters, columns, torque, prepared)
+    }
+
+    /// The regression rows of one joint of one log whose torque went through `sensing`.
+    fn sensed_rows(
+        &self,
+        joint: usize,
+        parts: &Parts,
+        prepared: &Prepared,
+        samples: usize,
+        sensing: &Sensing,
+    ) -> Result<JointRegression> {
+        let sensed = |column: &[f64]| sensing.small_signal(column);
+        let columns = parts.columns(joint);
+        let mut own: Vec<(usize, Vec<f64>)> = columns.iter().map(|(k, column)| (*k, sensed(column))).collect();
+        for (index, (effect, k)) in self.amplitudes().into_iter().enumerate() {
+            if let Some(column) = sensing.amplitude(&self.placed[effect], k, samples) {
+                own.push((self.baseline.len() + index, column));
+            }
+        }
+        let mut known = parts.known(joint).map_or_else(|| sensed(&vec![0.0; samples]), sensed);
+        let total = parts.predicted(joint, &self.all_linear());
+        sensing.clip(&total, &mut known, &mut own);
+        let mut columns = Channels::default();
+        for (_, column) in &own {
+            columns.push(&prepared.thinned(column)?);
+        }
+        let torque = prepared.thinned(&difference(prepared.torque.channel(joint), &known))?;
+        self.joint_rows(joint, own.into_iter().map(|(index, _)| index).collect(), columns, torque, prepared)
+    }
+
+    fn joint_rows(
+        &self,
+        joint: usize,
+        parameters: Vec<usize>,
+        columns: Channels,
+        torque: Vec<f64>,
+        prepared: &Prepared,
+    ) -> Result<JointRegression> {
+        // Without a column there are no rows to count.
+        let columns = if parameters.is_empty() { Channels::zeros(0, torque.len()) } else { columns };
+        let name = self.model.robot().joints[joint].name.clone();
+        Ok(JointRegression { joint: name, parameters, columns, torque, valid: prepared.rows_to_use(joint) })
     }
 
     /// Present values of all linear parameters.
@@ -344,11 +405,10 @@ impl<'a> EffectModel<'a> {
     /// carry. (The measured torque would bring its noise into the columns, and with it a bias larger than what most gears
     /// yield.) Twists pass the filter of torque and columns: above the frequency at which the link swings on its gear the
     /// rounds would amplify every error.
-    fn link_motion(&self, log: &Recording, prepared: &Prepared) -> Result<Motion> {
+    fn link_motion<'b>(&self, log: &Recording, prepared: &'b Prepared) -> Result<Cow<'b, Motion>> {
         let period = 1.0 / log.rate_hz();
-        let mut link = prepared.motion.clone();
         if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
-            return Ok(link);
+            return Ok(Cow::Borrowed(&prepared.motion));
         }
         let gears: Vec<(usize, Gear)> = (0..self.model.dof())
             .filter_map(|joint| {
@@ -361,7 +421,7 @@ impl<'a> EffectModel<'a> {
         for (joint, gear) in with_play {
             put_behind(&mut played, joint, self.play(gear, joint, log, prepared)?);
         }
-        link.clone_from(&played);
+        let mut link = played.clone();
         for _ in 0..if springs.is_empty() { 0 } else { GEAR_ROUNDS } {
             let parts = Parts::new(self, prepared, &link);
             let mut next = played.clone();
@@ -374,7 +434,7 @@ impl<'a> EffectModel<'a> {
             }
             link = next;
         }
-        Ok(link)
+        Ok(Cow::Owned(link))
     }
 
     /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is
@@ -398,6 +458,11 @@ fn put_behind(motion: &mut Motion, joint: usize, twist: [Vec<f64>; 3]) {
     for (channels, change) in [&mut motion.q, &mut motion.qd, &mut motion.qdd].into_iter().zip(twist) {
         channels.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
     }
+}
+
+/// One signal less another.
+fn difference(signal: &[f64], other: &[f64]) -> Vec<f64> {
+    signal.iter().zip(other).map(|(a, b)| a - b).collect()
 }
 
 /// A signal with its first and second derivative.

@@ -3,11 +3,12 @@
 use super::{EffectModel, Trust, without_amplitudes};
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{Along, Placed, contributions};
+use crate::effects::{Along, Placed, contributions, direction};
 use crate::identification::model::{Model, STANDARD};
 use crate::identification::prepare::Prepared;
 use crate::robot::PARAMETERS;
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 /// A linear parameter of the arm itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,12 +22,16 @@ pub(super) enum ArmParameter {
 /// Torque of all parts along one motion, before sensors and filter.
 pub(super) struct Parts<'a> {
     owner: &'a EffectModel<'a>,
-    base: Vec<Channels>,
+    /// Columns of the base parameters on each joint, made when they are asked for: those of all joints of a long log are
+    /// the largest thing there is.
+    base: Vec<OnceCell<Channels>>,
+    link: &'a Motion,
     /// Per amplitude: torque per unit.
     amplitudes: Vec<Channels>,
-    /// Torque without free parameter: of believed bodies and drives, and of effects through their departures.
-    pub known: Vec<Vec<f64>>,
-    /// The share of bodies in that.
+    /// Torque without free parameter: of believed bodies and drives, and of effects through their departures. Empty where
+    /// there is none.
+    known: Vec<Vec<f64>>,
+    /// The share of bodies in that; empty where there is none.
     bodies: Vec<Vec<f64>>,
     motor: &'a Motion,
 }
@@ -55,23 +60,45 @@ impl<'a> Parts<'a> {
         let bodies = Self::bodies(owner, prepared, link);
         let mut parts = Parts {
             owner,
-            base: model.columns_behind_gears(&prepared.motion, link, &prepared.time, 0.0),
+            base: vec![OnceCell::new(); model.dof()],
+            link,
             amplitudes: units,
             known: bodies.clone(),
             bodies,
             motor: &prepared.motion,
         };
         for joint in 0..model.dof() {
-            let departures = torques.iter().map(|torque| (1.0, torque.channel(joint).to_vec()));
-            let believed = owner.believed.iter();
-            let believed =
-                believed.filter_map(|&(parameter, value)| Some((value, parts.column(parameter, joint)?.to_vec())));
-            let sum: Vec<(f64, Vec<f64>)> = departures.chain(believed).collect();
-            for (scale, column) in sum {
-                parts.known[joint].iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
+            let mut sum = std::mem::take(&mut parts.known[joint]);
+            let mut add = |scale: f64, column: &[f64]| {
+                sum.resize(column.len(), 0.0);
+                sum.iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
+            };
+            for torque in &torques {
+                add(1.0, torque.channel(joint));
             }
+            for &(parameter, value) in &owner.believed {
+                if let Some(column) = parts.column(parameter, joint) {
+                    add(value, &column);
+                }
+            }
+            parts.known[joint] = sum;
+            parts.release(joint);
         }
         parts
+    }
+
+    /// Forgets the columns of the base parameters on a joint until they are asked for again.
+    pub fn release(&mut self, joint: usize) {
+        self.base[joint].take();
+    }
+
+    fn base(&self, joint: usize) -> &Channels {
+        self.base[joint].get_or_init(|| self.owner.model.columns_on(joint, self.motor, self.link, 0.0))
+    }
+
+    /// Torque on a joint that has no free parameter; None where there is none.
+    pub fn known(&self, joint: usize) -> Option<&[f64]> {
+        Some(self.known[joint].as_slice()).filter(|torque| !torque.is_empty())
     }
 
     /// Torque of bodies that is not fitted.
@@ -87,6 +114,9 @@ impl<'a> Parts<'a> {
             Trust::Structure => joints
                 .map(|joint| {
                     let rotor = owner.lumped_rotor(joint);
+                    if rotor == 0.0 || std::ptr::eq(link, &prepared.motion) {
+                        return Vec::new();
+                    }
                     let motor = prepared.motion.qdd.channel(joint);
                     motor.iter().zip(link.qdd.channel(joint)).map(|(m, l)| rotor * (m - l)).collect()
                 })
@@ -95,42 +125,41 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque on a joint per unit of a parameter of the arm; None where it cannot act.
-    fn column(&self, parameter: ArmParameter, joint: usize) -> Option<&[f64]> {
+    pub fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Cow<'_, [f64]>> {
         let model = self.owner.model;
-        match parameter {
-            ArmParameter::Base(base) => {
+        match (drive_of(model, parameter), parameter) {
+            (Some((own, _)), _) if own != joint => None,
+            (Some((_, 0)), _) => Some(self.motor.qdd.channel(joint).into()),
+            (Some((_, 1)), _) => Some(self.motor.qd.channel(joint).into()),
+            (Some(_), _) => Some(self.motor.qd.channel(joint).iter().map(|&v| direction(v, 0.0)).collect()),
+            (None, ArmParameter::Base(base)) => {
                 let place = model.active(joint).iter().position(|&b| b == base)?;
-                Some(self.base[joint].channel(place))
+                Some(self.base(joint).channel(place).into())
             }
-            ArmParameter::Drive(own, _) if own != joint => None,
-            ArmParameter::Drive(_, 0) => Some(self.motor.qdd.channel(joint)),
-            ArmParameter::Drive(_, which) => {
-                // Viscous and Coulomb friction are base parameters of their own on every arm, in this order.
-                let friction = model.active(joint).into_iter().enumerate().filter(|(_, b)| model.is_friction(*b));
-                let (place, _) = friction.into_iter().nth(which - 1)?;
-                Some(self.base[joint].channel(place))
-            }
+            (None, ArmParameter::Drive(..)) => None,
         }
     }
 
     /// All columns that can act on a joint, with the index of their linear parameter.
     pub fn columns(&self, joint: usize) -> Vec<(usize, Cow<'_, [f64]>)> {
         let arm = self.owner.arm.iter().enumerate();
-        let mut columns: Vec<(usize, Cow<[f64]>)> =
-            arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?.into()))).collect();
+        let arm = arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?)));
+        arm.chain(self.amplitudes(joint).map(|(index, column)| (index, column.into()))).collect()
+    }
+
+    /// The columns of amplitudes that can act on a joint, with the index of their linear parameter.
+    pub fn amplitudes(&self, joint: usize) -> impl Iterator<Item = (usize, &[f64])> {
         let offset = self.owner.baseline.len();
-        for (index, torque) in self.amplitudes.iter().enumerate() {
-            let column = torque.channel(joint);
-            if column.iter().any(|&v| v != 0.0) {
-                columns.push((offset + index, column.into()));
-            }
-        }
-        columns
+        let columns = self.amplitudes.iter().enumerate().map(move |(k, torque)| (offset + k, torque.channel(joint)));
+        columns.filter(|(_, column)| column.iter().any(|&v| v != 0.0))
     }
 
     /// Torque on a joint that the present parameters predict, before sensors.
     pub fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
-        let mut torque = self.known[joint].clone();
+        let mut torque = vec![0.0; self.motor.samples()];
+        if let Some(known) = self.known(joint) {
+            torque.copy_from_slice(known);
+        }
         for (parameter, column) in self.columns(joint) {
             torque.iter_mut().zip(column.iter()).for_each(|(value, x)| *value += linear[parameter] * x);
         }
@@ -149,7 +178,7 @@ impl<'a> Parts<'a> {
             if drive_of(owner.model, parameter).is_none()
                 && let Some(column) = self.column(parameter, joint)
             {
-                torque.iter_mut().zip(column).for_each(|(sum, x)| *sum += value * x);
+                torque.iter_mut().zip(column.iter()).for_each(|(sum, x)| *sum += value * x);
             }
         }
         torque

@@ -75,7 +75,7 @@ fn set(motion: &mut Motion, sample: usize, state: impl Fn(usize) -> [f64; 3]) {
 fn rank(model: &Model, motion: &Motion, duration_s: f64) -> MotionRank {
     let samples = motion.samples();
     let mut observation = DMatrix::zeros(samples * model.dof(), model.base().len());
-    for (joint, table) in model.columns(motion, &vec![0.0; samples], 0.0).iter().enumerate() {
+    for (joint, table) in model.columns(motion, 0.0).iter().enumerate() {
         for (parameter, column) in model.active(joint).into_iter().zip(table.iter()) {
             observation.view_mut((joint * samples, parameter), (samples, 1)).copy_from_slice(column);
         }

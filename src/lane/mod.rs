@@ -50,6 +50,14 @@ pub trait Lane:
         sin_cos::sin_cos(self)
     }
 
+    /// The sum of the numbers, in their order.
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        let mut parts = [0.0; WIDEST];
+        self.store(&mut parts);
+        parts.iter().sum()
+    }
+
     /// Up to `WIDTH` values of a slice, the places behind its end zero.
     #[inline(always)]
     fn load_part(values: &[f64]) -> Self {
@@ -111,46 +119,4 @@ impl Lane for f64 {
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)
     }
-}
-
-/// A vector of three lanes.
-pub(super) type Vec3<L> = [L; 3];
-
-#[inline(always)]
-pub(super) fn add<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline(always)]
-pub(super) fn scale<L: Lane>(a: Vec3<L>, s: L) -> Vec3<L> {
-    [a[0] * s, a[1] * s, a[2] * s]
-}
-
-#[inline(always)]
-pub(super) fn dot<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> L {
-    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-}
-
-#[inline(always)]
-pub(super) fn cross<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
-    [a[2].mul_sub_from(b[1], a[1] * b[2]), a[0].mul_sub_from(b[2], a[2] * b[0]), a[1].mul_sub_from(b[0], a[0] * b[1])]
-}
-
-/// A 3x3 matrix of lanes, row by row.
-pub(super) type Mat3<L> = [Vec3<L>; 3];
-
-#[inline(always)]
-pub(super) fn times<L: Lane>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
-    [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
-}
-
-#[inline(always)]
-pub(super) fn transpose_times<L: Lane>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
-    let column = |c: usize| [m[0][c], m[1][c], m[2][c]];
-    [dot(column(0), v), dot(column(1), v), dot(column(2), v)]
-}
-
-#[inline(always)]
-pub(super) fn splat3<L: Lane>(v: &[f64; 3]) -> Vec3<L> {
-    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
 }

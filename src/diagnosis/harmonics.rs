@@ -1,0 +1,93 @@
+//! Harmonics of a joint's position whose strength and phase wander: power at an order, window by window.
+
+use super::column::Column;
+use super::rows::Rows;
+use super::score::log_survival;
+use super::whitening::Whitener;
+
+/// Orders that are tried, 1/rad, in steps that a motion of a few rad can tell.
+const LAST_ORDER: f64 = 64.0;
+const ORDER_STEP: f64 = 0.5;
+
+/// Rows in a window (two and a half seconds).
+const WINDOW: usize = 125;
+
+/// Rows that must count in a window.
+const FEWEST: usize = 25;
+
+/// Share of a wave's norm that must be left beside a constant: below it the joint hardly moves in the window.
+const SWINGS: f64 = 0.5;
+
+/// The strongest harmonic of a joint.
+#[derive(Debug, Clone, Copy)]
+pub struct Harmonic {
+    /// Periods per turn of the joint.
+    pub order: f64,
+    /// Share of the residual's sum of squares that it takes.
+    pub share: f64,
+    /// Logarithm of the probability of as much at the best order.
+    pub log_p: f64,
+}
+
+/// All orders that are tried.
+pub fn orders() -> impl Iterator<Item = f64> {
+    (0..).map(|k| 1.0 + ORDER_STEP * f64::from(k)).take_while(|order| *order <= LAST_ORDER)
+}
+
+/// The strongest harmonic of `joint` in a whitened residual.
+pub fn strongest(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize) -> Option<Harmonic> {
+    let count = orders().count() as f64;
+    let each = orders().filter_map(|order| at_order(rows, whitener, residual, joint, order));
+    let best = each.min_by(|a, b| a.log_p.total_cmp(&b.log_p))?;
+    Some(Harmonic { log_p: (best.log_p + count.ln()).min(0.0), ..best })
+}
+
+/// The harmonic of one order, its probability that of this order alone.
+pub fn at_order(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, order: f64) -> Option<Harmonic> {
+    let wave = |f: fn(f64) -> f64| {
+        let signal = rows.signal(|log| log.motion.q.channel(joint).iter().map(|q| f(order * q)).collect());
+        whitener.apply(&Column::on(joint, signal))
+    };
+    let waves = [whitener.apply(&Column::on(joint, vec![1.0; rows.len()])), wave(f64::cos), wave(f64::sin)];
+    let [constant, cosine, sine] = waves.each_ref().map(|wave| wave.part(joint).unwrap_or_default());
+    let residual = residual.part(joint)?;
+    let places = whitener.places(joint);
+    let (mut statistic, mut freedom) = (0.0, 0);
+    let mut first = 0;
+    while first < places.len() {
+        let log = rows.starts.partition_point(|start| *start <= places[first]);
+        let end = (places[first] + WINDOW).min(rows.starts.get(log).copied().unwrap_or(usize::MAX));
+        let last = first + places[first..].partition_point(|place| *place < end);
+        let window = first..last;
+        first = last;
+        if window.len() < FEWEST {
+            continue;
+        }
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for (index, signal) in [constant, cosine, sine].into_iter().enumerate() {
+            let mut rest = signal[window.clone()].to_vec();
+            let norm = dot(&rest, &rest).sqrt();
+            for direction in &basis {
+                let along = dot(direction, &rest);
+                rest.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
+            }
+            let left = dot(&rest, &rest).sqrt();
+            if !(left > SWINGS * norm) {
+                continue;
+            }
+            rest.iter_mut().for_each(|x| *x /= left);
+            if index > 0 {
+                statistic += dot(&rest, &residual[window.clone()]).powi(2);
+                freedom += 1;
+            }
+            basis.push(rest);
+        }
+    }
+    let all = dot(residual, residual).max(f64::MIN_POSITIVE);
+    let log_p = log_survival(statistic, freedom);
+    (freedom > 0).then_some(Harmonic { order, share: (statistic / all).min(1.0), log_p })
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

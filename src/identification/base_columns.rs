@@ -1,0 +1,158 @@
+//! The regressor's base columns of all joints, made in blocks of samples: the one kernel under identification, diagnosis,
+//! Monte Carlo and the search for excitations.
+//!
+//! Columns that no base parameter stands on are never made, nor those of bodies that cannot act on a joint.
+
+use super::model::STANDARD;
+use crate::channels::Channels;
+use crate::dynamics::{Chain, Entries, Motion};
+use crate::effects::direction;
+use crate::lane::Lanes;
+use crate::robot::PARAMETERS;
+use std::ops::Range;
+
+/// Samples of a block: its columns then stay in the cache.
+pub const BLOCK: usize = 128;
+
+/// What a column is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// An entry of the rigid-body regressor.
+    Rigid,
+    /// The joint's own acceleration, for its rotor inertia.
+    Rotor,
+    /// Its velocity, for viscous friction.
+    Viscous,
+    /// The direction of its motion, for Coulomb friction.
+    Coulomb,
+}
+
+/// One joint's share of the columns.
+#[derive(Debug, Clone)]
+struct Share {
+    parameters: Vec<usize>,
+    kinds: Vec<Kind>,
+    /// Place of the first in a table.
+    first: usize,
+}
+
+/// Which columns act on which joint, and how they are made. A table of them is `[column][sample]`, the columns of a joint
+/// one after the other and behind them one place that the caller may put the joint's torque in.
+#[derive(Debug, Clone)]
+pub struct BaseColumns {
+    shares: Vec<Share>,
+    entries: Entries,
+    places: usize,
+}
+
+impl BaseColumns {
+    /// For an arm of `dof` joints whose base parameters stand on the standard parameters `kept` (13 a joint: ten inertial
+    /// ones, rotor inertia, viscous and Coulomb friction).
+    pub fn new(dof: usize, kept: &[usize]) -> Self {
+        let mut shares: Vec<Share> = Vec::with_capacity(dof);
+        let mut places = 0;
+        for joint in 0..dof {
+            let acts = |&(_, &standard): &(usize, &usize)| {
+                let (link, which) = (standard / STANDARD, standard % STANDARD);
+                if which < PARAMETERS { link >= joint } else { link == joint }
+            };
+            let (parameters, kinds) = kept.iter().enumerate().filter(acts).map(|(b, &s)| (b, kind(s))).unzip();
+            let share = Share { parameters, kinds, first: places };
+            places += share.parameters.len() + 1;
+            shares.push(share);
+        }
+        let entries = Entries::new(dof, |link, joint| {
+            std::array::from_fn(|parameter| {
+                let share = &shares[joint];
+                let standard = link * STANDARD + parameter;
+                share.parameters.iter().position(|&b| kept[b] == standard).map(|place| share.first + place)
+            })
+        });
+        BaseColumns { shares, entries, places }
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.shares.len()
+    }
+
+    /// Places in a table: the columns of all joints, and one behind those of each.
+    pub fn places(&self) -> usize {
+        self.places
+    }
+
+    /// Base parameters that can act on a joint, ascending; the order of its columns.
+    pub fn parameters(&self, joint: usize) -> &[usize] {
+        &self.shares[joint].parameters
+    }
+
+    /// Places of a joint's columns in a table; the next one is the caller's.
+    pub fn of(&self, joint: usize) -> Range<usize> {
+        let share = &self.shares[joint];
+        share.first..share.first + share.parameters.len()
+    }
+
+    /// Writes all columns over a range of samples into `table`, `[column][sample of the range]`: inertial columns along
+    /// `link`, those of rotors and friction along `motor`. `width` is the velocity over which the sign in dry friction is
+    /// smoothed, rad/s. What the caller's places hold afterwards is not said.
+    ///
+    /// # Panics
+    /// If the motions do not fit the chain, or the table has another size.
+    pub fn write(
+        &self,
+        lanes: Lanes,
+        chain: &Chain,
+        [motor, link]: [&Motion; 2],
+        width: f64,
+        samples: Range<usize>,
+        table: &mut [f64],
+    ) {
+        let rows = samples.len();
+        assert_eq!(table.len(), self.places * rows, "a table of all columns is wanted");
+        self.entries.write(lanes, chain, link, samples.clone(), table);
+        for (joint, share) in self.shares.iter().enumerate() {
+            let velocity = &motor.qd.channel(joint)[samples.clone()];
+            for (place, kind) in share.kinds.iter().enumerate().filter(|(_, kind)| **kind != Kind::Rigid) {
+                let column = &mut table[(share.first + place) * rows..][..rows];
+                match kind {
+                    Kind::Rigid => {}
+                    Kind::Rotor => column.copy_from_slice(&motor.qdd.channel(joint)[samples.clone()]),
+                    Kind::Viscous => column.copy_from_slice(velocity),
+                    Kind::Coulomb => {
+                        column.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, width));
+                    }
+                }
+            }
+        }
+    }
+
+    /// All columns along a motion: for every joint a table `[its column][time]`.
+    pub fn tables(&self, chain: &Chain, motions: [&Motion; 2], width: f64) -> Vec<Channels> {
+        let samples = motions[0].samples();
+        let mut tables: Vec<Channels> =
+            self.shares.iter().map(|share| Channels::zeros(share.parameters.len(), samples)).collect();
+        let mut block = vec![0.0; self.places * BLOCK.min(samples)];
+        for start in (0..samples).step_by(BLOCK) {
+            let here = start..samples.min(start + BLOCK);
+            let rows = here.len();
+            let block = &mut block[..self.places * rows];
+            self.write(Lanes::best(), chain, motions, width, here.clone(), block);
+            for (share, table) in self.shares.iter().zip(&mut tables) {
+                for place in 0..share.parameters.len() {
+                    let column = &block[(share.first + place) * rows..][..rows];
+                    table.channel_mut(place)[here.clone()].copy_from_slice(column);
+                }
+            }
+        }
+        tables
+    }
+}
+
+fn kind(standard: usize) -> Kind {
+    match standard % STANDARD {
+        inertial if inertial < PARAMETERS => Kind::Rigid,
+        PARAMETERS => Kind::Rotor,
+        11 => Kind::Viscous,
+        _ => Kind::Coulomb,
+    }
+}

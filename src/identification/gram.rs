@@ -1,0 +1,232 @@
+//! Gram matrices X'X and products X'y of tall tables, summed in lanes while blocks of rows stream by.
+//!
+//! A table of all rows need never exist: whoever makes rows hands them over block by block, each column of a block one
+//! contiguous run. Sums are kept per lane in tiles of 4 x 3 entries, as many as registers hold, and put together in the
+//! end.
+
+use crate::channels::Channels;
+use crate::lane::{Kernel, Lane, Lanes};
+use nalgebra::DMatrix;
+
+/// Rows of a block: its columns then stay in the cache while the tiles pass over them.
+pub const BLOCK: usize = 128;
+
+/// Height and breadth of a tile.
+const TALL: usize = 4;
+const BROAD: usize = 3;
+
+/// The lower triangle of X'X over the rows seen so far.
+#[derive(Debug, Clone)]
+pub struct Gram {
+    lanes: Lanes,
+    columns: usize,
+    /// Tile after tile, row by row; one partial sum per lane for every entry.
+    sums: Vec<f64>,
+}
+
+impl Gram {
+    /// No rows of a table of so many columns.
+    pub fn new(columns: usize) -> Self {
+        Gram::new_in(Lanes::best(), columns)
+    }
+
+    /// [`Gram::new`] in lanes of one kind.
+    pub fn new_in(lanes: Lanes, columns: usize) -> Self {
+        Gram { lanes, columns, sums: vec![0.0; tiles(columns).count() * TALL * BROAD * lanes.width()] }
+    }
+
+    /// Adds `rows` rows given as `[column][row]`.
+    ///
+    /// # Panics
+    /// If the table has another size.
+    pub fn add(&mut self, table: &[f64], rows: usize) {
+        assert_eq!(table.len(), self.columns * rows, "a table of all columns is wanted");
+        self.lanes.run(Adding { columns: self.columns, sums: &mut self.sums, table, rows });
+    }
+
+    /// Adds the rows of `table`, `[column][row]`, that are `valid`; the others may hold anything.
+    ///
+    /// # Panics
+    /// If the table has another number of columns.
+    pub fn add_valid(&mut self, table: &Channels, valid: &[bool]) {
+        assert_eq!(table.channels(), self.columns, "a table of all columns is wanted");
+        let mut block = Vec::with_capacity(self.columns * BLOCK);
+        for (number, valid) in valid.chunks(BLOCK).enumerate() {
+            block.clear();
+            for column in table.iter() {
+                let part = &column[number * BLOCK..][..valid.len()];
+                block.extend(part.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }));
+            }
+            self.add(&block, valid.len());
+        }
+    }
+
+    /// X'X.
+    pub fn matrix(&self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.columns, self.columns);
+        let width = self.lanes.width();
+        for ((top, left), tile) in tiles(self.columns).zip(self.sums.chunks_exact(TALL * BROAD * width)) {
+            for (place, parts) in tile.chunks_exact(width).enumerate() {
+                let (row, column) = (top + place / BROAD, left + place % BROAD);
+                if column <= row && row < self.columns {
+                    matrix[(row, column)] = parts.iter().sum();
+                }
+            }
+        }
+        matrix.fill_upper_triangle_with_lower_triangle();
+        matrix
+    }
+}
+
+/// First row and column of the tiles that cover the lower triangle.
+fn tiles(columns: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..columns)
+        .step_by(TALL)
+        .flat_map(move |top| (0..columns.min(top + TALL)).step_by(BROAD).map(move |left| (top, left)))
+}
+
+struct Adding<'a> {
+    columns: usize,
+    sums: &'a mut [f64],
+    table: &'a [f64],
+    rows: usize,
+}
+
+impl Kernel for Adding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        let rows = self.rows;
+        let mut tile = self.sums.chunks_exact_mut(TALL * BROAD * L::WIDTH);
+        let last = self.columns.saturating_sub(1);
+        let mut top = 0;
+        while top < self.columns {
+            let mut left = 0;
+            while left < self.columns.min(top + TALL) {
+                let Some(sums) = tile.next() else { return };
+                // A tile that sticks out repeats the last column; what it gathers there is not read.
+                let tall = [0, 1, 2, 3].map(|k| &self.table[last.min(top + k) * rows..][..rows]);
+                let broad = [0, 1, 2].map(|k| &self.table[last.min(left + k) * rows..][..rows]);
+                add_tile::<L>(tall, broad, rows, sums);
+                left += BROAD;
+            }
+            top += TALL;
+        }
+    }
+}
+
+#[inline(always)]
+fn add_tile<L: Lane>(tall: [&[f64]; TALL], broad: [&[f64]; BROAD], rows: usize, sums: &mut [f64]) {
+    let mut entries = [[L::splat(0.0); BROAD]; TALL];
+    for (place, sum) in entries.as_flattened_mut().iter_mut().enumerate() {
+        *sum = L::load(&sums[place * L::WIDTH..]);
+    }
+    let mut row = 0;
+    while row + L::WIDTH <= rows {
+        // Written out: a closure that hands on loads may be left out of line, compiled for the oldest machines.
+        let x = [
+            L::load(&broad[0][row..row + L::WIDTH]),
+            L::load(&broad[1][row..row + L::WIDTH]),
+            L::load(&broad[2][row..row + L::WIDTH]),
+        ];
+        for (signal, entries) in tall.iter().zip(&mut entries) {
+            let y = L::load(&signal[row..row + L::WIDTH]);
+            for (entry, x) in entries.iter_mut().zip(x) {
+                *entry = x.mul_add(y, *entry);
+            }
+        }
+        row += L::WIDTH;
+    }
+    if row < rows {
+        for (signal, entries) in tall.iter().zip(&mut entries) {
+            let y = L::load_part(&signal[row..]);
+            for (entry, other) in entries.iter_mut().zip(broad) {
+                *entry = L::load_part(&other[row..]).mul_add(y, *entry);
+            }
+        }
+    }
+    for (place, &sum) in entries.as_flattened().iter().enumerate() {
+        sum.store(&mut sums[place * L::WIDTH..]);
+    }
+}
+
+/// X'y for a table `[column][row]`.
+///
+/// # Panics
+/// If the signal has another number of rows.
+pub fn products(table: &Channels, signal: &[f64]) -> Vec<f64> {
+    products_in(Lanes::best(), table, signal)
+}
+
+fn products_in(lanes: Lanes, table: &Channels, signal: &[f64]) -> Vec<f64> {
+    assert_eq!(table.samples(), signal.len(), "one value per row is wanted");
+    lanes.run(Products { table, signal })
+}
+
+struct Products<'a> {
+    table: &'a Channels,
+    signal: &'a [f64],
+}
+
+impl Kernel for Products<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<L: Lane>(self) -> Vec<f64> {
+        /// Sums side by side, so that one does not wait for itself.
+        const TOGETHER: usize = 4;
+        let mut out = Vec::with_capacity(self.table.channels());
+        for column in self.table.iter() {
+            let mut sums = [L::splat(0.0); TOGETHER];
+            let (mut xs, mut ys) =
+                (column.chunks_exact(TOGETHER * L::WIDTH), self.signal.chunks_exact(TOGETHER * L::WIDTH));
+            for (x, y) in (&mut xs).zip(&mut ys) {
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum = L::load(&x[k * L::WIDTH..]).mul_add(L::load(&y[k * L::WIDTH..]), *sum);
+                }
+            }
+            let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
+            out.push(((sums[0] + sums[1]) + (sums[2] + sums[3])).sum() + rest);
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn table(columns: usize, rows: usize, seed: u64) -> Channels {
+        use rand::RngExt;
+        let mut source = crate::random::stream(seed, "table", 0);
+        let mut table = Channels::zeros(columns, rows);
+        table.as_mut_slice().fill_with(|| source.random_range(-1.0..1.0));
+        table
+    }
+
+    proptest! {
+        #[test]
+        fn any_table_in_any_lanes(columns in 0usize..17, rows in 0usize..300, seed in 0u64..1000) {
+            let table = table(columns, rows, seed);
+            let valid: Vec<bool> = (0..rows).map(|row| row % 7 != 3).collect();
+            let x = DMatrix::from_fn(rows, columns, |r, c| if valid[r] { table.channel(c)[r] } else { 0.0 });
+            let y: Vec<f64> = (0..rows).map(|r| (r as f64).sin()).collect();
+            let mut poisoned = table.clone();
+            for c in 0..columns {
+                poisoned.channel_mut(c).iter_mut().zip(&valid).for_each(|(v, ok)| if !ok { *v = f64::NAN });
+            }
+            let full = DMatrix::from_fn(rows, columns, |r, c| table.channel(c)[r]);
+            let expected = full.transpose() * nalgebra::DVector::from_column_slice(&y);
+            for lanes in Lanes::available() {
+                let mut gram = Gram::new_in(lanes, columns);
+                gram.add_valid(&poisoned, &valid);
+                prop_assert!(columns == 0 || (gram.matrix() - x.transpose() * &x).amax() < 1e-12);
+                for (own, other) in products_in(lanes, &table, &y).iter().zip(&expected) {
+                    prop_assert!((own - other).abs() < 1e-12, "{own} {other}");
+                }
+            }
+        }
+    }
+}

@@ -155,34 +155,26 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
 /// An unknown extension, a file that cannot be written, or a time that the format cannot hold.
 pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    let (names, told, more) = (
-        (!recording.joints.iter().enumerate().all(|(joint, name)| *name == format!("joint_{}", joint + 1)))
-            .then_some("names of joints"),
-        (!recording.provenance.is_empty() || !recording.robot.is_empty()).then_some("where the log comes from"),
-        (recording.qdd.is_some() || recording.truth.is_some()).then_some("accelerations and truth"),
-    );
-    let lost = match extension.as_deref() {
+    let mut lost = Vec::new();
+    match extension.as_deref() {
         Some("csv") => {
             csv::write(path, recording)?;
-            [names, told]
+            let numbered = |(joint, name): (usize, &String)| *name == format!("joint_{}", joint + 1);
+            lost.extend((!recording.joints.iter().enumerate().all(numbered)).then_some("names of joints"));
+            let told = !recording.provenance.is_empty() || !recording.robot.is_empty();
+            lost.extend(told.then_some("where the log comes from"));
         }
-        Some("parquet") => {
-            parquet::write(path, recording)?;
-            [None, None]
-        }
+        Some("parquet") => parquet::write(path, recording)?,
         #[cfg(feature = "bags")]
-        Some("mcap") => {
-            bag::write::mcap(path, recording)?;
-            [more, None]
-        }
-        #[cfg(feature = "bags")]
-        Some("db3") => {
-            bag::write::sqlite(path, recording)?;
-            [more, None]
+        Some(extension @ ("mcap" | "db3")) => {
+            let write = if extension == "mcap" { bag::write::mcap } else { bag::write::sqlite };
+            write(path, recording)?;
+            let more = recording.qdd.is_some() || recording.truth.is_some();
+            lost.extend(more.then_some("accelerations and truth"));
         }
         _ => return Err(unknown_format(path)),
-    };
-    Ok(lost.into_iter().flatten().collect())
+    }
+    Ok(lost)
 }
 
 /// The name of a log must tell its format.

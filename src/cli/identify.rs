@@ -66,9 +66,11 @@ pub struct Arguments {
 /// Time that the default smoothing window spans, s.
 const DEFAULT_WINDOW_S: f64 = 0.12;
 
-/// Time that reading logs and fitting effects take, in units of that of a fit without effects.
-const READING: u64 = 1;
-const WITH_EFFECTS: u64 = 4;
+/// Time that reading logs, a fit without and one with effects, and the simulation take, beside each other.
+const READING: u64 = 2;
+const FIT: u64 = 4;
+const WITH_EFFECTS: u64 = 16;
+const SIMULATING: u64 = 1;
 
 /// Fits and writes the results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
@@ -78,8 +80,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let placed = place(&arguments.effect, &robot)?;
     let simulates = dataset.is_none() && arguments.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
-    let fits = if placed.is_empty() { 1 } else { 1 + WITH_EFFECTS };
-    let mut stages = progress::Stages::new(global, &[reading, fits, 1, 1]);
+    let fits = if placed.is_empty() { FIT } else { FIT + WITH_EFFECTS };
+    let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
     let Logs { train, test, notes } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;

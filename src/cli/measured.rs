@@ -25,7 +25,7 @@ pub fn run(path: &Path, global: &Global) -> Result<u8> {
     let mut robot = robot::load(named, InertiaCheck::Ignored)?;
     dataset.mount(&mut robot)?;
     let variants = [Variant::Raw, Variant::SavitzkyGolay];
-    let mut stages = progress::Stages::new(global, &[1, 1, 1, 1, 1]);
+    let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 1]);
     stages.begin("reading the logs");
     let Logs { train, test, notes } = dataset.logs(&robot)?;
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;

@@ -75,11 +75,18 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     let gains = nominal.map_or(vec![None; view.dof()], |nominal| gains(view, &nominal, &rows));
     let against: Vec<bool> = gains.iter().map(|gain| gain.is_some_and(|gain| gain < 0.0)).collect();
     let tau = view.tau.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
-    let best =
-        model.as_ref().and_then(|model| arrangement(model, &motion, &tau, view.log.duration())).unwrap_or_default();
+    // A torque that was not logged contradicts all others, whatever the order of the columns is.
+    let silent: Vec<bool> =
+        (0..view.dof()).map(|j| view.log.tau.channel(j).iter().all(|v| *v == view.log.tau.channel(j)[0])).collect();
+    let logged = !silent.contains(&true);
+    let best = model
+        .as_ref()
+        .filter(|_| logged)
+        .and_then(|model| arrangement(model, &motion, &tau, view.log.duration()))
+        .unwrap_or_default();
     let in_order = best.torques.is_empty() && best.positions.is_none();
     for (joint, fit) in fits.iter().enumerate() {
-        let Some(fit) = fit else { continue };
+        let Some(fit) = fit.as_ref().filter(|_| !silent[joint]) else { continue };
         let tau = view.tau.channel(joint);
         let share = fit.unexplained(tau, 0);
         summaries[joint].unexplained = Some(share);
@@ -106,7 +113,7 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     out.extend(dead_time(view, &lags));
     if robot.is_some() {
         out.extend(out_of_order(view, &best));
-        if in_order {
+        if in_order && logged {
             out.extend(swapped(view, &fits));
         }
     }
@@ -338,10 +345,10 @@ fn unit(gains: &[Option<f64>]) -> Option<Finding> {
         return None;
     }
     let gain = size_quantile(gains.iter().flatten().copied(), 0.5);
-    let (factor, name) = [(1e3, "mN m"), (1e-3, "kN m")].into_iter().find(|(f, _)| (0.2..5.0).contains(&(gain / f)))?;
-    let text = format!(
-        "the torques are about {gain:.3e} times what the URDF's bodies need: are they in {name}? Divide them by {factor}"
-    );
+    let units = [(1e3, "mN m", "Divide them by 1000"), (1e-3, "kN m", "Multiply them by 1000")];
+    let (_, name, mend) = units.into_iter().find(|(factor, ..)| (0.2..5.0).contains(&(gain / factor)))?;
+    let text =
+        format!("the torques are about {gain:.3e} times what the URDF's bodies need: are they in {name}? {mend}");
     Some(Finding::new(Kind::TorqueUnit, Severity::Warning, "tau", text))
 }
 

@@ -1,5 +1,6 @@
 //! The arm in the loop: rapier as forward dynamics, friction and drives, controller, sensors.
 
+mod balance;
 pub mod controller;
 pub mod engine;
 pub mod following;

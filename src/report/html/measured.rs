@@ -139,8 +139,7 @@ fn scores(robot: &Robot, scored: &[Scored], rows: &[Joint]) -> Section {
     let table = robot.joints.iter().enumerate().map(|(j, about)| {
         vec![
             format!("{}, {}", about.name, about.effort_unit()),
-            rows.get(j)
-                .map_or("-".to_owned(), |row| format!("{} {}", significant(rms(&row.torque)), about.effort_unit())),
+            rows.get(j).map_or("-".to_owned(), |row| significant(rms(&row.torque))),
             at(&raw.torque_std_held_out_nm, j),
             at(&best.torque_std_held_out_nm, j),
             at(&best.torque_std_training_nm, j),

@@ -72,7 +72,7 @@ pub fn at_order(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usiz
                 rest.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
             }
             let left = dot(&rest, &rest).sqrt();
-            if !(left > SWINGS * norm) {
+            if left <= SWINGS * norm || left.is_nan() {
                 continue;
             }
             rest.iter_mut().for_each(|x| *x /= left);

@@ -45,7 +45,7 @@ impl Channels {
     }
 
     /// All signals in order.
-    pub fn iter(&self) -> impl Iterator<Item = &[f64]> {
+    pub fn iter(&self) -> impl Iterator<Item = &[f64]> + Clone {
         (0..self.channels).map(|index| self.channel(index))
     }
 

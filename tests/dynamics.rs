@@ -4,8 +4,8 @@
 use serde::Deserialize;
 use tauscope::channels::Channels;
 use tauscope::dynamics::{
-    Chain, EquationsOfMotion, Lanes, Motion, block_row, inverse_dynamics_at, inverse_dynamics_in, mass_matrix,
-    regressor_in,
+    Chain, EquationsOfMotion, Lanes, Motion, block_row, forward_dynamics, inverse_dynamics_at, inverse_dynamics_in,
+    mass_matrix, regressor_in,
 };
 use tauscope::robot::{self, InertiaCheck, PARAMETERS, Robot};
 use tauscope::simulation::rapier_arm::RapierArm;
@@ -187,6 +187,25 @@ fn forward_dynamics_agree_with_pinocchio_and_rapier() {
             let own = with_rotors.accelerations(&state.tau);
             assert!(difference(&own, &rapier) < 1e-12, "{}: {:e}", robot.name, difference(&own, &rapier));
             assert!(with_rotors.smallest_pivot() > 0.0);
+            in_lanes_and_tails(&chain, [&inertial, &armature], state, &rapier);
+        }
+    }
+}
+
+/// Batches of one state, in all lanes with all tails, must agree with rapier's accelerations.
+fn in_lanes_and_tails(chain: &Chain, arm: [&[f64]; 2], state: &State, rapier: &[f64]) {
+    for lanes in Lanes::available() {
+        for samples in 0..=2 * lanes.width() + 1 {
+            let repeated = |values: &[f64]| {
+                Channels::from_vectors(&values.iter().map(|&value| vec![value; samples]).collect::<Vec<Vec<f64>>>())
+            };
+            let mut qdd = repeated(&vec![f64::NAN; chain.dof()]);
+            let tables = [&state.q, &state.qd, &state.tau].map(|values| repeated(values));
+            forward_dynamics(lanes, chain, arm, tables.each_ref(), &mut qdd);
+            for sample in 0..samples {
+                let off = difference(&qdd.at(sample), rapier);
+                assert!(off < 1e-12, "{} lanes, sample {sample} of {samples}: {off:e}", lanes.name());
+            }
         }
     }
 }

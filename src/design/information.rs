@@ -20,7 +20,7 @@ use crate::robot::Robot;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Samples that go into the Gram matrices at once: regressor and columns then stay in the cache.
-const BLOCK: usize = 64;
+const BLOCK: usize = 120;
 
 /// Eigenvalues of the normalised information matrix below this share of the largest are rounding.
 pub(super) const SINGULAR: f64 = 1e-12;

@@ -17,9 +17,6 @@ const HARMONICS: usize = 4;
 /// Delays with which something may follow the motion, s.
 const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 
-/// Cosines over each log with which a gain may drift.
-const GAIN_COSINES: usize = 8;
-
 /// A kind of structure, and the generic columns of a joint that show it.
 #[derive(Debug)]
 pub struct Block {
@@ -27,8 +24,6 @@ pub struct Block {
     pub structure: &'static str,
     /// Its columns.
     pub columns: Vec<Column>,
-    /// Whether the same factors hold in other logs.
-    pub comes_again: bool,
 }
 
 /// Ranges of a joint's motion in the training logs.
@@ -112,15 +107,9 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
     let elsewhere = others().flat_map(|other| {
         [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
     });
-    let own_torque = torque(joint);
-    let gain = slow_cosines(rows, joint, 1..GAIN_COSINES + 1).into_iter().filter_map(|cosine| {
-        let cosine = cosine.part(joint)?;
-        Some(cosine.iter().zip(&own_torque).map(|(a, b)| a * b).collect())
-    });
     let block = |structure, signals: Vec<Vec<f64>>| Block {
         structure,
         columns: signals.into_iter().map(|signal| Column::on(joint, rows.since_change(signal))).collect(),
-        comes_again: true,
     };
     vec![
         block("is damping that changes with the joint's position", damping.into()),
@@ -130,7 +119,6 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         block("follows the joint's speed with a delay", followed.collect()),
         block("depends on the other joints' positions and speeds", elsewhere.collect()),
         block("goes with the torque of other joints", others().map(torque).collect()),
-        Block { comes_again: false, ..block("goes with the joint's torque by a factor that drifts", gain.collect()) },
     ]
 }
 

@@ -5,7 +5,7 @@ use super::rows::Rows;
 use super::score::log_survival;
 use super::whitening::Whitener;
 
-/// Orders that are tried, 1/rad, in steps that a motion of a few rad can tell.
+/// Orders that are tried, per turn, in steps that a motion of a few rad can tell.
 const LAST_ORDER: f64 = 64.0;
 const ORDER_STEP: f64 = 0.5;
 
@@ -18,32 +18,73 @@ const FEWEST: usize = 25;
 /// Share of a wave's norm that must be left beside a constant: below it the joint hardly moves in the window.
 const SWINGS: f64 = 0.5;
 
-/// The strongest harmonic of a joint.
+/// Power at one order.
+#[derive(Debug, Clone, Copy)]
+struct Power {
+    order: f64,
+    statistic: f64,
+    freedom: usize,
+}
+
+/// Power of a joint's residual at all orders.
+#[derive(Debug)]
+pub struct Spectrum {
+    each: Vec<Power>,
+    /// Mean square of a direction at the order in the middle: more than one where the noise is known badly.
+    typical: f64,
+    /// Sum of squares of the residual.
+    all: f64,
+}
+
+/// The power at an order, as evidence.
 #[derive(Debug, Clone, Copy)]
 pub struct Harmonic {
-    /// Periods per turn of the joint.
+    /// Waves per turn of the joint.
     pub order: f64,
     /// Share of the residual's sum of squares that it takes.
     pub share: f64,
-    /// Logarithm of the probability of as much at the best order.
+    /// Logarithm of the probability of as much at this order.
     pub log_p: f64,
 }
 
 /// All orders that are tried.
-pub fn orders() -> impl Iterator<Item = f64> {
+fn orders() -> impl Iterator<Item = f64> {
     (0..).map(|k| 1.0 + ORDER_STEP * f64::from(k)).take_while(|order| *order <= LAST_ORDER)
 }
 
-/// The strongest harmonic of `joint` in a whitened residual.
-pub fn strongest(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize) -> Option<Harmonic> {
-    let count = orders().count() as f64;
-    let each = orders().filter_map(|order| at_order(rows, whitener, residual, joint, order));
-    let best = each.min_by(|a, b| a.log_p.total_cmp(&b.log_p))?;
-    Some(Harmonic { log_p: (best.log_p + count.ln()).min(0.0), ..best })
+impl Spectrum {
+    /// That of `joint` in a whitened residual.
+    pub fn new(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize) -> Self {
+        let each: Vec<Power> = orders().filter_map(|order| power(rows, whitener, residual, joint, order)).collect();
+        let mut sizes: Vec<f64> = each.iter().map(|power| power.statistic / power.freedom as f64).collect();
+        sizes.sort_by(f64::total_cmp);
+        let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0).max(1.0);
+        Spectrum { each, typical, all: residual.only(&[joint]).dot(residual).max(f64::MIN_POSITIVE) }
+    }
+
+    /// The likeliest harmonic, its probability that of the best of all orders.
+    pub fn strongest(&self) -> Option<Harmonic> {
+        let each = self.each.iter().map(|power| self.evidence(power));
+        let best = each.min_by(|a, b| a.log_p.total_cmp(&b.log_p))?;
+        Some(Harmonic { log_p: (best.log_p + (self.each.len() as f64).ln()).min(0.0), ..best })
+    }
+
+    /// The harmonic of one of the orders.
+    pub fn at(&self, order: f64) -> Option<Harmonic> {
+        self.each.iter().find(|power| power.order == order).map(|power| self.evidence(power))
+    }
+
+    fn evidence(&self, power: &Power) -> Harmonic {
+        Harmonic {
+            order: power.order,
+            share: (power.statistic / self.all).min(1.0),
+            log_p: log_survival(power.statistic / self.typical, power.freedom),
+        }
+    }
 }
 
-/// The harmonic of one order, its probability that of this order alone.
-pub fn at_order(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, order: f64) -> Option<Harmonic> {
+/// The power at one order; None where the joint turns too little for it.
+fn power(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, order: f64) -> Option<Power> {
     let wave = |f: fn(f64) -> f64| {
         let signal = rows.signal(|log| log.motion.q.channel(joint).iter().map(|q| f(order * q)).collect());
         whitener.apply(&Column::on(joint, signal))
@@ -83,9 +124,7 @@ pub fn at_order(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usiz
             basis.push(rest);
         }
     }
-    let all = dot(residual, residual).max(f64::MIN_POSITIVE);
-    let log_p = log_survival(statistic, freedom);
-    (freedom > 0).then_some(Harmonic { order, share: (statistic / all).min(1.0), log_p })
+    (freedom > 0).then_some(Power { order, statistic, freedom })
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -8,6 +8,9 @@ use super::whitening::Whitener;
 /// training logs, and the held-out logs, often fewer, must not contradict it.
 const SURELY: f64 = 1.0;
 
+/// Factor on the chance that noise alone makes up to which nothing else need be in the residual.
+const CALM: f64 = 1.5;
+
 /// What is gained of the whitened sum of squares on the joints that an effect acts on.
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
@@ -18,6 +21,8 @@ pub struct Gains {
     of_rows: Vec<f64>,
     /// Standard deviation of their sum.
     std: f64,
+    /// The same were the residual after white.
+    expected_std: f64,
     /// Sum of squares before.
     before: f64,
 }
@@ -28,15 +33,18 @@ impl Gains {
         let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
         let mut of_rows = vec![0.0; rows];
         let mut chance = vec![0.0; rows / STRETCH + 1];
+        let mut predicted = 0.0;
         for (joint, values) in &before.parts {
             let Some(others) = after.part(*joint) else { continue };
             for ((place, b), a) in unseen.places(*joint).iter().zip(values).zip(others) {
                 of_rows[*place] += b * b - a * a;
                 chance[place / STRETCH] += 2.0 * a * (b - a);
+                predicted += (b - a).powi(2);
             }
         }
         let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-        Gains { of_rows, std, before: before.dot(&before).max(f64::MIN_POSITIVE) }
+        let expected_std = 2.0 * predicted.sqrt();
+        Gains { of_rows, std, expected_std, before: before.dot(&before).max(f64::MIN_POSITIVE) }
     }
 
     /// The share of the sum of squares that is gained.
@@ -47,6 +55,11 @@ impl Gains {
     /// Lower bound, by one standard deviation (84 %), of the share of the sum of squares that is gained.
     pub fn lower_bound(&self) -> f64 {
         self.share() - SURELY * self.std / self.before
+    }
+
+    /// Whether the chance in the gain is that of the noise: the residual holds little else.
+    pub fn is_calm(&self) -> bool {
+        self.std < CALM * self.expected_std
     }
 
     /// The share that is gained outside the stretch that gains most.

@@ -14,6 +14,7 @@
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
+//! | evidence beside slow noise and the error of the smoothing | [`beside`](mod@beside) |
 //! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
@@ -21,6 +22,7 @@
 //! | what it rests on, row by row | [`evidence`] |
 
 pub mod arm;
+pub mod beside;
 pub mod bodies;
 pub mod candidates;
 pub mod column;

@@ -2,11 +2,11 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
+use super::beside::{beside, happens_anywhere};
 use super::candidates::{self, Candidate, Family, Slot};
-use super::column::{Column, rms};
+use super::column::rms;
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
-use super::generic::slow_cosines;
 use super::held_out::Gains;
 use super::judging::Judged;
 use super::roles::is_level;
@@ -40,11 +40,9 @@ const GEARS: f64 = 1e-3;
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
 
-/// Effects whose torque follows high derivatives of the motion, as the error of smooth positions does.
-const LIKE_SMOOTHING: [&str; 1] = ["joint_elasticity"];
-
-/// Cosines over each log that stand for slow drifts.
-const DRIFTS: usize = 10;
+/// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
+/// parameter or of chance.
+const CLEARLY_BETTER: f64 = 0.02;
 
 /// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
 /// where much is wrong, all that is little fits a little.
@@ -141,14 +139,9 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
-        let level = match winner.candidate.log {
-            None => level,
-            Some(_) => level.max(family_wise(beside_drift(session, &round, &winner), tests)),
-        };
-        let level = match LIKE_SMOOTHING.contains(&winner.candidate.family().effect) {
-            true => level.max(family_wise(beside_smoothing(session, &round, &winner)?, tests)),
-            false => level,
-        };
+        let beside = beside(session, &round.whitener, &round.fit, &winner)?;
+        let level = level.max(family_wise(beside, tests));
+        tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
         let spread = happens_anywhere(&winner.candidate)
             || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln();
         let limit = options.alpha * strictness(&winner.candidate);
@@ -187,22 +180,6 @@ fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
 }
 
-/// Logarithm of the probability of what a candidate takes beside the error of the smoothing, joint by joint.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-fn beside_smoothing(session: &Session, round: &Round, winner: &Judged) -> Result<f64> {
-    let error = session.arm.smoothing_error(&session.train.rows)?;
-    let each: Vec<Column> = error.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal)).collect();
-    let fit = round.fit.with(&round.whitener.apply_all(&each));
-    Ok(fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p()))
-}
-
-/// Whether an effect may show in a moment of the logs alone: what happened once, and what happens where the torque is largest.
-fn happens_anywhere(candidate: &Candidate) -> bool {
-    candidate.log.is_some() || is_level(candidate.placed.effect)
-}
-
 /// Share of the level at which a candidate is believed.
 fn strictness(candidate: &Candidate) -> f64 {
     if candidate.log.is_some() {
@@ -215,16 +192,6 @@ fn strictness(candidate: &Candidate) -> f64 {
     } else {
         NOISE_IS_ESTIMATED
     }
-}
-
-/// Logarithm of the probability of what an event of one log takes beside slow drifts of all joints that it acts on: how strong
-/// slow noise is the rows tell poorly, how sharply a contact begins and ends they tell well.
-fn beside_drift(session: &Session, round: &Round, winner: &Judged) -> f64 {
-    let rows = &session.train.rows;
-    let joints = winner.candidate.joints();
-    let drifts: Vec<Column> = joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)).collect();
-    let fit = round.fit.with(&round.whitener.apply_all(&drifts));
-    fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p())
 }
 
 /// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
@@ -253,7 +220,7 @@ fn better_unseen(
         let after = session.held_out_residual(&with(rival), &whitener)?;
         let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
         tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
-        if bound > best.as_ref().map_or(0.0, |(best, _)| *best) {
+        if bound > best.as_ref().map_or(CLEARLY_BETTER, |(best, _)| *best) {
             best = Some((bound, rival));
         }
     }
@@ -294,7 +261,7 @@ fn accepted(session: &Session, members: &[Member], winner: &Judged, level: f64) 
     tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
     let enough = match joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
         true => bound > WORTH_A_NAME,
-        false if level < BEYOND_CHANCE => gains.share() > 0.0,
+        false if level < BEYOND_CHANCE && gains.is_calm() => gains.share() > 0.0,
         false => bound > 0.0,
     };
     Ok(enough.then_some((member, Gain { lower_bound: bound, rms })))

@@ -1,9 +1,10 @@
 //! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
 //! structure, and whether a name only stands for a part of it.
 
+use super::beside::against_slow_noise;
 use super::column::Column;
 use super::generic::{Block, Reach, blocks, slow_cosines};
-use super::harmonics::{at_order, strongest};
+use super::harmonics::Spectrum;
 use super::held_out::Gains;
 use super::score::Projection;
 use super::session::{Member, Session};
@@ -21,7 +22,7 @@ const COSINES: usize = 6;
 /// cannot be checked against a law.
 const STRICTER: f64 = 0.02;
 
-/// Probability below which what cannot come again alike counts as seen in the held-out logs too.
+/// Probability below which a harmonic whose phase wanders counts as seen in the held-out logs too.
 const CONFIRMED: f64 = 0.01;
 
 /// A name is empty beside structure when what it adds to that is more likely than this without it.
@@ -113,7 +114,8 @@ impl<'a> Fitted<'a> {
         for (block, again) in kinds.into_iter().zip(blocks(self.session, test, joint, reach)) {
             let whitened = self.whitener.apply_all(&block.columns);
             let Some(found) = self.fit.test(&whitened) else { continue };
-            let family_wise_p = (tests * found.log_p().exp()).min(1.0);
+            let log_p = against_slow_noise(&train.rows, self.whitener, &self.fit, &whitened, &found);
+            let family_wise_p = (tests * log_p.exp()).min(1.0);
             if family_wise_p >= best.as_ref().map_or(self.level, |best| best.family_wise_p.min(self.level)) {
                 continue;
             }
@@ -135,11 +137,6 @@ impl<'a> Fitted<'a> {
 
     /// Whether the held-out rows show a block too.
     fn is_confirmed(&self, joint: usize, block: &Block, again: &Block) -> bool {
-        if !block.comes_again {
-            let residual = self.unseen.apply(&self.before.only(&[joint]));
-            let test = Projection::new(&[], &residual).test(&self.unseen.apply_all(&again.columns));
-            return test.is_some_and(|test| test.log_p() < CONFIRMED.ln());
-        }
         let Session { train, test, .. } = self.session;
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
         let solved = solve(&self.whitener.apply_all(&with), &self.whitener.apply(&train.torque));
@@ -175,11 +172,11 @@ impl<'a> Fitted<'a> {
     /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
     fn wandering_harmonic(&self, joint: usize, tests: f64) -> Option<Unexplained> {
         let Session { train, test, .. } = self.session;
-        let found = strongest(&train.rows, self.whitener, &self.fit.residual, joint)?;
+        let found = Spectrum::new(&train.rows, self.whitener, &self.fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
         let residual = self.unseen.apply(&self.before.only(&[joint]));
         let again = (family_wise_p < self.level)
-            .then(|| at_order(&test.rows, &self.unseen, &residual, joint, found.order))
+            .then(|| Spectrum::new(&test.rows, &self.unseen, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
         (again.log_p < CONFIRMED.ln()).then_some(Unexplained {

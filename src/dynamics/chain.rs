@@ -26,6 +26,7 @@ pub struct Chain {
 }
 
 /// What the forward recursion knows of one link, in the link's own frame.
+#[derive(Debug, Clone)]
 pub(super) struct LinkState<L> {
     /// Rotation from the link frame to the frame before it.
     pub rotation: Mat3<L>,

@@ -3,21 +3,22 @@
 
 use super::chain::{Chain, LinkState};
 use super::rnea::wrench;
-use super::spatial::{Mat3, Vec3, add, cross, dot, scale, times};
-use crate::lane::Lane;
+use super::spatial::{Mat3, Vec3, add, cross, dot, scale, splat3, times};
+use crate::channels::Channels;
+use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 
 /// Equations of motion M qdd + h = tau at one state, M factored as L D L'.
 #[derive(Debug, Clone)]
-pub struct EquationsOfMotion<L> {
-    dof: usize,
+pub struct EquationsOfMotion<L = f64> {
+    links: Vec<LinkState<L>>,
     /// L below and D on the diagonal, row by row.
     factor: Vec<L>,
     /// Torque at zero acceleration: velocity terms and gravity.
     bias: Vec<L>,
 }
 
-impl<L: Lane> EquationsOfMotion<L> {
+impl EquationsOfMotion {
     /// The equations at position `q` and velocity `qd`. `inertial` holds ten parameters per link, base to flange, and
     /// `armature` the reflected rotor inertia of each joint. The bodies need not be possible ones, as base parameters on
     /// the columns that carry them are not; what matters is that M is positive definite: see
@@ -25,21 +26,121 @@ impl<L: Lane> EquationsOfMotion<L> {
     ///
     /// # Panics
     /// If the parameters or the state do not fit the chain.
-    pub fn new(chain: &Chain, inertial: &[f64], armature: &[f64], q: &[L], qd: &[L]) -> Self {
+    pub fn new(chain: &Chain, inertial: &[f64], armature: &[f64], q: &[f64], qd: &[f64]) -> Self {
+        let mut equations = EquationsOfMotion { links: Vec::new(), factor: Vec::new(), bias: Vec::new() };
+        equations.update(chain, inertial, armature, q, qd);
+        equations
+    }
+
+    /// Makes these the equations at another state, or of another arm, in the memory they have.
+    ///
+    /// # Panics
+    /// As [`EquationsOfMotion::new`].
+    pub fn update(&mut self, chain: &Chain, inertial: &[f64], armature: &[f64], q: &[f64], qd: &[f64]) {
+        check(chain, inertial, armature);
+        assert_eq!([q.len(), qd.len()], [chain.dof(); 2], "one value per joint is wanted");
+        self.set(chain, inertial, armature, |joint| (q[joint], qd[joint]));
+    }
+
+    /// Accelerations under the joint torques `tau`.
+    pub fn accelerations(&self, tau: &[f64]) -> Vec<f64> {
+        let mut net: Vec<f64> = tau.iter().zip(&self.bias).map(|(&torque, &bias)| torque - bias).collect();
+        self.solve(&mut net);
+        net
+    }
+
+    /// Accelerations of all joints per unit torque on `joint`: a column of the inverse mass matrix.
+    pub fn response(&self, joint: usize) -> Vec<f64> {
+        let mut unit = vec![0.0; self.bias.len()];
+        unit[joint] = 1.0;
+        self.solve(&mut unit);
+        unit
+    }
+
+    /// The smallest entry of D: not above zero where M is no mass matrix.
+    pub fn smallest_pivot(&self) -> f64 {
+        let dof = self.bias.len();
+        (0..dof).map(|joint| self.factor[joint * dof + joint]).fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn check(chain: &Chain, inertial: &[f64], armature: &[f64]) {
+    assert_eq!(inertial.len(), chain.dof() * PARAMETERS, "ten inertial parameters a link are wanted");
+    assert_eq!(armature.len(), chain.dof(), "one rotor inertia per joint is wanted");
+}
+
+/// Joint accelerations, `[joint][time]`, of many states at once: positions, velocities and joint torques `[q, qd, tau]`,
+/// each `[joint][time]`, of an arm with `[inertial, armature]` as in [`EquationsOfMotion::new`].
+///
+/// # Panics
+/// If parameters or tables do not fit the chain.
+pub fn forward_dynamics(
+    lanes: Lanes,
+    chain: &Chain,
+    [inertial, armature]: [&[f64]; 2],
+    state: [&Channels; 3],
+    accelerations: &mut Channels,
+) {
+    check(chain, inertial, armature);
+    let samples = state[0].samples();
+    for table in state.into_iter().chain([&*accelerations]) {
+        assert_eq!([table.channels(), table.samples()], [chain.dof(), samples], "tables differ in size");
+    }
+    let lanes = lanes.for_positions(state[0], 0..samples);
+    lanes.run(Batch { chain, inertial, armature, state, accelerations });
+}
+
+struct Batch<'a> {
+    chain: &'a Chain,
+    inertial: &'a [f64],
+    armature: &'a [f64],
+    state: [&'a Channels; 3],
+    accelerations: &'a mut Channels,
+}
+
+impl Kernel for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        let (dof, samples) = (self.chain.dof(), self.state[0].samples());
+        let [q, qd, tau] = self.state;
+        let mut equations = EquationsOfMotion::<L> { links: Vec::new(), factor: Vec::new(), bias: Vec::new() };
+        let mut net = vec![L::splat(0.0); dof];
+        for sample in (0..samples).step_by(L::WIDTH) {
+            let here = sample..samples.min(sample + L::WIDTH);
+            let state = |joint: usize| {
+                (L::load_part(&q.channel(joint)[here.clone()]), L::load_part(&qd.channel(joint)[here.clone()]))
+            };
+            equations.set(self.chain, self.inertial, self.armature, state);
+            for (joint, value) in net.iter_mut().enumerate() {
+                *value = L::load_part(&tau.channel(joint)[here.clone()]) - equations.bias[joint];
+            }
+            equations.solve(&mut net);
+            for (joint, value) in net.iter().enumerate() {
+                value.store_part(&mut self.accelerations.channel_mut(joint)[here.clone()]);
+            }
+        }
+    }
+}
+
+impl<L: Lane> EquationsOfMotion<L> {
+    #[inline(always)]
+    fn set(&mut self, chain: &Chain, inertial: &[f64], armature: &[f64], state: impl Fn(usize) -> (L, L)) {
         let dof = chain.dof();
-        assert_eq!(inertial.len(), dof * PARAMETERS, "ten inertial parameters a link are wanted");
-        assert_eq!([armature.len(), q.len(), qd.len()], [dof; 3], "one value per joint is wanted");
-        let mut links: Vec<LinkState<L>> = Vec::with_capacity(dof);
+        let (links, factor, bias) = (&mut self.links, &mut self.factor, &mut self.bias);
+        links.clear();
+        factor.resize(dof * dof, L::splat(0.0));
+        bias.resize(dof, L::splat(0.0));
         let base = chain.base();
         for joint in 0..dof {
-            let link = chain.next(joint, links.last().unwrap_or(&base), q[joint], qd[joint], L::splat(0.0));
+            let (q, qd) = state(joint);
+            let link = chain.next(joint, links.last().unwrap_or(&base), q, qd, L::splat(0.0));
             links.push(link);
         }
         let zero: Vec3<L> = [L::splat(0.0); 3];
         let (mut force, mut moment) = (zero, zero);
         let mut composite = Composite { mass: L::splat(0.0), first: zero, tensor: [zero; 3] };
-        let mut bias = vec![L::splat(0.0); dof];
-        let mut factor = vec![L::splat(0.0); dof * dof];
         for joint in (0..dof).rev() {
             let link = &links[joint];
             let body = &inertial[joint * PARAMETERS..][..PARAMETERS];
@@ -47,81 +148,66 @@ impl<L: Lane> EquationsOfMotion<L> {
             force = add(force, own_force);
             moment = add(moment, own_moment);
             composite.weld(body);
-            let axis = chain.axis(joint);
-            let along = |revolute: bool, axis, f, n| dot(axis, if revolute { n } else { f });
-            bias[joint] = along(chain.is_revolute(joint), axis, force, moment);
+            bias[joint] = along(chain, joint, force, moment);
 
             // The wrench that gives the joint alone unit acceleration, walked back to the joints before it.
-            let (mut f, mut n) = composite.unit_wrench(axis, chain.is_revolute(joint));
-            factor[joint * dof + joint] = along(chain.is_revolute(joint), axis, f, n) + L::splat(armature[joint]);
+            let (mut f, mut n) = composite.unit_wrench(chain.axis(joint), chain.is_revolute(joint));
+            factor[joint * dof + joint] = along(chain, joint, f, n) + L::splat(armature[joint]);
             for before in (0..joint).rev() {
                 (f, n) = carried(&links[before + 1], f, n);
-                factor[joint * dof + before] = along(chain.is_revolute(before), chain.axis(before), f, n);
+                factor[joint * dof + before] = along(chain, before, f, n);
             }
             (force, moment) = carried(link, force, moment);
             composite = composite.seen_from_parent(link);
         }
-        let mut equations = EquationsOfMotion { dof, factor, bias };
-        equations.factorise();
-        equations
+        self.factorise();
     }
 
+    #[inline(always)]
     fn factorise(&mut self) {
-        let n = self.dof;
+        let n = self.bias.len();
+        let factor = &mut self.factor[..n * n];
         for row in 0..n {
             for column in 0..row {
-                let mut value = self.factor[row * n + column];
+                let mut value = factor[row * n + column];
                 for k in 0..column {
-                    value = value - self.factor[row * n + k] * self.factor[column * n + k] * self.factor[k * n + k];
+                    value = (factor[row * n + k] * factor[column * n + k]).mul_sub_from(factor[k * n + k], value);
                 }
-                self.factor[row * n + column] = value / self.factor[column * n + column];
+                factor[row * n + column] = value / factor[column * n + column];
             }
-            let mut pivot = self.factor[row * n + row];
+            let mut pivot = factor[row * n + row];
             for k in 0..row {
-                let entry = self.factor[row * n + k];
-                pivot = pivot - entry * entry * self.factor[k * n + k];
+                let entry = factor[row * n + k];
+                pivot = (entry * entry).mul_sub_from(factor[k * n + k], pivot);
             }
-            self.factor[row * n + row] = pivot;
+            factor[row * n + row] = pivot;
         }
     }
 
-    /// Accelerations under the joint torques `tau`.
-    pub fn accelerations(&self, tau: &[L]) -> Vec<L> {
-        let net: Vec<L> = tau.iter().zip(&self.bias).map(|(&torque, &bias)| torque - bias).collect();
-        self.solve(net)
-    }
-
-    /// Accelerations of all joints per unit torque on `joint`: a column of the inverse mass matrix.
-    pub fn response(&self, joint: usize) -> Vec<L> {
-        let mut unit = vec![L::splat(0.0); self.dof];
-        unit[joint] = L::splat(1.0);
-        self.solve(unit)
-    }
-
-    fn solve(&self, mut x: Vec<L>) -> Vec<L> {
-        let n = self.dof;
+    #[inline(always)]
+    fn solve(&self, x: &mut [L]) {
+        let n = self.bias.len();
+        let (factor, x) = (&self.factor[..n * n], &mut x[..n]);
         for row in 0..n {
             for k in 0..row {
-                x[row] = x[row] - self.factor[row * n + k] * x[k];
+                x[row] = factor[row * n + k].mul_sub_from(x[k], x[row]);
             }
         }
-        for (row, value) in x.iter_mut().enumerate() {
-            *value = *value / self.factor[row * n + row];
+        for row in 0..n {
+            x[row] = x[row] / factor[row * n + row];
         }
         for row in (0..n).rev() {
             for k in row + 1..n {
-                x[row] = x[row] - self.factor[k * n + row] * x[k];
+                x[row] = factor[k * n + row].mul_sub_from(x[k], x[row]);
             }
         }
-        x
     }
 }
 
-impl EquationsOfMotion<f64> {
-    /// The smallest entry of D: not above zero where M is no mass matrix.
-    pub fn smallest_pivot(&self) -> f64 {
-        (0..self.dof).map(|joint| self.factor[joint * self.dof + joint]).fold(f64::INFINITY, f64::min)
-    }
+/// Part of a wrench that the drive of a joint carries.
+#[inline(always)]
+fn along<L: Lane>(chain: &Chain, joint: usize, force: Vec3<L>, moment: Vec3<L>) -> L {
+    dot(chain.axis(joint), if chain.is_revolute(joint) { moment } else { force })
 }
 
 /// A wrench about a link's origin as the link before it sees it.
@@ -140,17 +226,22 @@ struct Composite<L> {
 
 impl<L: Lane> Composite<L> {
     /// Adds a body given about the same origin.
+    #[inline(always)]
     fn weld(&mut self, body: &[f64]) {
-        let p = |index: usize| L::splat(body[index]);
-        self.mass += p(0);
-        self.first = add(self.first, [p(1), p(2), p(3)]);
-        let own = [[p(4), p(5), p(7)], [p(5), p(6), p(8)], [p(7), p(8), p(9)]];
+        self.mass += L::splat(body[0]);
+        self.first = add(self.first, splat3(&[body[1], body[2], body[3]]));
+        let own: Mat3<L> = [
+            splat3(&[body[4], body[5], body[7]]),
+            splat3(&[body[5], body[6], body[8]]),
+            splat3(&[body[7], body[8], body[9]]),
+        ];
         for (row, extra) in self.tensor.iter_mut().zip(own) {
             *row = add(*row, extra);
         }
     }
 
     /// Force and moment of a unit acceleration about or along `axis`.
+    #[inline(always)]
     fn unit_wrench(&self, axis: Vec3<L>, revolute: bool) -> (Vec3<L>, Vec3<L>) {
         if revolute {
             (cross(axis, self.first), times(&self.tensor, axis))
@@ -160,6 +251,7 @@ impl<L: Lane> Composite<L> {
     }
 
     /// The same about the origin and in the axes of the link before.
+    #[inline(always)]
     fn seen_from_parent(&self, link: &LinkState<L>) -> Self {
         let (r, p) = (&link.rotation, link.translation);
         let first = times(r, self.first);
@@ -169,7 +261,9 @@ impl<L: Lane> Composite<L> {
         let mut tensor = [[L::splat(0.0); 3]; 3];
         for (i, row) in tensor.iter_mut().enumerate() {
             for (j, value) in row.iter_mut().enumerate() {
-                *value = dot(half[i], r[j]) - first[i] * p[j] - p[i] * first[j] - self.mass * p[i] * p[j];
+                let shifted = first[i].mul_sub_from(p[j], dot(half[i], r[j]));
+                let shifted = p[i].mul_sub_from(first[j], shifted);
+                *value = (self.mass * p[i]).mul_sub_from(p[j], shifted);
             }
             row[i] += twice;
         }

@@ -14,9 +14,9 @@ mod spatial;
 pub use crate::lane::{Lane, Lanes};
 pub use base_parameters::{BaseParameters, Grouping};
 pub use chain::Chain;
-pub use forward::EquationsOfMotion;
+pub use forward::{EquationsOfMotion, forward_dynamics};
 pub use regressor::{Entries, block_row, regressor, regressor_in};
-pub use rnea::{inverse_dynamics, inverse_dynamics_at, inverse_dynamics_in, mass_matrix};
+pub use rnea::{inverse_dynamics, inverse_dynamics_at, inverse_dynamics_in, inverse_dynamics_into, mass_matrix};
 
 use crate::channels::Channels;
 use std::ops::Range;

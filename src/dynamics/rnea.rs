@@ -21,12 +21,21 @@ pub fn inverse_dynamics(chain: &Chain, inertial: &[f64], motion: &Motion) -> Cha
 /// # Panics
 /// As [`inverse_dynamics`].
 pub fn inverse_dynamics_in(lanes: Lanes, chain: &Chain, inertial: &[f64], motion: &Motion) -> Channels {
+    let mut torque = Channels::zeros(chain.dof(), motion.samples());
+    inverse_dynamics_into(lanes, chain, inertial, motion, &mut torque);
+    torque
+}
+
+/// [`inverse_dynamics_in`] into a table of the same size as the motion's.
+///
+/// # Panics
+/// As [`inverse_dynamics`]; if the table has another size.
+pub fn inverse_dynamics_into(lanes: Lanes, chain: &Chain, inertial: &[f64], motion: &Motion, torque: &mut Channels) {
     let (dof, samples) = (chain.dof(), motion.samples());
     assert_eq!(motion.joints(), dof, "the motion has another number of joints than the arm");
     assert_eq!(inertial.len(), dof * PARAMETERS, "ten inertial parameters a link are wanted");
-    let mut torque = Channels::zeros(dof, samples);
-    lanes.for_positions(&motion.q, 0..samples).run(Batch { chain, inertial, motion, torque: &mut torque });
-    torque
+    assert_eq!([torque.channels(), torque.samples()], [dof, samples], "the torque has another size than the motion");
+    lanes.for_positions(&motion.q, 0..samples).run(Batch { chain, inertial, motion, torque });
 }
 
 struct Batch<'a> {

@@ -11,8 +11,9 @@ use crate::lane::Lanes;
 use crate::robot::PARAMETERS;
 use std::ops::Range;
 
-/// Samples of a block: its columns then stay in the cache.
-pub const BLOCK: usize = 128;
+/// Samples of a block: its columns then stay in the cache, an odd number of its lines apart, as powers of two would crowd
+/// into few places of it.
+pub const BLOCK: usize = 120;
 
 /// What a column is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

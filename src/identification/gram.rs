@@ -8,8 +8,9 @@ use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use nalgebra::DMatrix;
 
-/// Rows of a block: its columns then stay in the cache while the tiles pass over them.
-pub const BLOCK: usize = 128;
+/// Rows of a block: its columns then stay in the cache while the tiles pass over them; no power of two, or they would crowd
+/// into few places of it.
+pub const BLOCK: usize = 120;
 
 /// Height and breadth of a tile.
 const TALL: usize = 4;
@@ -44,19 +45,16 @@ impl Gram {
         self.lanes.run(Adding { columns: self.columns, sums: &mut self.sums, table, rows });
     }
 
-    /// Adds the rows of `table`, `[column][row]`, that are `valid`; the others may hold anything.
+    /// Adds the rows of a table that are `valid`; the others may hold anything. The table is one or more signals, `[row]`
+    /// each, as many as there are columns.
     ///
     /// # Panics
     /// If the table has another number of columns.
-    pub fn add_valid(&mut self, table: &Channels, valid: &[bool]) {
-        assert_eq!(table.channels(), self.columns, "a table of all columns is wanted");
+    pub fn add_valid<'t>(&mut self, table: impl Iterator<Item = &'t [f64]> + Clone, valid: &[bool]) {
+        assert_eq!(table.clone().count(), self.columns, "a table of all columns is wanted");
         let mut block = Vec::with_capacity(self.columns * BLOCK);
         for (number, valid) in valid.chunks(BLOCK).enumerate() {
-            block.clear();
-            for column in table.iter() {
-                let part = &column[number * BLOCK..][..valid.len()];
-                block.extend(part.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }));
-            }
+            valid_block(table.clone(), number * BLOCK, valid, &mut block);
             self.add(&block, valid.len());
         }
     }
@@ -75,6 +73,25 @@ impl Gram {
         }
         matrix.fill_upper_triangle_with_lower_triangle();
         matrix
+    }
+}
+
+/// Fills `block` with the rows of a table from `first` on, one per entry of `valid`, zeros where that is false.
+pub(super) fn valid_block<'t>(
+    table: impl Iterator<Item = &'t [f64]>,
+    first: usize,
+    valid: &[bool],
+    block: &mut Vec<f64>,
+) {
+    block.clear();
+    let all = valid.iter().all(|&ok| ok);
+    for column in table {
+        let part = &column[first..][..valid.len()];
+        if all {
+            block.extend_from_slice(part);
+        } else {
+            block.extend(part.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }));
+        }
     }
 }
 
@@ -221,7 +238,7 @@ mod tests {
             let expected = full.transpose() * nalgebra::DVector::from_column_slice(&y);
             for lanes in Lanes::available() {
                 let mut gram = Gram::new_in(lanes, columns);
-                gram.add_valid(&poisoned, &valid);
+                gram.add_valid(poisoned.iter(), &valid);
                 prop_assert!(columns == 0 || (gram.matrix() - x.transpose() * &x).amax() < 1e-12);
                 for (own, other) in products_in(lanes, &table, &y).iter().zip(&expected) {
                     prop_assert!((own - other).abs() < 1e-12, "{own} {other}");

@@ -1,8 +1,10 @@
 //! Weighted least squares on base parameters, with weights per joint and standard deviations that allow for coloured noise.
 
-use super::gram::{Gram, products};
-use super::linear_problem::{LinearProblem, Sums};
+use super::gram::{BLOCK, Gram, products, valid_block};
+use super::joint_sums::{JointSums, Sums};
+use super::linear_problem::LinearProblem;
 use super::noise::{AutoregressiveNoise, autocovariance};
+use super::tsqr::Triangle;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
 use crate::random;
@@ -20,6 +22,9 @@ pub const REWEIGHTINGS: usize = 3;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts as identifiable.
 const SINGULAR: f64 = 1e-13;
+
+/// The same for the singular values of a triangle, which are the eigenvalues' roots.
+const SINGULAR_OF_TRIANGLE: f64 = 1e-8;
 
 /// The 97.5 % point of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -133,8 +138,27 @@ impl JointRegression {
     /// X'X over the rows that count.
     pub(super) fn gram(&self) -> DMatrix<f64> {
         let mut gram = Gram::new(self.parameters.len());
-        gram.add_valid(&self.columns, &self.valid);
+        gram.add_valid(self.columns.iter(), &self.valid);
         gram.matrix()
+    }
+
+    /// The Gram matrix of columns and torque over the rows that count.
+    fn sums(&self) -> JointSums {
+        let mut gram = Gram::new(self.parameters.len() + 1);
+        gram.add_valid(self.columns.iter().chain([self.torque.as_slice()]), &self.valid);
+        JointSums { parameters: self.parameters.clone(), rows: self.rows(), gram: gram.matrix() }
+    }
+
+    /// The triangle of columns and torque over the rows that count.
+    fn triangle(&self) -> DMatrix<f64> {
+        let mut triangle = Triangle::new(self.parameters.len() + 1);
+        let mut block = Vec::new();
+        for (number, valid) in self.valid.chunks(BLOCK).enumerate() {
+            let table = self.columns.iter().chain([self.torque.as_slice()]);
+            valid_block(table, number * BLOCK, valid, &mut block);
+            triangle.add(&block, valid.len());
+        }
+        triangle.factor()
     }
 
     /// X'y over the rows that count, for one value y per row.
@@ -222,12 +246,13 @@ impl Estimate {
 /// Names the parameters the motion does not excite, or the joint without rows.
 pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> Result<Estimate> {
     require_rows(joints)?;
-    let sums = Sums::new(joints);
+    let sums = sums(joints);
     let mut sigma = vec![1.0; joints.len()];
     for _ in 0..REWEIGHTINGS {
-        sigma = residual_sigma(joints, solve(joints, &sums, &sigma, names)?.0.as_slice());
+        let beta = sums.solve(&sigma, names)?.0;
+        sigma = joints.iter().zip(sums.joints()).map(|(joint, own)| sigma_of(joint, own, beta.as_slice())).collect();
     }
-    let (beta, scaled) = solve(joints, &sums, &sigma, names)?;
+    let (beta, scaled) = sums.solve(&sigma, names)?;
     let beta = beta.as_slice().to_vec();
     Ok(Estimate {
         covariance: sandwich(joints, &sums, &beta, &sigma, &scaled),
@@ -258,31 +283,33 @@ pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
 /// # Errors
 /// Names the parameters that the motion cannot tell apart.
 pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
-    Ok(solve(joints, &Sums::new(joints), sigma, names)?.0.as_slice().to_vec())
+    Ok(sums(joints).solve(sigma, names)?.0.as_slice().to_vec())
 }
 
-/// The weighted solution and the factored normal matrix for given joint standard deviations.
-fn solve(
-    joints: &[JointRegression],
-    sums: &Sums,
-    sigma: &[f64],
-    names: &[String],
-) -> Result<(DVector<f64>, ScaledNormal)> {
-    let scaled = ScaledNormal::new(&sums.normal(joints, sigma, names.len()), names)?;
-    Ok((scaled.solve(&sums.right(joints, sigma, names.len())), scaled))
+/// What the solutions for all weights need, from one pass over the rows.
+fn sums(joints: &[JointRegression]) -> Sums<'_> {
+    let triangles = move || joints.iter().map(JointRegression::triangle).collect();
+    Sums::new(joints.iter().map(JointRegression::sums).collect(), triangles)
 }
 
 /// Standard deviation of each joint's residual. A residual without noise would give an infinite weight, so it is kept
 /// above rounding. Every joint needs more rows that count than parameters.
 pub fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
-    joints
-        .iter()
-        .map(|joint| {
-            let largest = joint.torque.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-            let freedom = joint.rows() as f64 / (joint.rows() - joint.parameters.len()) as f64;
-            (joint.residual_rms(beta) * freedom.sqrt()).max(1e-12 * largest).max(f64::MIN_POSITIVE)
-        })
-        .collect()
+    joints.iter().map(|joint| residual_sigma_of(joint, beta)).collect()
+}
+
+fn residual_sigma_of(joint: &JointRegression, beta: &[f64]) -> f64 {
+    let largest = joint.torque.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let freedom = joint.rows() as f64 / (joint.rows() - joint.parameters.len()) as f64;
+    (joint.residual_rms(beta) * freedom.sqrt()).max(1e-12 * largest).max(f64::MIN_POSITIVE)
+}
+
+/// The same from the joint's sums, or from the rows where those do not resolve the residual.
+fn sigma_of(joint: &JointRegression, sums: &JointSums, beta: &[f64]) -> f64 {
+    match sums.residual(beta) {
+        Some(sum) => (sum / (sums.rows - sums.parameters.len()) as f64).sqrt(),
+        None => residual_sigma_of(joint, beta),
+    }
 }
 
 /// Covariance H^-1 X'W Cov(noise) W X H^-1, the noise of each joint modelled as autoregressive from its residual: white
@@ -319,7 +346,7 @@ fn residual_noise(
     sigma: &[f64],
     normal: &ScaledNormal,
 ) -> Vec<AutoregressiveNoise> {
-    let problem = LinearProblem::with_normal(joints, sigma, sums.normal(joints, sigma, beta.len()));
+    let problem = LinearProblem::with_normal(joints, sigma, sums.normal(sigma, beta.len()));
     let lags = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
         joints.iter().zip(signals).map(|(joint, signal)| autocovariance(signal, &joint.valid, NOISE_ORDER)).collect()
     };
@@ -373,33 +400,34 @@ pub(super) struct ScaledNormal {
 
 impl ScaledNormal {
     pub(super) fn new(normal: &DMatrix<f64>, names: &[String]) -> Result<Self> {
-        let scale = normal.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
-        let still: Vec<&str> =
-            scale.iter().zip(names).filter(|(s, _)| **s == 0.0).map(|(_, name)| name.as_str()).collect();
-        if !still.is_empty() {
-            return Err(Error::request(listed(&still), "the motion does not excite this at all; move that joint"));
-        }
+        let scale = unit_scale(normal.diagonal(), names)?;
         let mut unit = DMatrix::from_fn(normal.nrows(), normal.ncols(), |r, c| normal[(r, c)] * scale[r] * scale[c]);
         unit.fill_upper_triangle_with_lower_triangle();
         let eigen = SymmetricEigen::new(unit.clone());
         let (low, high) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
         if low < SINGULAR * high {
-            let weakest = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-            let mut order: Vec<usize> = (0..names.len()).collect();
-            order.sort_by(|&a, &b| weakest[b].abs().total_cmp(&weakest[a].abs()));
-            let tied: Vec<&str> = order
-                .iter()
-                .take_while(|&&i| weakest[i].abs() > 0.1 * weakest[order[0]].abs())
-                .map(|&i| names[i].as_str())
-                .collect();
-            return Err(Error::request(
-                listed(&tied),
-                "the motion cannot tell these parameters apart; use a richer motion (each joint with durations of its own)",
-            ));
+            return Err(tied(eigen.eigenvectors.column(eigen.eigenvalues.imin()).as_slice(), names));
         }
         let factor = Cholesky::new(unit)
             .ok_or_else(|| Error::request("normal equations", "not positive definite; use a richer motion"))?;
         Ok(ScaledNormal { scale, factor, condition_number: (high / low).sqrt() })
+    }
+
+    /// From the triangle R of the weighted rows, R'R = X'WX, which knows small singular values to more digits.
+    ///
+    /// # Errors
+    /// Names the parameters that the motion cannot tell apart.
+    pub(super) fn from_triangle(triangle: &DMatrix<f64>, names: &[String]) -> Result<Self> {
+        let squares = DVector::from_iterator(names.len(), triangle.column_iter().map(|column| column.norm_squared()));
+        let scale = unit_scale(squares, names)?;
+        let unit = DMatrix::from_fn(names.len(), names.len(), |r, c| triangle[(r, c)] * scale[c]);
+        let svd = unit.clone().svd(false, true);
+        let (low, high) = (svd.singular_values.min(), svd.singular_values.max());
+        if low < SINGULAR_OF_TRIANGLE * high {
+            let weakest = svd.v_t.map(|v| v.row(svd.singular_values.imin()).transpose()).unwrap_or_default();
+            return Err(tied(weakest.as_slice(), names));
+        }
+        Ok(ScaledNormal { scale, factor: Cholesky::pack_dirty(unit.transpose()), condition_number: high / low })
     }
 
     pub(super) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
@@ -410,4 +438,29 @@ impl ScaledNormal {
         let unit = self.factor.inverse();
         DMatrix::from_fn(unit.nrows(), unit.ncols(), |r, c| unit[(r, c)] * self.scale[r] * self.scale[c])
     }
+}
+
+/// What brings columns of the given squared lengths to unit length.
+fn unit_scale(squares: DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
+    let scale = squares.map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+    let still: Vec<&str> = scale.iter().zip(names).filter(|(s, _)| **s == 0.0).map(|(_, name)| name.as_str()).collect();
+    if still.is_empty() {
+        return Ok(scale);
+    }
+    Err(Error::request(listed(&still), "the motion does not excite this at all; move that joint"))
+}
+
+/// The error that the parameters of a `weakest` direction cannot be told apart.
+fn tied(weakest: &[f64], names: &[String]) -> Error {
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    order.sort_by(|&a, &b| weakest[b].abs().total_cmp(&weakest[a].abs()));
+    let tied: Vec<&str> = order
+        .iter()
+        .take_while(|&&i| weakest[i].abs() > 0.1 * weakest[order[0]].abs())
+        .map(|&i| names[i].as_str())
+        .collect();
+    Error::request(
+        listed(&tied),
+        "the motion cannot tell these parameters apart; use a richer motion (each joint with durations of its own)",
+    )
 }

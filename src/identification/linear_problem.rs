@@ -5,42 +5,6 @@ use super::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 
-/// Each joint's X'X and X'tau, worked out once: the normal equations for any weights of the joints follow without the rows.
-pub(super) struct Sums {
-    grams: Vec<DMatrix<f64>>,
-    products: Vec<Vec<f64>>,
-}
-
-impl Sums {
-    /// Goes through all rows.
-    pub fn new(joints: &[JointRegression]) -> Self {
-        Sums {
-            grams: joints.iter().map(JointRegression::gram).collect(),
-            products: joints.iter().map(|joint| joint.products(&joint.torque)).collect(),
-        }
-    }
-
-    /// X'WX with W = 1 / sigma^2 on each joint's rows.
-    pub fn normal(&self, joints: &[JointRegression], sigma: &[f64], parameters: usize) -> DMatrix<f64> {
-        let mut normal = DMatrix::zeros(parameters, parameters);
-        for ((joint, gram), s) in joints.iter().zip(&self.grams).zip(sigma) {
-            joint.scatter(1.0 / (s * s), gram, &mut normal);
-        }
-        normal
-    }
-
-    /// X'W tau.
-    pub fn right(&self, joints: &[JointRegression], sigma: &[f64], parameters: usize) -> DVector<f64> {
-        let mut right = DVector::zeros(parameters);
-        for ((joint, products), s) in joints.iter().zip(&self.products).zip(sigma) {
-            for (&parameter, value) in joint.parameters.iter().zip(products) {
-                right[parameter] += value / (s * s);
-            }
-        }
-        right
-    }
-}
-
 /// Rows of all joints, weighted by the joints' standard deviations, with the normal matrix worked out once.
 pub struct LinearProblem<'a> {
     joints: &'a [JointRegression],

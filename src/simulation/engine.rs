@@ -30,7 +30,7 @@ pub(super) struct RecursiveArm {
     chain: Chain,
     inertial: Vec<f64>,
     armature: Vec<f64>,
-    last: Option<EquationsOfMotion<f64>>,
+    last: Option<EquationsOfMotion>,
 }
 
 impl Engine {
@@ -56,9 +56,14 @@ impl Engine {
         match self {
             Engine::Rapier(arm) => arm.forward_dynamics(q, qd, tau, qdd),
             Engine::Recursive(arm) => {
-                let equations = EquationsOfMotion::new(&arm.chain, &arm.inertial, &arm.armature, q, qd);
-                qdd.copy_from_slice(&equations.accelerations(tau));
-                arm.last = Some(equations);
+                let RecursiveArm { chain, inertial, armature, last } = arm;
+                match last {
+                    Some(equations) => equations.update(chain, inertial, armature, q, qd),
+                    None => *last = Some(EquationsOfMotion::new(chain, inertial, armature, q, qd)),
+                }
+                if let Some(equations) = last {
+                    qdd.copy_from_slice(&equations.accelerations(tau));
+                }
             }
         }
     }

@@ -113,7 +113,7 @@ fn power(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, orde
                 rest.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
             }
             let left = dot(&rest, &rest).sqrt();
-            if !(left > SWINGS * norm) {
+            if left <= SWINGS * norm || left.is_nan() {
                 continue;
             }
             rest.iter_mut().for_each(|x| *x /= left);

@@ -1,6 +1,5 @@
 //! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept.
 
-use super::columns::Layout;
 use super::sieve::Rows;
 use super::{Recording, csv, parquet};
 use crate::error::{Error, Result};
@@ -136,7 +135,7 @@ fn load_bag(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<S
     let wanted = joints.filter(|_| map.q.is_none());
     let table = super::bag::read(path, wanted, map.topic.as_deref())?;
     let header = map.rename(path, table.header)?;
-    let mut layout = Layout::find(path, None, &header, joints)?;
+    let mut layout = super::columns::Layout::find(path, None, &header, joints)?;
     let unreadable = table.bad.into_iter().map(|(line, problem)| Rejected {
         line,
         column: "message".to_owned(),

@@ -131,7 +131,7 @@ fn over_time(joint: &Joint, contenders: &[Contender]) -> Chart {
         y: joint.counted(index),
     };
     let times = || joint.time.iter().filter(|t| t.is_finite());
-    let ends: Vec<f64> = times().next().into_iter().chain(times().last()).copied().collect();
+    let ends: Vec<f64> = times().next().into_iter().chain(times().next_back()).copied().collect();
     let noise = [1.0, -1.0].map(|sign| Trace {
         mark: Mark::Dashed(0.9),
         color: Color::Ink,

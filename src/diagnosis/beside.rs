@@ -126,3 +126,54 @@ pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, co
         _ => test.log_p(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::rows::FEWEST_ROWS;
+    use crate::random;
+    use crate::recording::Recording;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Probabilities of a slow column in white noise with a push of two seconds in forty: of the score test, and over stretches.
+    fn probabilities(seed: u64, size: f64) -> [f64; 2] {
+        let mut source = random::stream(seed, "pushes", 0);
+        let time: Vec<f64> = (0..20_000).map(|k| f64::from(k) / 500.0).collect();
+        let slow = |t: f64| (0.8 * (t - 12.0)).cos();
+        let push: f64 = StandardNormal.sample(&mut source);
+        let torque = |&t: &f64| {
+            let noise: f64 = StandardNormal.sample(&mut source);
+            size * slow(t) + noise + if (11.0..13.0).contains(&t) { 2.0 * push } else { 0.0 }
+        };
+        let tau = Channels::from_vectors(&[time.iter().map(torque).collect()]);
+        let q = Channels::from_vectors(&[time.iter().map(|t| t.sin()).collect()]);
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 10.0, FEWEST_ROWS).unwrap();
+        let whitener = Whitener::new(&rows, &Column::new(rows.torque.iter().cloned()), &[]);
+        let fit = whitener.fit(&[], &Column::new(rows.torque.iter().cloned()));
+        let column = rows.signal(|log| log.time.iter().map(|&t| slow(t)).collect());
+        let columns = whitener.apply_all(&[Column::on(0, column)]);
+        let test = fit.test(&columns).unwrap();
+        [test.log_p(), over_stretches(rows.len(), &whitener, &fit, &columns, test.freedom)].map(f64::exp)
+    }
+
+    #[test]
+    fn a_push_is_no_evidence_over_stretches() {
+        let runs = 300;
+        let (mut plain, mut sober) = (0, 0);
+        for seed in 0..runs {
+            let [score, over] = probabilities(seed, 0.0);
+            plain += usize::from(score < 0.01);
+            sober += usize::from(over < 0.01);
+        }
+        assert!(plain > 9, "the score test takes the push for evidence: {plain} of {runs}");
+        assert!(sober <= 9, "{sober} of {runs} below 1 %");
+    }
+
+    #[test]
+    fn what_is_there_all_the_time_is_seen_beside_a_push() {
+        let seen = (0..20).filter(|&seed| probabilities(seed, 0.4)[1] < 1e-3).count();
+        assert!(seen >= 18, "{seen} of 20");
+    }
+}

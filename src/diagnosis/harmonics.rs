@@ -130,3 +130,41 @@ fn power(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, orde
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::rows::FEWEST_ROWS;
+    use crate::random;
+    use crate::recording::Recording;
+    use rand_distr::{Distribution, StandardNormal};
+    use std::f64::consts::TAU;
+
+    /// A joint that swings for forty seconds under white noise and a harmonic that swells and fades.
+    fn spectrum(size: f64) -> Spectrum {
+        let mut source = random::stream(8, "harmonics", 0);
+        let time: Vec<f64> = (0..20_000).map(|k| f64::from(k) / 500.0).collect();
+        let q: Vec<f64> = time.iter().map(|t| 1.2 * (TAU * 0.23 * t).sin() + 0.4 * (TAU * 0.31 * t).cos()).collect();
+        let torque = |(t, q): (&f64, &f64)| {
+            let noise: f64 = StandardNormal.sample(&mut source);
+            noise + size * (TAU * t / 7.0).cos() * (17.0 * q).cos()
+        };
+        let tau = time.iter().zip(&q).map(torque).collect();
+        let (q, tau) = (Channels::from_vectors(&[q]), Channels::from_vectors(&[tau]));
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 10.0, FEWEST_ROWS).unwrap();
+        let torque = Column::new(rows.torque.iter().cloned());
+        let whitener = Whitener::new(&rows, &torque, &[]);
+        Spectrum::new(&rows, &whitener, &whitener.apply(&torque), 0)
+    }
+
+    #[test]
+    fn a_harmonic_that_comes_and_goes_is_found_at_its_order() {
+        let found = spectrum(0.5).strongest().unwrap();
+        assert!((found.order - 17.0).abs() <= 0.5 && found.log_p < 1e-6f64.ln(), "{found:?}");
+        assert!(spectrum(0.5).at(17.0).unwrap().log_p < 1e-6f64.ln());
+        let nothing = spectrum(0.0).strongest().unwrap();
+        assert!(nothing.log_p > 1e-3f64.ln(), "{nothing:?}");
+    }
+}

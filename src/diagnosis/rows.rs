@@ -371,4 +371,34 @@ mod tests {
         assert!(rows.valid[0][950..].iter().all(|&ok| !ok) && rows.valid[0][930..950].contains(&true));
         assert!(Rows::new(&[&log.time_slice(0.0..1.5)], 5.0, FEWEST_ROWS).unwrap_err().to_string().contains("`a`"));
     }
+
+    #[test]
+    fn rows_with_a_large_error_are_left_out_but_not_too_many() {
+        let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+        let log = Recording {
+            joints: vec!["a".into()],
+            time,
+            tau: q.map(|_, q| vec![0.0; q.len()]),
+            q,
+            ..Default::default()
+        };
+        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
+        let counting: Vec<usize> = (0..rows.len()).filter(|&row| rows.valid[0][row]).collect();
+        let error = |large: &[usize]| {
+            Column::on(
+                0,
+                (0..rows.len()).map(|row| if large.contains(&row) { -3.0 - row as f64 } else { 0.1 }).collect(),
+            )
+        };
+        let mut few = rows.clone();
+        few.leave_out_largest(&error(&counting[40..43]), &[1.0], 0.1);
+        let left: Vec<usize> = (0..rows.len()).filter(|&row| few.valid[0][row]).collect();
+        assert_eq!(left, [&counting[..40], &counting[43..]].concat());
+        let mut many = rows.clone();
+        many.leave_out_largest(&error(&counting), &[1.0], 0.1);
+        let kept = many.valid[0].iter().filter(|&&ok| ok).count();
+        assert!((kept as f64 / counting.len() as f64 - 0.9).abs() < 0.01, "{kept} of {}", counting.len());
+        assert!(many.valid[0][counting[0]] && !many.valid[0][*counting.last().unwrap()]);
+    }
 }

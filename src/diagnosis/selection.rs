@@ -34,7 +34,7 @@ const NOISE_IS_ESTIMATED: f64 = 0.2;
 const ONCE: f64 = 1e-7;
 
 /// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
-const GEARS: f64 = 1e-3;
+const GEARS: f64 = 1e-7;
 
 /// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
 /// if the torque had been cut off.

@@ -199,7 +199,8 @@ impl Rows {
             sizes.sort_by(|a, b| b.total_cmp(a));
             let limit = sizes.get((most * sizes.len() as f64) as usize).map_or(*bearable, |least| least.max(*bearable));
             tracing::debug!(joint, bearable, limit, "error of the smoothing");
-            valid.iter_mut().zip(error).for_each(|(ok, error)| *ok &= error.abs() <= limit);
+            // An error that is not a number says nothing.
+            valid.iter_mut().zip(error).for_each(|(ok, error)| *ok &= error.is_nan() || error.abs() <= limit);
         }
     }
 

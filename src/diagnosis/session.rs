@@ -145,12 +145,14 @@ impl<'a> Session<'a> {
     /// can carry any effect.
     fn leave_out_distorted(&mut self) -> Result<()> {
         let Noise { whitener, .. } = self.noise_under(&self.train.baseline);
+        let known = self.arm.clone();
         self.settle(&mut [], &whitener)?;
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
         for side in [&mut self.train, &mut self.test] {
             let error = self.arm.smoothing_error(&side.rows)?;
             side.rows.leave_out_largest(&error, &bearable, MOST_DISTORTED);
         }
+        self.arm = known;
         Ok(())
     }
 

@@ -110,6 +110,15 @@ fn identification(robot: &Robot, times: &mut Times) -> Result<()> {
     };
     let solve = || drop(black_box(fused::weighted_least_squares(&model, log)));
     times.insert("identify 60k, ms".to_owned(), one.install(|| cpu(7, solve)) / 1e6);
+    let columns = model.base_columns();
+    let mut table = vec![0.0; columns.places() * BATCH];
+    let write = || {
+        for _ in 0..100 {
+            let here = 0..BATCH;
+            columns.write(Lanes::best(), model.chain(), [black_box(&motion); 2], 0.0, here, &mut table);
+        }
+    };
+    times.insert("base columns, ns".to_owned(), cpu(9, write) / (100 * BATCH) as f64);
     let sums = || drop(black_box(fused::joint_sums(Lanes::best(), &model, log)));
     times.insert("Gram matrices of 60k, ms".to_owned(), one.install(|| cpu(7, sums)) / 1e6);
     let triangles = || drop(black_box(fused::triangles(&model, log)));
@@ -214,9 +223,8 @@ fn objective(robot: &Robot, times: &mut Times) -> Result<()> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/irb1600.toml");
     let setup = Setup::load(Path::new(path), None)?;
     let experiment = Experiment::new(robot, &[3.0, 4.0, 2.0, 0.45, 0.35, 0.18], 100.0)?;
-    let motion = FirstPart(&setup.motion, 9.99);
     let run = || {
-        let information = experiment.information(&motion, 100.0);
+        let information = experiment.information(&setup.motion, 100.0);
         black_box(Criterion::LogDeterminant.value(&information, &[]));
     };
     times.insert("excitation objective, ms".to_owned(), cpu(21, run) / 1e6);

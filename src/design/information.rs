@@ -176,11 +176,15 @@ impl Experiment {
 
     /// What the log along `motion` tells, from samples at `grid_hz`.
     pub fn information(&self, motion: &dyn Reference, grid_hz: f64) -> Information {
-        self.scan(motion, grid_hz, &mut |_| {})
+        self.run(motion, grid_hz, None)
     }
 
     /// [`Experiment::information`], and shows `visit` the samples with their torque.
     pub fn scan(&self, motion: &dyn Reference, grid_hz: f64, visit: &mut dyn FnMut(&Samples)) -> Information {
+        self.run(motion, grid_hz, Some(visit))
+    }
+
+    fn run(&self, motion: &dyn Reference, grid_hz: f64, mut visit: Option<&mut dyn FnMut(&Samples)>) -> Information {
         let total = (motion.duration_s() * grid_hz + 1e-9).floor() as usize + 1;
         let (columns, dof) = (self.model.base_columns(), self.sigma.len());
         let mut grams: Vec<Gram> = (0..dof).map(|joint| Gram::new(columns.parameters(joint).len())).collect();
@@ -194,13 +198,18 @@ impl Experiment {
                 let share = columns.of(joint);
                 let own = &table[share.start * rows..share.end * rows];
                 gram.add(own, rows);
+                if visit.is_none() {
+                    continue;
+                }
                 let torque = samples.torque.channel_mut(joint);
                 for (column, &parameter) in own.chunks(rows).zip(columns.parameters(joint)) {
                     let beta = self.beta[parameter];
                     torque.iter_mut().zip(column).for_each(|(tau, y)| *tau += beta * y);
                 }
             }
-            visit(&samples);
+            if let Some(visit) = &mut visit {
+                visit(&samples);
+            }
         }
         self.weighted(&grams, total as f64, self.rate_hz / grid_hz)
     }

@@ -31,7 +31,7 @@ const SEEN_ELSEWHERE: f64 = 0.01;
 const NOISE_IS_ESTIMATED: f64 = 0.2;
 
 /// The same for an event in one log.
-const ONCE: f64 = 1e-4;
+const ONCE: f64 = 1e-7;
 
 /// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
 const GEARS: f64 = 1e-3;

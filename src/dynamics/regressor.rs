@@ -41,6 +41,10 @@ pub fn regressor_in(lanes: Lanes, chain: &Chain, motion: &Motion) -> Channels {
 pub struct Entries {
     /// Rows of the ten parameters, by link and joint.
     places: Vec<[usize; PARAMETERS]>,
+    /// Whether any of them is wanted, by link and joint.
+    wanted: Vec<bool>,
+    /// Rows that a table must have.
+    rows: usize,
     dof: usize,
 }
 
@@ -51,8 +55,11 @@ impl Entries {
     /// The entries for which `place`, given link and joint, says a row. A joint behind the link has none.
     pub fn new(dof: usize, place: impl Fn(usize, usize) -> [Option<usize>; PARAMETERS]) -> Self {
         let pairs = (0..dof).flat_map(|link| (0..dof).map(move |joint| (link, joint)));
-        let places = pairs.map(|(link, joint)| place(link, joint).map(|row| row.unwrap_or(NOWHERE))).collect();
-        Entries { places, dof }
+        let places: Vec<[usize; PARAMETERS]> =
+            pairs.map(|(link, joint)| place(link, joint).map(|row| row.unwrap_or(NOWHERE))).collect();
+        let wanted = places.iter().map(|ten| ten.iter().any(|&place| place != NOWHERE)).collect();
+        let rows = places.iter().flatten().filter(|&&place| place != NOWHERE).max().map_or(0, |last| last + 1);
+        Entries { places, wanted, rows, dof }
     }
 
     /// Writes the wanted entries for a range of samples into `table`, `[row][sample of the range]`.
@@ -65,6 +72,7 @@ impl Entries {
             [chain.dof(); 2],
             "the motion has another number of joints than the arm"
         );
+        assert!(self.rows * samples.len() <= table.len(), "the table has too few rows");
         let lanes = lanes.for_positions(&motion.q, samples.clone());
         lanes.run(Writing { entries: self, chain, motion, samples, table });
     }
@@ -93,10 +101,17 @@ impl Kernel for Writing<'_> {
                 self.chain,
                 |joint| self.motion.lanes(joint, here.clone()),
                 &mut screws,
+                |link, joint| self.entries.wanted[link * dof + joint],
                 |link, joint, row| {
                     for (&place, entry) in self.entries.places[link * dof + joint].iter().zip(row) {
-                        if place != NOWHERE {
-                            entry.store_part(&mut self.table[place * rows + first..][..count]);
+                        if place == NOWHERE {
+                            continue;
+                        }
+                        let start = place * rows + first;
+                        if count == L::WIDTH {
+                            entry.store(&mut self.table[start..start + L::WIDTH]);
+                        } else {
+                            entry.store_part(&mut self.table[start..start + count]);
                         }
                     }
                 },
@@ -108,12 +123,13 @@ impl Kernel for Writing<'_> {
 /// A joint's unit screw in a link frame: angular part, and velocity of the link origin.
 type Screw<L> = (Vec3<L>, Vec3<L>);
 
-/// Walks the chain and hands out, for every link and every joint before it, the ten regressor entries.
+/// Walks the chain and hands out, for every link and every joint before it that is `wanted`, the ten regressor entries.
 #[inline(always)]
 fn entries<L: Lane>(
     chain: &Chain,
     state: impl Fn(usize) -> (L, L, L),
     screws: &mut [Screw<L>],
+    wanted: impl Fn(usize, usize) -> bool,
     mut write: impl FnMut(usize, usize, &[L; PARAMETERS]),
 ) {
     let zero: Vec3<L> = [L::splat(0.0); 3];
@@ -129,7 +145,9 @@ fn entries<L: Lane>(
         screws[k] = if chain.is_revolute(k) { (chain.axis(k), zero) } else { (zero, chain.axis(k)) };
         let gradient = first_moment_gradient(&link);
         for (joint, screw) in screws[..=k].iter().enumerate() {
-            write(k, joint, &contract(&link, &gradient, screw));
+            if wanted(k, joint) {
+                write(k, joint, &contract(&link, &gradient, screw));
+            }
         }
     }
 }

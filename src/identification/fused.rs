@@ -69,7 +69,7 @@ pub fn weighted_least_squares(model: &Model, log: Log) -> Result<Solution> {
     let sums = Sums::new(joints, || triangles(model, log));
     let mut sigma = vec![1.0; model.dof()];
     for _ in 0..REWEIGHTINGS {
-        let (beta, _) = sums.solve(&sigma, &names)?;
+        let beta = sums.solution(&sigma, &names)?;
         sigma = sums.joints().iter().map(|joint| sigma_of(joint, beta.as_slice())).collect();
     }
     let (beta, scaled) = sums.solve(&sigma, &names)?;

@@ -4,11 +4,14 @@
 use super::least_squares::ScaledNormal;
 use super::tsqr::Triangle;
 use crate::error::{Error, Result};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use std::cell::OnceCell;
 
 /// Condition number of the scaled regressor up to which the normal equations are trusted; half the digits are gone there.
 const TRUSTED: f64 = 1e6;
+
+/// Square of the smallest pivot of the scaled normal matrix above which its condition number needs no looking at.
+const PIVOT: f64 = 1e-8;
 
 /// Share of the torque's sum of squares down to which a residual's can be had from a Gram matrix, to 1e-9 of itself.
 const RESOLVED: f64 = 1e-6;
@@ -85,6 +88,27 @@ impl<'a> Sums<'a> {
             }
         }
         right
+    }
+
+    /// The solution alone, where the normal equations are far from losing too many digits; else by [`Sums::solve`].
+    ///
+    /// # Errors
+    /// As [`Sums::solve`].
+    pub(super) fn solution(&self, sigma: &[f64], names: &[String]) -> Result<DVector<f64>> {
+        let parameters = names.len();
+        let normal = self.normal(sigma, parameters);
+        let scale = normal.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+        let unit = DMatrix::from_fn(parameters, parameters, |r, c| normal[(r, c)] * scale[r] * scale[c]);
+        // Pivots bound the smallest eigenvalue from above only: a cheap sign of trouble, hence the wide margin.
+        let factor =
+            Cholesky::new(unit).filter(|factor| factor.l_dirty().diagonal().iter().all(|pivot| pivot * pivot > PIVOT));
+        match factor {
+            Some(factor) => {
+                let right = self.right(sigma, parameters).component_mul(&scale);
+                Ok(factor.solve(&right).component_mul(&scale))
+            }
+            None => Ok(self.solve(sigma, names)?.0),
+        }
     }
 
     /// The solution and the factored normal matrix: by Cholesky on columns of unit length, or from the triangles where the

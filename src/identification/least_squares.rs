@@ -4,6 +4,7 @@ use super::gram::{BLOCK, Gram, products, valid_block};
 use super::joint_sums::{JointSums, Sums};
 use super::linear_problem::LinearProblem;
 use super::noise::{AutoregressiveNoise, autocovariance};
+use super::sequences::combined;
 use super::tsqr::Triangle;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
@@ -109,13 +110,8 @@ impl JointRegression {
 
     /// Torque that `beta` predicts, for every row.
     pub fn predict(&self, beta: &[f64]) -> Vec<f64> {
-        let mut torque = vec![0.0; self.columns.samples()];
-        for (&parameter, column) in self.parameters.iter().zip(self.columns.iter()) {
-            for (value, x) in torque.iter_mut().zip(column) {
-                *value += x * beta[parameter];
-            }
-        }
-        torque
+        let weights: Vec<f64> = self.parameters.iter().map(|&parameter| beta[parameter]).collect();
+        combined(&self.columns, &weights)
     }
 
     /// Torque minus prediction, for every row.
@@ -190,6 +186,15 @@ impl JointRegression {
         }
     }
 
+    /// The columns, zero where rows do not count.
+    pub(super) fn masked_columns(&self) -> Channels {
+        let mut columns = self.columns.clone();
+        for column in 0..columns.channels() {
+            columns.channel_mut(column).iter_mut().zip(&self.valid).filter(|(_, ok)| !**ok).for_each(|(x, _)| *x = 0.0);
+        }
+        columns
+    }
+
     pub(super) fn masked(&self, signal: &[f64]) -> Vec<f64> {
         signal.iter().zip(&self.valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect()
     }
@@ -249,7 +254,7 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
     let sums = sums(joints);
     let mut sigma = vec![1.0; joints.len()];
     for _ in 0..REWEIGHTINGS {
-        let beta = sums.solve(&sigma, names)?.0;
+        let beta = sums.solution(&sigma, names)?;
         sigma = joints.iter().zip(sums.joints()).map(|(joint, own)| sigma_of(joint, own, beta.as_slice())).collect();
     }
     let (beta, scaled) = sums.solve(&sigma, names)?;
@@ -283,7 +288,7 @@ pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
 /// # Errors
 /// Names the parameters that the motion cannot tell apart.
 pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
-    Ok(sums(joints).solve(sigma, names)?.0.as_slice().to_vec())
+    Ok(sums(joints).solution(sigma, names)?.as_slice().to_vec())
 }
 
 /// What the solutions for all weights need, from one pass over the rows.
@@ -325,11 +330,8 @@ fn sandwich(
     let mut meat = DMatrix::zeros(parameters, parameters);
     let noises = residual_noise(joints, sums, beta, sigma, normal);
     for ((joint, s), noise) in joints.iter().zip(sigma).zip(noises) {
-        let colored = joint.columns.map(|_, column| {
-            let mut signal = joint.masked(column);
-            noise.color_backward(&mut signal);
-            signal
-        });
+        let mut colored = joint.masked_columns();
+        noise.color_backward(&mut colored);
         joint.scatter_gram(s.powi(-4), &colored, &mut meat);
     }
     let bread = normal.inverse();

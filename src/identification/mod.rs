@@ -18,5 +18,6 @@ pub mod noise;
 pub mod paper78;
 pub mod prepare;
 pub mod separable;
+mod sequences;
 mod streamed;
 pub mod tsqr;

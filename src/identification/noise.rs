@@ -1,15 +1,20 @@
 //! Autoregressive model of residual noise: what makes standard deviations right when noise has a colour.
 
+use super::sequences::{lagged_products, recur_backward};
+use crate::channels::Channels;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Samples after which simulated noise has forgotten that it started from rest.
 const RUN_IN: usize = 300;
 
+/// Highest order of the noise.
+pub const MOST: usize = 16;
+
 /// Noise e(t) = sum_k a_k e(t - k) + w(t), with w white of a given standard deviation.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct AutoregressiveNoise {
-    /// a_1 .. a_p.
+    /// a_1 .. a_p, at most [`MOST`] of them.
     pub coefficients: Vec<f64>,
     /// Standard deviation of w.
     pub innovation_std: f64,
@@ -52,27 +57,28 @@ impl AutoregressiveNoise {
 
     /// A stretch of this noise.
     pub fn simulate(&self, samples: usize, source: &mut impl Rng) -> Vec<f64> {
-        let mut noise = Vec::with_capacity(RUN_IN + samples);
-        for _ in 0..RUN_IN + samples {
+        // What the past adds to the samples to come: unlike a sum over the past, it does not wait for itself.
+        let mut ahead = [0.0; MOST + 1];
+        let mut coefficients = [0.0; MOST];
+        coefficients[..self.coefficients.len()].copy_from_slice(&self.coefficients);
+        let mut noise = Vec::with_capacity(samples);
+        for t in 0..RUN_IN + samples {
             let white: f64 = StandardNormal.sample(source);
-            let past: f64 = self.coefficients.iter().zip(noise.iter().rev()).map(|(a, e)| a * e).sum();
-            noise.push(past + self.innovation_std * white);
+            let value = ahead[0] + self.innovation_std * white;
+            for k in 0..MOST {
+                ahead[k] = ahead[k + 1] + coefficients[k] * value;
+            }
+            if t >= RUN_IN {
+                noise.push(value);
+            }
         }
-        noise.split_off(RUN_IN)
+        noise
     }
 
-    /// Turns `signal` into L' signal, where L is the filter that makes this noise from unit white noise: the sum of
-    /// squares of the result is the variance of signal . noise.
-    pub fn color_backward(&self, signal: &mut [f64]) {
-        for t in (0..signal.len()).rev() {
-            let mut value = self.innovation_std * signal[t];
-            for (k, a) in self.coefficients.iter().enumerate() {
-                if let Some(later) = signal.get(t + k + 1) {
-                    value += a * later;
-                }
-            }
-            signal[t] = value;
-        }
+    /// Turns every signal of `table` into L' signal, where L is the filter that makes this noise from unit white noise: the
+    /// sum of squares of the result is the variance of signal . noise.
+    pub fn color_backward(&self, table: &mut Channels) {
+        recur_backward(table, self.innovation_std, &self.coefficients);
     }
 }
 
@@ -81,9 +87,7 @@ impl AutoregressiveNoise {
 pub fn autocovariance(signal: &[f64], valid: &[bool], most: usize) -> Vec<f64> {
     let kept: Vec<f64> = signal.iter().zip(valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect();
     let count = valid.iter().filter(|&&ok| ok).count().max(1) as f64;
-    (0..=most)
-        .map(|lag| kept.iter().zip(&kept[lag.min(kept.len())..]).map(|(a, b)| a * b).sum::<f64>() / count)
-        .collect()
+    lagged_products(&kept, most).into_iter().map(|sum| sum / count).collect()
 }
 
 #[cfg(test)]
@@ -121,11 +125,10 @@ mod tests {
         // Variance of e1 + e2 of a first-order noise by hand: 2 r0 (1 + a) with r0 = s^2 / (1 - a^2). Started from
         // rest instead of stationarity the filter sees only its own samples, so leave it a run-in.
         let noise = AutoregressiveNoise { coefficients: vec![0.6], innovation_std: 1.5 };
-        let mut weights = vec![0.0; 200];
-        weights[150] = 1.0;
-        weights[151] = 1.0;
+        let mut weights = Channels::zeros(1, 200);
+        weights.as_mut_slice()[150..152].fill(1.0);
         noise.color_backward(&mut weights);
-        let variance: f64 = weights.iter().map(|v| v * v).sum();
+        let variance: f64 = weights.as_slice().iter().map(|v| v * v).sum();
         let expected = 2.0 * (1.5 * 1.5 / (1.0 - 0.36)) * 1.6;
         assert!((variance / expected - 1.0).abs() < 1e-12, "{variance} {expected}");
     }

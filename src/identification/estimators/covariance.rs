@@ -71,11 +71,8 @@ pub fn assemble(
     for ((z, x), s) in instruments.iter().zip(rows).zip(sigma) {
         let residual = x.residual(&beta);
         let noise = AutoregressiveNoise::from_autocovariance(&autocovariance(&residual, &z.valid, NOISE_ORDER));
-        let colored = z.columns.map(|_, column| {
-            let mut signal = z.masked(column);
-            noise.color_backward(&mut signal);
-            signal
-        });
+        let mut colored = z.masked_columns();
+        noise.color_backward(&mut colored);
         z.scatter_gram(s.powi(-4), &colored, &mut meat);
         z.add_gram(1.0 / (s * s), &mut gram);
     }

@@ -67,7 +67,7 @@ fn faults(name: &str) -> Vec<String> {
 /// joint that the effect reaches most is looked at.
 fn rise_fault(name: &str, with: &Fitted, without: &Fitted) -> Option<String> {
     let pairs = |joint: usize| {
-        let rows = with.test_residual[joint].iter().zip(&without.test_residual[joint]);
+        let rows = with.test.residual[joint].iter().zip(&without.test.residual[joint]);
         rows.filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect::<Vec<(f64, f64)>>()
     };
     let mean = |joint: usize, of: fn(f64, f64) -> f64| {
@@ -75,7 +75,7 @@ fn rise_fault(name: &str, with: &Fitted, without: &Fitted) -> Option<String> {
         rows.iter().map(|&(a, b)| of(a, b)).sum::<f64>() / rows.len() as f64
     };
     let reached = |joint: usize| mean(joint, |a, b| (b - a).powi(2)) / mean(joint, |a, _| a * a);
-    let joint = (0..with.test_residual.len()).max_by(|&a, &b| reached(a).total_cmp(&reached(b)))?;
+    let joint = (0..with.test.residual.len()).max_by(|&a, &b| reached(a).total_cmp(&reached(b)))?;
     let (carried, noise) = (mean(joint, |a, b| (b - a).powi(2)), mean(joint, |a, _| a * a));
     let rise = mean(joint, |a, b| b * b - a * a);
     // Four standard errors of the product of noise and effect, with rows that are about independent after decimation.

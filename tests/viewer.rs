@@ -4,9 +4,13 @@
 use rerun::{ChunkStore, ChunkStoreConfig, StoreKind, TimelineName};
 use std::fs::File;
 use std::path::Path;
+use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::model::Model;
+use tauscope::identification::prepare::Smoothing;
+use tauscope::identification::{consistent, fit};
 use tauscope::report::viewer::{self, Film};
 use tauscope::scenario::Setup;
+use tauscope::study::replay;
 use tauscope::study::testbed::{self, Runs, Variant};
 
 /// The recording and the layout in a file.
@@ -159,6 +163,57 @@ fn the_layout_has_a_view_for_every_plot() {
     for path in ["/viewport", "/time_panel", "/blueprint_panel", "/selection_panel"] {
         assert!(entities.iter().any(|entity| entity == path), "{path}");
     }
+}
+
+#[test]
+fn a_fit_shows_the_identified_arm_and_the_noise_floor() {
+    let (setup, runs) = short();
+    let model = Model::new(&setup.known);
+    let (train, test) = ([&runs.training.recording], [&runs.held_out.recording]);
+    let logs = fit::Logs { train: &train, test: &test };
+    let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
+    let preparation = Preparation { smoothing, band: 0.03 };
+    let plain = fit::fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
+    let bodies = consistent::consistent(&model, logs, preparation, &plain).unwrap().robot(&setup.known);
+    let replayed = replay::replay(&bodies, &test, preparation).unwrap();
+
+    // The noise that the sensors add, as far as the filter lets it through: 61 samples and order 6 leave 19 % of it.
+    for (joint, (noise, sensor)) in plain.test.noise.iter().zip(&setup.sensors).enumerate() {
+        let share = noise / sensor.torque_noise;
+        assert!((0.25..0.45).contains(&share), "joint {joint}: {share}");
+    }
+    // The simulated arm follows the measured motion, and needs about the measured torque.
+    for joint in 0..6 {
+        let (q, own) = (test[0].q.channel(joint), replayed[0].q.channel(joint));
+        assert!(q.iter().zip(own).all(|(a, b)| (a - b).abs() < 5e-3), "joint {joint} strays");
+        let (tau, own) = (test[0].tau.channel(joint), replayed[0].torque.channel(joint));
+        let rms = |of: &dyn Fn(f64, f64) -> f64| {
+            // The loop settles at the start, and smoothing knows little of the ends.
+            let rows = tau[250..tau.len() - 60].iter().zip(&own[250..]);
+            (rows.clone().map(|(&a, &b)| of(a, b).powi(2)).sum::<f64>() / rows.len() as f64).sqrt()
+        };
+        let (missed, all, noise) = (rms(&|a, b| a - b), rms(&|a, _| a), setup.sensors[joint].torque_noise);
+        assert!(missed < 2.0 * noise + 0.05 * all, "joint {joint}: {missed} of {all}, noise {noise}");
+    }
+
+    let shown = viewer::fit::Shown { plain: &plain, extended: None, replayed: Some(&replayed) };
+    let stores = written(&viewer::fit::film(&setup.known, logs, shown));
+    let entities = entities(&stores.recording);
+    for path in [
+        "/arm/measured/joint_1/joint_2",
+        "/arm/simulated/joint_1/joint_2",
+        "/residual/joint_1/identified",
+        "/residual/joint_1/noise_floor",
+        "/residual/joint_1/minus_noise_floor",
+        "/torque/joint_1/simulated",
+        "/position/joint_1/simulated",
+    ] {
+        assert!(entities.iter().any(|entity| entity == path), "{path} is not among {entities:?}");
+    }
+    let floor = line(&stores.recording, "/residual/joint_1/noise_floor");
+    assert!(floor.iter().all(|(_, value)| *value == plain.test.noise[0]) && floor.len() == 2, "{floor:?}");
+    let simulated = line(&stores.recording, "/torque/joint_1/simulated");
+    assert_eq!(simulated.iter().map(|row| row.1).collect::<Vec<_>>(), replayed[0].torque.channel(0));
 }
 
 #[test]

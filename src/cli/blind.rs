@@ -5,14 +5,17 @@ use crate::effects::{Placed, Scope, find};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
+use crate::recording::csv;
 use crate::report::blind::{self as report, BlindResult, SCHEMA};
+use crate::robot::to_urdf;
 use crate::scenario::{Setup, effect_joint};
 use crate::study::blind::journal::{Identity, Journal};
+use crate::study::blind::motion::TRAIN;
 use crate::study::blind::row::Row;
 use crate::study::blind::summary::Summary;
-use crate::study::blind::{Case, Class, Plan, draw, run as blind_run};
+use crate::study::blind::{BlindRun, Case, Class, Plan, draw, run as blind_run};
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -28,7 +31,7 @@ pub struct Arguments {
     /// Runs of these classes only.
     #[arg(long, value_enum, value_delimiter = ',')]
     class: Vec<Class>,
-    /// Repeat one run of the study, by its number, and show it; nothing is written.
+    /// Repeat one run of the study, by its number, and show it; with --out, its logs and the arm are written too.
     #[arg(long, value_name = "N", conflicts_with_all = ["class", "resume"])]
     run: Option<usize>,
     /// Continue a study that was stopped.
@@ -64,7 +67,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         let Some(case) = cases.get(index) else {
             return Err(Error::request("--run", format!("the study has runs 0 to {}", count - 1)));
         };
-        let row = Row::new(case, &blind_run(&setup, case));
+        let made = blind_run(&setup, case);
+        let row = Row::new(case, &made);
+        if let (Ok(made), Some(out)) = (&made, &global.out) {
+            write_run(made, &row, out)?;
+        }
         print::result(global, SCHEMA, &row, || report::line(&row))?;
         return Ok(DONE);
     }
@@ -101,6 +108,18 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         format!("{}\n\nResults in {}", report::counts(&result.summary), path.display())
     })?;
     Ok(DONE)
+}
+
+/// Writes what a run showed to the diagnosis, and what came of it, so that it can be looked into with the other commands.
+fn write_run(made: &BlindRun, row: &Row, out: &Path) -> Result<()> {
+    let folder = ResultFolder::create(out)?;
+    folder.write_text("robot.urdf", &to_urdf(&made.robot))?;
+    for (index, log) in made.logs.iter().enumerate() {
+        let name = if index < TRAIN { format!("train_{}.csv", index + 1) } else { "test.csv".to_owned() };
+        folder.write_with(&name, |path| csv::write(path, log))?;
+    }
+    folder.write_json("blind_run.json", SCHEMA, row)?;
+    folder.finish().map(|_| ())
 }
 
 /// Makes the cases on all processors, a run on each, until all are made or ctrl-C; adds to `rows`, in the plan's order.

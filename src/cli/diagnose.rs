@@ -1,8 +1,8 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, print};
+use super::{DONE, Global, print, progress};
 use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, check_length, confirm, screen, still_joints};
+use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
@@ -16,9 +16,7 @@ use crate::report::html::{self, Provenance};
 use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Arm, Scenario};
-use indicatif::{ProgressBar, ProgressDrawTarget};
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// What the written scenario says of itself.
 const EXTENDED_NOTE: &str = "\
@@ -26,6 +24,9 @@ const EXTENDED_NOTE: &str = "\
 # arm does beyond is in the [[effect]] tables.
 
 ";
+
+/// Rounds of the search that there are even where nothing is found.
+const LEAST_ROUNDS: usize = 2;
 
 /// Held-out logs shorter than this together judge nothing, s.
 const SHORTEST_HELD_OUT_S: f64 = 2.0;
@@ -81,7 +82,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let Simulation { robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
-    let bar = spinner(global);
+    let bar = progress::bar(global, "looking at the logs", LEAST_ROUNDS + 1);
     let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
     let (train, test) = match &dataset {
         Some(dataset) => {
@@ -101,7 +102,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     refuse_twice("--test", arguments, &train, &test)?;
     refuse_twice("--reference", arguments, &train, &reference)?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let faults = faults(&train, &test, &reference, &robot);
+    let faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
@@ -132,9 +133,14 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     };
     let model = Model::new(&robot);
     let conclusion = conclude(&model, &input, &options, &mut |found| {
-        bar.set_message(format!("{found} effects found so far, testing the next"));
+        bar.set_message(format!("{found} found, testing for the next"));
+        bar.inc(1);
+        // How many rounds it takes depends on what is found: one more at the least, and the simulation behind.
+        bar.set_length(bar.position() + 2);
     })?;
-    bar.set_message("simulating the extended model along the held-out motion");
+    bar.inc(1);
+    bar.set_length(bar.position() + 1);
+    bar.set_message("simulating the extended model");
     let extended = conclusion.extended()?;
     let resimulation = match arguments.no_resimulation {
         true => None,
@@ -224,21 +230,6 @@ fn recordings(logs: &[Screened]) -> Vec<&Recording> {
     logs.iter().flat_map(|log| &log.pieces).collect()
 }
 
-/// All faults; a joint that moves in no training log stops the diagnosis too.
-fn faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
-    let still = still_joints(train, robot);
-    let stills = still.into_iter().map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
-    let logs = train.iter().chain(test).chain(reference);
-    let mut all: Vec<DataFault> = stills.collect();
-    let told = logs.flat_map(|log| log.faults.iter().cloned());
-    let told: Vec<DataFault> =
-        told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
-    all.extend(told);
-    confirm(&mut all, train.len() + test.len() + reference.len());
-    all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
-    all
-}
-
 /// Logs that only judge may be shorter than those that are found from, but a moment tells nothing.
 fn check_held_out(option: &str, logs: &[Screened]) -> Result<()> {
     let seconds: f64 = logs.iter().flat_map(|log| &log.pieces).map(Recording::duration).sum();
@@ -265,13 +256,4 @@ fn refuse_twice(option: &str, arguments: &Arguments, train: &[Screened], others:
         }
     }
     Ok(())
-}
-
-/// How many rounds it takes depends on what is found, so there is no bar to fill.
-fn spinner(global: &Global) -> ProgressBar {
-    let hidden = global.quiet || global.json;
-    let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(None, target).with_message("looking at the logs");
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }

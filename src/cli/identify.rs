@@ -15,7 +15,8 @@ use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Setup, effect_joint};
-use crate::study::testbed;
+use crate::simulation::following::Followed;
+use crate::study::{replay, testbed};
 use std::path::PathBuf;
 
 /// Arguments of `tauscope identify`.
@@ -65,32 +66,42 @@ pub struct Arguments {
 /// Time that the default smoothing window spans, s.
 const DEFAULT_WINDOW_S: f64 = 0.12;
 
+/// Time that reading logs, a fit without and one with effects, and the simulation take, beside each other.
+const READING: u64 = 2;
+const FIT: u64 = 4;
+const WITH_EFFECTS: u64 = 16;
+const SIMULATING: u64 = 1;
+
 /// Fits and writes the results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let robot = arm(arguments, setup.as_ref(), dataset.as_ref())?;
-    let Logs { train, test, notes } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
     let placed = place(&arguments.effect, &robot)?;
+    let simulates = dataset.is_none() && arguments.train.is_empty() && setup.is_some();
+    let reading = if simulates { 0 } else { READING };
+    let fits = if placed.is_empty() { FIT } else { FIT + WITH_EFFECTS };
+    let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
+    stages.begin("reading the logs");
+    let Logs { train, test, notes } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
 
     let model = Model::new(&robot);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
-    let bar = progress::bar(global, "identifying", 2);
+    stages.begin("identifying");
     let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
-    bar.inc(1);
     let extended = match placed.is_empty() {
         true => None,
         false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
     };
+    stages.begin("finding bodies that can exist");
     // Believed inertias are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {
         Trust::Structure => Some(consistent::consistent(&model, logs, preparation, &plain)?),
         Trust::Nominal => None,
     };
-    bar.finish_and_clear();
 
     let identified = match &consistent {
         Some(found) => found.robot(&robot),
@@ -100,7 +111,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
-    viewer::add(&folder, || Ok(viewer::fit::film(&robot, logs, &plain, extended.as_ref())))?;
+    stages.begin("simulating the identified arm");
+    let replayed = replayed(&identified, logs, preparation);
+    let shown = viewer::fit::Shown { plain: &plain, extended: extended.as_ref(), replayed: replayed.as_deref() };
+    viewer::add(&folder, || Ok(viewer::fit::film(&robot, logs, shown)))?;
+    stages.finish();
     let path = folder.finish()?;
     print::result(global, SCHEMA, &result, || {
         let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");
@@ -175,6 +190,22 @@ fn place(wanted: &[String], robot: &Robot) -> Result<Vec<Placed>> {
         placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
     }
     Ok(placed)
+}
+
+/// The identified arm in the simulator along the logs that the viewer shows; nothing without the viewer, or where the
+/// logs are long or the arm runs away.
+pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Preparation) -> Option<Vec<Followed>> {
+    let shown = viewer::fit::shown_logs(logs);
+    if !cfg!(feature = "viewer") || !replay::is_short(shown) {
+        return None;
+    }
+    match replay::replay(identified, shown, preparation) {
+        Ok(followed) => Some(followed),
+        Err(problem) => {
+            tracing::warn!("the identified arm was not simulated for the viewer: {problem}");
+            None
+        }
+    }
 }
 
 /// What logs go through where nothing else is asked for: Savitzky-Golay of order six over [`DEFAULT_WINDOW_S`].

@@ -9,7 +9,8 @@ use crate::identification::fit;
 use crate::identification::model::Model;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
-use crate::report::{fit as fit_report, measured as report};
+use crate::report::html::{self, Provenance};
+use crate::report::{fit as fit_report, measured as report, viewer};
 use crate::robot::{self, InertiaCheck};
 use crate::study::measured;
 use crate::study::testbed::Variant;
@@ -23,6 +24,9 @@ pub fn run(path: &Path, global: &Global) -> Result<u8> {
     })?;
     let mut robot = robot::load(named, InertiaCheck::Ignored)?;
     dataset.mount(&mut robot)?;
+    let variants = [Variant::Raw, Variant::SavitzkyGolay];
+    let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 1]);
+    stages.begin("reading the logs");
     let Logs { train, test, notes } = dataset.logs(&robot)?;
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
     let model = Model::new(&robot);
@@ -30,23 +34,29 @@ pub fn run(path: &Path, global: &Global) -> Result<u8> {
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
 
-    let variants = [Variant::Raw, Variant::SavitzkyGolay];
-    let bar = progress::bar(global, "identifying", variants.len());
     let mut scored = Vec::new();
     for variant in variants {
+        stages.begin("identifying");
         scored.push(measured::identify(&model, logs, variant, preparation)?);
-        bar.inc(1);
     }
     let plain = &scored[1].fitted;
+    stages.begin("finding bodies that can exist");
     let bodies = consistent(&model, logs, preparation, plain)?;
-    bar.finish_and_clear();
+    let identified = bodies.robot(&robot);
 
     let found = fit_report::Found { plain, extended: None, consistent: Some(&bodies) };
     let identification = fit_report::result(&robot, Trust::Structure, found, &notes);
     folder.write_json("identification.json", fit_report::SCHEMA, &identification)?;
-    folder.write_text("identified.urdf", &robot::with_parameters(&bodies.robot(&robot))?)?;
+    folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
     let scores = report::result(&robot, &scored, &notes);
     folder.write_json("score.json", report::SCHEMA, &scores)?;
+    let page = html::measured::page(&robot, logs, &scored, &notes, Provenance::here(global.seed));
+    folder.write_text(html::FILE, &page.render())?;
+    stages.begin("simulating the identified arm");
+    let replayed = identify::replayed(&identified, logs, preparation);
+    let shown = viewer::fit::Shown { plain, extended: None, replayed: replayed.as_deref() };
+    viewer::add(&folder, || Ok(viewer::fit::film(&robot, logs, shown)))?;
+    stages.finish();
     let out = folder.finish()?;
     print::result(global, report::SCHEMA, &scores, || {
         let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");

@@ -18,7 +18,7 @@ mod simulate;
 mod view;
 
 use clap::{Args, Parser, Subcommand};
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
@@ -135,7 +135,8 @@ fn log_warnings(global: &Global) {
     let standard = if global.quiet { "error" } else { "error,tauscope=warn" };
     let filter = EnvFilter::try_from_env("TAUSCOPE_LOG").unwrap_or_else(|_| EnvFilter::new(standard));
     let log = tracing_subscriber::fmt().with_env_filter(filter).without_time().with_target(false);
-    let log = log.with_ansi(std::io::stderr().is_terminal()).with_writer(std::io::stderr);
+    let colored = anstream::AutoStream::choice(&std::io::stderr()) != anstream::ColorChoice::Never;
+    let log = log.with_ansi(colored).with_writer(std::io::stderr);
     // A second subscriber, as in a test that calls this twice, changes nothing.
     let _ = log.try_init();
 }

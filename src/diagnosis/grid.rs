@@ -138,9 +138,11 @@ fn range(rows: &Rows, joint: usize) -> f64 {
 
 /// Contacts of a few lengths, at any time of the longest log.
 fn contacts(typical: &Placed, rows: &Rows) -> Vec<Placed> {
+    // A clock may have started long before the logs.
+    let begin = rows.logs.iter().filter_map(|log| log.time.first().copied()).fold(f64::INFINITY, f64::min);
     let end = duration(rows);
     let of_length = |length: f64| {
-        (0..).map(move |k| f64::from(k) * 0.5 * length).take_while(move |start| start + 0.5 * length < end).map(
+        (0..).map(move |k| begin + f64::from(k) * 0.5 * length).take_while(move |start| start + 0.5 * length < end).map(
             move |start| {
                 let mut placed = typical.clone();
                 for (parameter, value) in placed.effect.parameters().iter().zip(&mut placed.parameters) {

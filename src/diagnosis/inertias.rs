@@ -6,8 +6,9 @@
 
 use super::Options;
 use super::column::rms;
+use super::held_out::Gains;
 use super::known::Known;
-use super::selection::{Gain, Selection, gain_lower_bound, select};
+use super::selection::{Gain, Selection, select};
 use super::session::{Member, Session};
 use super::unexplained::unexplained;
 use crate::effects::Site;
@@ -66,7 +67,7 @@ pub fn all_inertias<'a>(
     let before = trusted.held_out_residual(&members, &selection.whitener)?;
     let after = session.held_out_residual(&own, &free.whitener)?;
     let joints: Vec<usize> = (0..rows.dof()).collect();
-    let lower_bound = gain_lower_bound(&free.whitener.on(&rows), &before, &after, &joints, rows.len());
+    let lower_bound = Gains::new(&free.whitener.on(&rows), &before, &after, &joints, rows.len()).lower_bound();
     let rms = [rms(&rows.valid, &before), rms(&rows.valid, &after)];
     Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, gain: Gain { lower_bound, rms } }))
 }

@@ -13,13 +13,16 @@
 //! | score tests, and the level of the best of many | [`score`], [`judging`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
+//! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
+//! | evidence beside slow noise and the error of the smoothing | [`beside`](mod@beside) |
 //! | inertias that are wrong as a whole | [`inertias`] |
-//! | structure that no candidate carries | [`unexplained`] |
+//! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
 
 pub mod arm;
+pub mod beside;
 pub mod bodies;
 pub mod candidates;
 pub mod column;
@@ -30,7 +33,10 @@ pub mod estimates;
 pub mod evidence;
 pub mod extended;
 pub mod gap;
+pub mod generic;
 pub mod grid;
+pub mod harmonics;
+pub mod held_out;
 pub mod inertias;
 pub mod innovations;
 pub mod judging;
@@ -44,6 +50,7 @@ pub mod screening;
 pub mod selection;
 pub mod session;
 pub mod solution;
+pub mod stretches;
 pub mod unexplained;
 pub mod verdict;
 pub mod whitening;

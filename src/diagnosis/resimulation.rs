@@ -9,26 +9,13 @@ use super::extended::ExtendedModel;
 use super::rows::{Log, Rows};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
-use crate::effects::{Placed, Scope, Site};
-use crate::error::{Error, Result};
-use crate::simulation::controller::ComputedTorque;
-use crate::simulation::integrator::{Integrator, Run};
-use crate::simulation::measured_motion::MeasuredMotion;
-use crate::simulation::plant::{Plant, State};
+use crate::effects::Placed;
+use crate::error::Result;
+use crate::simulation::following::{Followed, follow, sensed};
 use rayon::prelude::*;
-
-/// Closed loop that keeps the arm on the motion: stiff enough that it follows, soft enough not to shake elastic gears.
-const BANDWIDTH_HZ: f64 = 8.0;
-const DAMPING_RATIO: f64 = 1.0;
-
-/// Longest time step, s.
-const LONGEST_STEP_S: f64 = 0.002;
 
 /// Time after the start until the loop has settled, s.
 const SETTLING_S: f64 = 0.5;
-
-/// Speed that no joint reaches unless the simulation runs away.
-const RUNAWAY_SPEED: f64 = 1e4;
 
 /// What a model leaves of the measured torque over the rows; rows in which the loop still settles are not in `valid`.
 #[derive(Debug, Clone)]
@@ -72,51 +59,8 @@ pub fn resimulate(models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimula
 
 /// Motor torque as the sensors would log it, when the arm follows the motion of a log, and its positions, `[joint][time]`.
 fn along(model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
-    let mut robot = model.robot.clone();
-    // Whatever the description says of the drives: the motion was made.
-    robot.joints.iter_mut().for_each(|joint| joint.limits.effort = f64::INFINITY);
-    let (robot, dof) = (&robot, robot.dof());
     let motion = true_motion(&model.effects, log)?;
-    let reference = MeasuredMotion::new(&motion, log.time[0], log.period);
-    let controller = ComputedTorque::new(robot, &reference, BANDWIDTH_HZ, DAMPING_RATIO);
-    let mut effects = crate::scenario::drive_friction(robot);
-    effects.extend(model.effects.iter().cloned());
-    let native = model.effects.iter().find(|placed| placed.effect.about().site == Site::Integrator);
-    let steps = match native {
-        Some(placed) => (log.period / placed.parameters[0]).round().max(1.0),
-        None => (log.period / LONGEST_STEP_S - 1e-9).ceil().max(1.0),
-    };
-    let integrator = if native.is_some() { Integrator::RapierNative } else { Integrator::Rk4 };
-    let step = log.period / steps;
-    let mut plant = Plant::new(robot, effects)?;
-    let first = |table: &Channels| (0..dof).map(|joint| table.channel(joint)[0]).collect::<Vec<f64>>();
-    let mut state: State = plant.resting(first(&motion.q));
-    (state.qd, state.link_qd) = (first(&motion.qd), first(&motion.qd));
-    let mut run = Run::starting_at(log.time[0], &mut plant, &controller, state);
-    let mut torque = Channels::zeros(dof, log.time.len());
-    let mut q = torque.clone();
-    for sample in 0..log.time.len() {
-        for substep in 0..steps as usize {
-            let response = run.response();
-            if substep == 0 {
-                torque.set(sample, &response.tau);
-                q.set(sample, &run.state().q);
-                let runs_away = |j: usize| !(response.tau[j].is_finite() && run.state().qd[j].abs() < RUNAWAY_SPEED);
-                if let Some(joint) = (0..dof).find(|&j| runs_away(j)) {
-                    let problem =
-                        format!("the simulation along the held-out motion ran away at {:.3} s", log.time[sample]);
-                    return Err(Error::request(&robot.joints[joint].name, problem));
-                }
-            }
-            let time = log.time[0] + (sample as f64 * steps + substep as f64 + 1.0) * step;
-            run.advance(integrator, &response, time);
-        }
-    }
-    for placed in &model.effects {
-        for joint in sensed(placed, dof) {
-            placed.effect.distort_torque(&placed.parameters, torque.channel_mut(joint), log.period);
-        }
-    }
+    let Followed { torque, q } = follow(&model.robot, &model.effects, &motion, log.time[0], log.period)?;
     Ok((torque, q))
 }
 
@@ -131,9 +75,4 @@ fn true_motion(effects: &[Placed], log: &Log) -> Result<Motion> {
         }
     }
     if q == log.motion.q { Ok(log.motion.clone()) } else { Log::motion_of(q, log.period) }
-}
-
-/// Joints whose sensors an effect may distort.
-fn sensed(placed: &Placed, dof: usize) -> Vec<usize> {
-    if placed.effect.about().scope == Scope::Arm { (0..dof).collect() } else { placed.joints() }
 }

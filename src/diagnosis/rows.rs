@@ -3,6 +3,7 @@
 //! Positions pass a zero-phase low-pass whose cut-off the data choose. Torque is not filtered: torque and every column
 //! become means over the same short blocks, which keeps white noise white.
 
+use super::column::Column;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -28,8 +29,11 @@ const LOWEST_SHARE: f64 = 0.25;
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
 
-/// Velocity under which the direction of a joint is not certain, rad/s, and the rows on either side that go with it.
+/// Velocity under which the direction of a joint is not certain, rad/s or m/s, but no more than this share of the joint's
+/// fastest and no less than the least; and the rows on either side that go with it.
 const REVERSAL_BAND: f64 = 0.03;
+const BAND_SHARE: f64 = 0.1;
+const LEAST_BAND: f64 = 0.003;
 const REVERSAL_NEIGHBOURS: usize = 2;
 
 /// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
@@ -137,7 +141,7 @@ impl Rows {
             let count = valid.iter().filter(|&&ok| ok).count();
             if count < fewest {
                 let problem = format!(
-                    "only {:.1} s of the logs are usable (the joint moves faster than {REVERSAL_BAND} rad/s there); a \
+                    "only {:.1} s of the logs are usable (where the joint surely moves); a \
                      diagnosis needs {:.0} s or more: record a longer motion in which this joint takes part",
                     count as f64 * BLOCK_S,
                     fewest as f64 * BLOCK_S
@@ -184,6 +188,19 @@ impl Rows {
     pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
         signal[..self.changed_from()].fill(0.0);
         signal
+    }
+
+    /// Leaves out the rows of a joint in which `error` exceeds what is bearable on it, but no more than a share of those that
+    /// count: then the largest.
+    pub fn leave_out_largest(&mut self, error: &Column, bearable: &[f64], most: f64) {
+        for (joint, (valid, bearable)) in self.valid.iter_mut().zip(bearable).enumerate() {
+            let Some(error) = error.part(joint) else { continue };
+            let mut sizes: Vec<f64> = error.iter().zip(&*valid).filter(|(_, ok)| **ok).map(|(e, _)| e.abs()).collect();
+            sizes.sort_by(|a, b| b.total_cmp(a));
+            let limit = sizes.get((most * sizes.len() as f64) as usize).map_or(*bearable, |least| least.max(*bearable));
+            tracing::debug!(joint, bearable, limit, "error of the smoothing");
+            valid.iter_mut().zip(error).for_each(|(ok, error)| *ok &= error.abs() <= limit);
+        }
     }
 
     /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.
@@ -284,14 +301,14 @@ fn rests(recording: &Recording) -> [bool; 2] {
 /// Blocks of a joint away from the ends of the log and from reversals. The full memory of the low-pass is left out around
 /// reversals where that leaves most of the motion; a joint that turns round all the time keeps more.
 fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
-    let slow: Vec<bool> = log
-        .motion
-        .qd
-        .channel(joint)
+    let speed = log.motion.qd.channel(joint);
+    let fastest = speed.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let band = REVERSAL_BAND.min((BAND_SHARE * fastest).max(LEAST_BAND));
+    let slow: Vec<bool> = speed
         .chunks_exact(log.block)
         .map(|block| {
             let turns = block.iter().any(|v| v.signum() != block[0].signum());
-            turns || block.iter().any(|v| v.abs() < REVERSAL_BAND)
+            turns || block.iter().any(|v| v.abs() < band)
         })
         .collect();
     let away = |neighbours: usize| -> Vec<bool> {

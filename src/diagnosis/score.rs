@@ -49,7 +49,7 @@ impl Projection {
             if !(norm > 0.0 && norm.is_finite()) {
                 continue;
             }
-            let mut rest = self.without(self.without(column.clone()));
+            let mut rest = self.left_of(column.clone());
             let left = rest.dot(&rest).sqrt();
             if left > INDEPENDENT * norm {
                 rest.scale(1.0 / left);
@@ -66,6 +66,11 @@ impl Projection {
             column.add(-along, direction);
         }
         column
+    }
+
+    /// What the fit leaves of a whitened column.
+    pub fn left_of(&self, column: Column) -> Column {
+        self.without(self.without(column))
     }
 
     /// Sum of squares of what is left.

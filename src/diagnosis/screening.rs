@@ -85,8 +85,23 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
     Ok(Screened { pieces, faults })
 }
 
+/// All faults, those that stop first; a joint that moves in no training log stops the diagnosis too.
+pub fn all_faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
+    let still = still_joints(train, robot);
+    let stills = still.into_iter().map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
+    let logs = train.iter().chain(test).chain(reference);
+    let mut all: Vec<DataFault> = stills.collect();
+    let told = logs.flat_map(|log| log.faults.iter().cloned());
+    let told: Vec<DataFault> =
+        told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
+    all.extend(told);
+    confirm(&mut all, train.len() + test.len() + reference.len());
+    all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
+    all
+}
+
 /// Takes back what one of several logs seems to show of the sign of a torque and most others do not: one recorder made all.
-pub fn confirm(faults: &mut [DataFault], logs: usize) {
+fn confirm(faults: &mut [DataFault], logs: usize) {
     let signs = [Kind::TorqueSign, Kind::UnsignedTorque];
     let seen: Vec<(Kind, String)> = faults.iter().map(|fault| (fault.kind, fault.place.clone())).collect();
     for fault in faults.iter_mut().filter(|fault| signs.contains(&fault.kind)) {
@@ -114,7 +129,7 @@ pub fn check_length(option: &str, logs: &[Screened]) -> Result<()> {
 }
 
 /// Joints that hardly move in any of the logs, with what is said of them.
-pub fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
+fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
     let of = |screened: &Screened, joint: usize| {
         let column = format!("q{} (", joint + 1);
         let mut faults = screened.faults.iter();

@@ -2,15 +2,17 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
+use super::beside::{beside, happens_anywhere};
 use super::candidates::{self, Candidate, Family, Slot};
-use super::column::{Column, rms};
+use super::column::rms;
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
+use super::held_out::Gains;
 use super::judging::Judged;
 use super::roles::is_level;
 use super::score::{Projection, family_wise};
 use super::session::{Member, Noise, Session};
-use super::unexplained::slow_cosines;
+use super::stretches::without_best_stretches;
 use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -19,18 +21,17 @@ use std::collections::BTreeMap;
 /// Effects are dropped in the end when what they take is more likely than this without them.
 const KEPT: f64 = 1e-4;
 
-/// Rows in a stretch over which held-out gains are summed before they count as independent (one second).
-const STRETCH: usize = 50;
+/// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
+const BEYOND_CHANCE: f64 = 1e-6;
 
-/// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
-/// training logs, and the held-out logs, often fewer, must not contradict it.
-const SURELY: f64 = 1.0;
+/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
+const SEEN_ELSEWHERE: f64 = 0.01;
 
 /// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
 const NOISE_IS_ESTIMATED: f64 = 0.2;
 
 /// The same for an event in one log.
-const ONCE: f64 = 1e-4;
+const ONCE: f64 = 1e-7;
 
 /// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
 const GEARS: f64 = 1e-3;
@@ -39,11 +40,9 @@ const GEARS: f64 = 1e-3;
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
 
-/// Effects whose torque follows high derivatives of the motion, as the error of smooth positions does.
-const LIKE_SMOOTHING: [&str; 1] = ["joint_elasticity"];
-
-/// Cosines over each log that stand for slow drifts.
-const DRIFTS: usize = 10;
+/// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
+/// parameter or of chance.
+const CLEARLY_BETTER: f64 = 0.02;
 
 /// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
 /// where much is wrong, all that is little fits a little.
@@ -140,16 +139,13 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
-        let level = match winner.candidate.log {
-            None => level,
-            Some(_) => level.max(family_wise(beside_drift(session, &round, &winner), tests)),
-        };
-        let level = match LIKE_SMOOTHING.contains(&winner.candidate.family().effect) {
-            true => level.max(family_wise(beside_smoothing(session, &round, &winner)?, tests)),
-            false => level,
-        };
+        let beside = beside(session, &round.whitener, &round.fit, &winner)?;
+        let level = level.max(family_wise(beside, tests));
+        tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
+        let spread = happens_anywhere(&winner.candidate)
+            || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln();
         let limit = options.alpha * strictness(&winner.candidate);
-        let accepted = if level > limit { None } else { accepted(session, &members, &winner)? };
+        let accepted = if level > limit || !spread { None } else { accepted(session, &members, &winner, level)? };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
@@ -184,17 +180,6 @@ fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
 }
 
-/// Logarithm of the probability of what a candidate takes beside the error of the smoothing, joint by joint.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-fn beside_smoothing(session: &Session, round: &Round, winner: &Judged) -> Result<f64> {
-    let error = session.arm.smoothing_error(&session.train.rows)?;
-    let each: Vec<Column> = error.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal)).collect();
-    let fit = round.fit.with(&round.whitener.apply_all(&each));
-    Ok(fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p()))
-}
-
 /// Share of the level at which a candidate is believed.
 fn strictness(candidate: &Candidate) -> f64 {
     if candidate.log.is_some() {
@@ -207,16 +192,6 @@ fn strictness(candidate: &Candidate) -> f64 {
     } else {
         NOISE_IS_ESTIMATED
     }
-}
-
-/// Logarithm of the probability of what an event of one log takes beside slow drifts of all joints that it acts on: how strong
-/// slow noise is the rows tell poorly, how sharply a contact begins and ends they tell well.
-fn beside_drift(session: &Session, round: &Round, winner: &Judged) -> f64 {
-    let rows = &session.train.rows;
-    let joints = winner.candidate.joints();
-    let drifts: Vec<Column> = joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)).collect();
-    let fit = round.fit.with(&round.whitener.apply_all(&drifts));
-    fit.test(&round.whitener.apply_all(&winner.candidate.columns)).map_or(0.0, |test| test.log_p())
 }
 
 /// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
@@ -243,9 +218,9 @@ fn better_unseen(
         joints.sort_unstable();
         joints.dedup();
         let after = session.held_out_residual(&with(rival), &whitener)?;
-        let bound = gain_lower_bound(&unseen, &before, &after, &joints, session.test.rows.len());
+        let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
         tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
-        if bound > best.as_ref().map_or(0.0, |(best, _)| *best) {
+        if bound > best.as_ref().map_or(CLEARLY_BETTER, |(best, _)| *best) {
             best = Some((bound, rival));
         }
     }
@@ -266,44 +241,30 @@ pub struct Gain {
 
 /// The winner as a member of the model with its gain on the held-out rows, if that is surely positive. An event of one
 /// training log shows in no other: its gain is that on the training rows.
-fn accepted(session: &Session, members: &[Member], winner: &Judged) -> Result<Option<(Member, Gain)>> {
+fn accepted(session: &Session, members: &[Member], winner: &Judged, level: f64) -> Result<Option<(Member, Gain)>> {
     let member = winner.member();
     let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
     let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
     let before = session.held_out_residual(members, &whitener)?;
     let after = session.held_out_residual(&with, &whitener)?;
     let joints = winner.candidate.joints();
-    let bound = match winner.candidate.log {
-        None => gain_lower_bound(&whitener.on(&session.test.rows), &before, &after, &joints, session.test.rows.len()),
+    let gains = match winner.candidate.log {
+        None => Gains::new(&whitener.on(&session.test.rows), &before, &after, &joints, session.test.rows.len()),
         Some(_) => {
             let [before, after] =
                 [members, &with].map(|members| session.residual_on(&session.train, members, &whitener));
-            gain_lower_bound(&whitener, &before?, &after?, &joints, session.train.rows.len())
+            Gains::new(&whitener, &before?, &after?, &joints, session.train.rows.len())
         }
     };
+    let bound = gains.lower_bound();
     let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
-    tracing::debug!(bound, before = ?rms[0], after = ?rms[1], "held-out gain");
-    let least = if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) { WORTH_A_NAME } else { 0.0 };
-    Ok((bound > least).then_some((member, Gain { lower_bound: bound, rms })))
-}
-
-/// Lower bound, by one standard deviation (84 %), of the share of the whitened sum of squares that is gained on the joints that the effect acts on.
-///
-/// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
-/// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
-pub fn gain_lower_bound(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> f64 {
-    let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
-    let mut gain = 0.0;
-    let mut chance = vec![0.0; rows / STRETCH + 1];
-    for (joint, values) in &before.parts {
-        let Some(others) = after.part(*joint) else { continue };
-        for ((place, b), a) in unseen.places(*joint).iter().zip(values).zip(others) {
-            gain += b * b - a * a;
-            chance[place / STRETCH] += 2.0 * a * (b - a);
-        }
-    }
-    let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
-    (gain - SURELY * std) / before.dot(&before).max(f64::MIN_POSITIVE)
+    tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
+    let enough = match joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
+        true => bound > WORTH_A_NAME,
+        false if level < BEYOND_CHANCE && gains.is_calm() => gains.share() > 0.0,
+        false => bound > 0.0,
+    };
+    Ok(enough.then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

@@ -20,6 +20,11 @@ use crate::robot::Robot;
 const MISFIT: f64 = 1.2;
 const MISFIT_ROUNDS: usize = 2;
 
+/// Error of the smoothing from which a row is left out, in standard deviations of what is new in a row, and the largest share
+/// of the rows that may be.
+const DISTORTED: f64 = 2.0;
+const MOST_DISTORTED: f64 = 0.1;
+
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
 
@@ -131,7 +136,22 @@ impl<'a> Session<'a> {
             // No cut-off leaves enough rows; the widest tells best why.
             None => (WIDEST_HZ, both(WIDEST_HZ)?),
         };
-        Ok(Session { model, trust, known, arm, train, test, cutoff_hz })
+        let mut session = Session { model, trust, known, arm, train, test, cutoff_hz };
+        session.leave_out_distorted()?;
+        Ok(session)
+    }
+
+    /// Leaves out rows in which the low-pass bent the motion: what is left of a jerk there is no noise, and a few such rows
+    /// can carry any effect.
+    fn leave_out_distorted(&mut self) -> Result<()> {
+        let Noise { whitener, .. } = self.noise_under(&self.train.baseline);
+        self.settle(&mut [], &whitener)?;
+        let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
+        for side in [&mut self.train, &mut self.test] {
+            let error = self.arm.smoothing_error(&side.rows)?;
+            side.rows.leave_out_largest(&error, &bearable, MOST_DISTORTED);
+        }
+        Ok(())
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
@@ -158,8 +178,7 @@ impl<'a> Session<'a> {
                 all.extend(self.tangents(side, &member.candidate, &member.factors)?);
             } else {
                 // What happened in a training log did not happen here.
-                let effect = member.placed.effect;
-                all.extend(vec![Column::default(); linear(effect).len() + shapes(effect).len()]);
+                all.extend(vec![Column::default(); member.columns()]);
             }
         }
         Ok(all)
@@ -268,6 +287,11 @@ impl<'a> Session<'a> {
 }
 
 impl Member {
+    /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
+    pub fn columns(&self) -> usize {
+        linear(self.placed.effect).len() + shapes(self.placed.effect).len()
+    }
+
     /// A candidate with the factors of its columns as part of the model.
     pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();

@@ -1,26 +1,35 @@
-//! What is left when no more effects pass: generic functions of the motion and of time tell whether it has structure.
+//! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
+//! structure, and whether a name only stands for a part of it.
 
+use super::beside::against_slow_noise;
 use super::column::Column;
-use super::rows::Rows;
+use super::generic::{Block, Reach, blocks, slow_cosines};
+use super::harmonics::Spectrum;
+use super::held_out::Gains;
 use super::score::Projection;
-use super::selection::gain_lower_bound;
 use super::session::{Member, Session};
 use super::solution::solve;
-use super::whitening::{Whitener, rich};
+use super::whitening::Whitener;
 use crate::error::Result;
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::ops::Range;
 
-/// Hats over the range of velocities, and slow cosines over each log.
-const HATS: usize = 8;
+/// Slow cosines over each log.
 const COSINES: usize = 6;
-
-/// Harmonics of the position.
-const HARMONICS: usize = 4;
 
 /// Share of the level of named effects at which structure counts: the columns are many and general, and what they find
 /// cannot be checked against a law.
 const STRICTER: f64 = 0.02;
+
+/// Probability below which a harmonic whose phase wanders counts as seen in the held-out logs too.
+const CONFIRMED: f64 = 0.01;
+
+/// A name is empty beside structure when what it adds to that is more likely than this without it.
+const EMPTY: f64 = 1e-3;
+
+/// Kinds of structure that are looked for beside the blocks: drifts, and harmonics that come and go.
+const OTHER_KINDS: usize = 2;
 
 /// Structure that no candidate carries.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,28 +42,8 @@ pub struct Unexplained {
     pub structure: &'static str,
     /// Probability of as much without structure, on any joint.
     pub family_wise_p: f64,
-}
-
-/// A kind of structure, and the generic columns of a joint that show it.
-struct Block {
-    structure: &'static str,
-    signals: Vec<Vec<f64>>,
-}
-
-/// Cosines number `orders` over the length of every log, on one joint.
-pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Column> {
-    let mut cosines = Vec::new();
-    for log in 0..rows.logs.len() {
-        let (start, end) = (rows.starts[log], rows.starts[log + 1]);
-        for k in orders.clone() {
-            let mut column = vec![0.0; rows.len()];
-            for (place, value) in column[start..end].iter_mut().enumerate() {
-                *value = (std::f64::consts::PI * k as f64 * place as f64 / (end - start) as f64).cos();
-            }
-            cosines.push(Column::on(joint, column));
-        }
-    }
-    cosines
+    /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
+    pub instead_of: Vec<usize>,
 }
 
 /// The share of a joint's residual that drifts over each log, and the probability of as much by chance: the power at the
@@ -71,87 +60,131 @@ fn drift(session: &Session, fit: &Projection, whitener: &Whitener, joint: usize,
     Some((test.statistic / left.max(f64::MIN_POSITIVE), p))
 }
 
-/// The blocks of generic columns of a joint over `rows`; `fastest` is its top speed in the training logs, rad/s.
-fn blocks(rows: &Rows, joint: usize, fastest: f64) -> Vec<Block> {
-    let of = |channel: usize, f: &dyn Fn(f64, f64) -> f64| {
-        rows.signal(|log| {
-            let (q, v) = (log.motion.q.channel(channel), log.motion.qd.channel(channel));
-            q.iter().zip(v).map(|(&q, &v)| f(q, v)).collect()
-        })
-    };
-    let mut position = rich(rows, joint);
-    for harmonic in 3..=HARMONICS {
-        let n = harmonic as f64;
-        for shift in [0.0, std::f64::consts::FRAC_PI_2] {
-            position.push(of(joint, &|q, _| (n * q - shift).cos()));
-            position.push(of(joint, &|q, v| (n * q - shift).cos() * v.signum()));
-            position.push(of(joint, &|q, v| (n * q - shift).cos() * v));
-        }
-    }
-    let width = 2.0 * fastest / (HATS - 1) as f64;
-    let hats = (0..HATS).map(|k| -fastest + k as f64 * width);
-    let velocity = hats.map(|center| of(joint, &|_, v| (1.0 - ((v - center) / width).abs()).max(0.0))).collect();
-    let others = (0..rows.dof()).filter(|&other| other != joint).flat_map(|other| {
-        [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
-    });
-    vec![
-        Block { structure: "changes with the joint's position", signals: position },
-        Block { structure: "depends on the joint's speed", signals: velocity },
-        Block { structure: "depends on the other joints' positions and speeds", signals: others.collect() },
-    ]
-}
-
-/// Tests every joint for structure at a family-wise level; what can come again must also show in the held-out logs.
+/// Tests every joint for structure at a family-wise level; it must also show in the held-out logs.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, alpha: f64) -> Result<Vec<Unexplained>> {
-    let (rows, unseen_rows) = (&session.train.rows, &session.test.rows);
-    let columns = session.all_columns(&session.train, members)?;
-    let unseen_columns = session.all_columns(&session.test, members)?;
-    let fit = whitener.fit(&columns, &session.train.torque);
-    let before = session.held_out_residual(members, whitener)?;
-    let unseen = whitener.on(unseen_rows);
-    let dof = rows.dof();
-    let mut found = Vec::new();
-    for joint in 0..dof {
-        let left: f64 = fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
-        let velocities = rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint));
-        let fastest = velocities.fold(0.0f64, |m, v| m.max(v.abs()));
-        let kinds = blocks(rows, joint, fastest);
-        let tests = (dof * (kinds.len() + 1)) as f64;
-        let mut best: Option<Unexplained> = None;
-        for (block, again) in kinds.into_iter().zip(blocks(unseen_rows, joint, fastest)) {
-            let on = |signals: Vec<Vec<f64>>| signals.into_iter().map(|signal| Column::on(joint, signal)).collect();
-            let seen: Vec<Column> = on(block.signals.into_iter().map(|signal| rows.since_change(signal)).collect());
-            let Some(test) = fit.test(&whitener.apply_all(&seen)) else { continue };
-            let family_wise_p = (tests * test.log_p().exp()).min(1.0);
-            let level = STRICTER * alpha;
-            if family_wise_p >= best.as_ref().map_or(level, |best| best.family_wise_p.min(level)) {
-                continue;
-            }
-            let with: Vec<Column> = columns.iter().chain(&seen).cloned().collect();
-            let solved = solve(&whitener.apply_all(&with), &whitener.apply(&session.train.torque));
-            let again: Vec<Column> = on(again.signals);
-            let mut after = session.test.torque.clone();
-            for (column, value) in unseen_columns.iter().chain(&again).zip(solved.values) {
-                after.add(-value, column);
-            }
-            if gain_lower_bound(&unseen, &before, &after, &[joint], unseen_rows.len()) <= 0.0 {
-                continue;
-            }
-            // The fit minimises over all joints, so that it can give more than this joint has.
-            let share = (test.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
-            best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p });
-        }
-        if best.is_none()
-            && let Some((share, p)) = drift(session, &fit, whitener, joint, left)
-            && (tests * p) < STRICTER * alpha
-        {
-            let family_wise_p = tests * p;
-            best = Some(Unexplained { joint, share: share.min(1.0), structure: "drifts over time", family_wise_p });
-        }
-        found.extend(best);
+    let model = Fitted::new(session, members, whitener, alpha)?;
+    let each: Vec<Option<Unexplained>> =
+        (0..session.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
+    Ok(each.into_iter().flatten().collect())
+}
+
+/// The model as found, on training and held-out rows.
+struct Fitted<'a> {
+    session: &'a Session<'a>,
+    members: &'a [Member],
+    whitener: &'a Whitener,
+    unseen: Whitener,
+    /// Columns of the model, those of the baseline first.
+    columns: Vec<Column>,
+    unseen_columns: Vec<Column>,
+    fit: Projection,
+    /// Residual on the held-out rows.
+    before: Column,
+    /// Level of a single joint's single kind, times which counts as family-wise.
+    level: f64,
+}
+
+impl<'a> Fitted<'a> {
+    fn new(session: &'a Session, members: &'a [Member], whitener: &'a Whitener, alpha: f64) -> Result<Self> {
+        let columns = session.all_columns(&session.train, members)?;
+        Ok(Fitted {
+            unseen: whitener.on(&session.test.rows),
+            unseen_columns: session.all_columns(&session.test, members)?,
+            fit: whitener.fit(&columns, &session.train.torque),
+            before: session.held_out_residual(members, whitener)?,
+            level: STRICTER * alpha,
+            session,
+            members,
+            whitener,
+            columns,
+        })
     }
-    Ok(found)
+
+    /// The likeliest structure of a joint.
+    fn left_on(&self, joint: usize) -> Option<Unexplained> {
+        let Session { train, test, .. } = self.session;
+        let left: f64 = self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
+        let reach = Reach::new(&train.rows, joint);
+        let kinds = blocks(self.session, train, joint, reach);
+        let tests = (train.rows.dof() * (kinds.len() + OTHER_KINDS)) as f64;
+        let mut best: Option<Unexplained> = None;
+        for (block, again) in kinds.into_iter().zip(blocks(self.session, test, joint, reach)) {
+            let whitened = self.whitener.apply_all(&block.columns);
+            let Some(found) = self.fit.test(&whitened) else { continue };
+            let log_p = against_slow_noise(&train.rows, self.whitener, &self.fit, &whitened, &found);
+            let family_wise_p = (tests * log_p.exp()).min(1.0);
+            if family_wise_p >= best.as_ref().map_or(self.level, |best| best.family_wise_p.min(self.level)) {
+                continue;
+            }
+            if self.is_confirmed(joint, &block, &again) {
+                // The fit minimises over all joints, so that it can give more than this joint has.
+                let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
+                let instead_of = self.empty_beside(joint, &whitened);
+                best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p, instead_of });
+            }
+        }
+        best.or_else(|| self.wandering_harmonic(joint, tests)).or_else(|| {
+            let (share, p) = drift(self.session, &self.fit, self.whitener, joint, left)?;
+            let family_wise_p = tests * p;
+            let (share, structure) = (share.min(1.0), "drifts over time");
+            let found = Unexplained { joint, share, structure, family_wise_p, instead_of: Vec::new() };
+            (family_wise_p < self.level).then_some(found)
+        })
+    }
+
+    /// Whether the held-out rows show a block too.
+    fn is_confirmed(&self, joint: usize, block: &Block, again: &Block) -> bool {
+        let Session { train, test, .. } = self.session;
+        let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
+        let solved = solve(&self.whitener.apply_all(&with), &self.whitener.apply(&train.torque));
+        let mut after = test.torque.clone();
+        for (column, value) in self.unseen_columns.iter().chain(&again.columns).zip(solved.values) {
+            after.add(-value, column);
+        }
+        let gains = Gains::new(&self.unseen, &self.before, &after, &[joint], test.rows.len());
+        gains.lower_bound() > 0.0 && gains.without_best_stretch() > 0.0
+    }
+
+    /// Members on this joint alone that add nothing to a block.
+    fn empty_beside(&self, joint: usize, block: &[Column]) -> Vec<usize> {
+        let mut first = self.session.train.baseline.len();
+        let mut empty = Vec::new();
+        for (place, member) in self.members.iter().enumerate() {
+            let own = first..first + member.columns();
+            first = own.end;
+            if member.candidate.joints() != [joint] {
+                continue;
+            }
+            let others: Vec<Column> =
+                self.columns[..own.start].iter().chain(&self.columns[own.end..]).cloned().collect();
+            let fit = self.whitener.fit(&others, &self.session.train.torque).with(block);
+            let test = fit.test(&self.whitener.apply_all(&self.columns[own]));
+            if test.is_none_or(|test| test.log_p() > EMPTY.ln()) {
+                empty.push(place);
+            }
+        }
+        empty
+    }
+
+    /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
+    fn wandering_harmonic(&self, joint: usize, tests: f64) -> Option<Unexplained> {
+        let Session { train, test, .. } = self.session;
+        let found = Spectrum::new(&train.rows, self.whitener, &self.fit.residual, joint).strongest()?;
+        let family_wise_p = tests * found.log_p.exp();
+        let residual = self.unseen.apply(&self.before.only(&[joint]));
+        let again = (family_wise_p < self.level)
+            .then(|| Spectrum::new(&test.rows, &self.unseen, &residual, joint).at(found.order))
+            .flatten()?;
+        tracing::debug!(joint, ?found, ?again, "harmonic");
+        (again.log_p < CONFIRMED.ln()).then_some(Unexplained {
+            joint,
+            share: found.share,
+            structure: "is a harmonic of the joint's position that comes and goes",
+            family_wise_p,
+            instead_of: Vec::new(),
+        })
+    }
 }

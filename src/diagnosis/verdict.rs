@@ -108,9 +108,12 @@ pub fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> 
     }
 }
 
-/// Takes back the names on joints of which much stays unexplained. `residuals` are the mean squares that baseline and
+/// Takes back the names on joints of which much stays unexplained, and those that structure without a name stands for. `residuals` are the mean squares that baseline and
 /// extended model leave of the held-out logs, `noise` the floor's, `[joint]`.
 pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
+    for &place in unexplained.iter().flat_map(|left| &left.instead_of) {
+        found[place].verdict = Verdict::Unexplained;
+    }
     let [before, after] = residuals;
     let open: Vec<usize> = unexplained
         .iter()

@@ -104,6 +104,11 @@ impl Whitener {
         self.joints.iter().map(|joint| joint.filter.noise().std()).collect()
     }
 
+    /// Standard deviation of what is new in a row of each joint, without what the model leaves beyond the noise, N m.
+    pub fn innovation_std(&self) -> Vec<f64> {
+        self.joints.iter().map(|joint| joint.filter.noise().innovation_std).collect()
+    }
+
     /// Sum over all rows of the logarithm of the standard deviation of what is new in them, misfit included.
     pub fn log_scale(&self) -> f64 {
         self.joints

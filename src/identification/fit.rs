@@ -29,12 +29,25 @@ pub struct Fitted {
     pub train_rms: Vec<f64>,
     /// Residual on the held-out logs; empty where there are none.
     pub test_rms: Vec<f64>,
-    /// That residual row by row, for each joint; None where a row does not count.
-    pub test_residual: Vec<Vec<Option<f64>>>,
-    /// Time of those rows, each log's own, s; NaN between two logs.
-    pub test_time: Vec<f64>,
-    /// Filtered torque of those rows, for each joint, N m.
-    pub test_torque: Vec<Vec<f64>>,
+    /// The held-out logs row by row.
+    pub test: Rows,
+}
+
+/// The rows that a fit is judged by, `[joint][row]`; nothing where there are no held-out logs.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
+    /// Time, each log's own, s; NaN between two logs.
+    pub time: Vec<f64>,
+    /// Filtered torque, N m.
+    pub torque: Vec<Vec<f64>>,
+    /// Torque less that of the model; None where a row does not count.
+    pub residual: Vec<Vec<Option<f64>>>,
+    /// Smoothed positions, rad; NaN between two logs.
+    pub q: Vec<Vec<f64>>,
+    /// Their velocities, rad/s.
+    pub qd: Vec<Vec<f64>>,
+    /// Standard deviation of the white noise in the filtered torque, for each joint, N m.
+    pub noise: Vec<f64>,
 }
 
 /// Fits the arm and `placed` effects to the training logs.
@@ -51,27 +64,11 @@ pub fn fit_effects(
     let mut training = EffectModel::new(model, trust, logs.train, preparation, placed)?;
     let found = fit(&mut training)?;
     let placed = training.placed().to_vec();
-    let (judged, test_time) = match logs.test {
-        [] => (Vec::new(), Vec::new()),
-        test => {
-            let model = EffectModel::new(model, trust, test, preparation, placed.clone())?;
-            let time = model.row_times()?;
-            (rows(model, &found)?, time)
-        }
+    let (test_rms, test) = match logs.test {
+        [] => (Vec::new(), Rows::default()),
+        test => judged(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
     };
-    let linear = &found.estimate.beta;
-    Ok(Fitted {
-        train_rms: found.residual_rms.clone(),
-        placed,
-        test_rms: judged.iter().map(|joint| joint.residual_rms(linear)).collect(),
-        test_residual: judged
-            .iter()
-            .map(|joint| joint.residual(linear).into_iter().zip(&joint.valid).map(|(r, ok)| ok.then_some(r)).collect())
-            .collect(),
-        test_time,
-        test_torque: judged.into_iter().map(|joint| joint.torque).collect(),
-        fit: found,
-    })
+    Ok(Fitted { train_rms: found.residual_rms.clone(), placed, test_rms, test, fit: found })
 }
 
 impl Fitted {
@@ -92,8 +89,17 @@ impl Fitted {
     }
 }
 
-/// Regression rows of the logs of `model` with the arm's parameters as a fit found them.
-fn rows(mut model: EffectModel, fit: &EffectFit) -> Result<Vec<JointRegression>> {
-    model.set_baseline(&fit.estimate.beta);
-    model.regression()
+/// What a fit leaves of the logs of `model`: root mean square per joint, and row by row.
+fn judged(mut model: EffectModel, fit: &EffectFit) -> Result<(Vec<f64>, Rows)> {
+    let linear = &fit.estimate.beta;
+    model.set_baseline(linear);
+    let joints = model.regression()?;
+    let residual = |joint: &JointRegression| {
+        joint.residual(linear).into_iter().zip(&joint.valid).map(|(r, ok)| ok.then_some(r)).collect()
+    };
+    let rms = joints.iter().map(|joint| joint.residual_rms(linear)).collect();
+    let residual = joints.iter().map(residual).collect();
+    let ([q, qd], time, noise) = (model.row_motion()?, model.row_times()?, model.torque_noise()?);
+    let torque = joints.into_iter().map(|joint| joint.torque).collect();
+    Ok((rms, Rows { time, torque, residual, q, qd, noise }))
 }

@@ -8,7 +8,9 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Signals};
-use crate::signal::{Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative};
+use crate::signal::{
+    Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative, white_noise,
+};
 
 /// How measured signals are smoothed before they enter the regression.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -217,6 +219,24 @@ impl Prepared {
     /// Never for a decimation that is positive.
     pub(super) fn row_times(&self) -> Result<Vec<f64>> {
         downsample(&self.time, self.decimation)
+    }
+
+    /// Position and velocity of a joint at every regression row.
+    ///
+    /// # Errors
+    /// Never for a decimation that is positive.
+    pub(super) fn row_motion(&self, joint: usize) -> Result<[Vec<f64>; 2]> {
+        let thinned = |table: &Channels| downsample(table.channel(joint), self.decimation);
+        Ok([thinned(&self.motion.q)?, thinned(&self.motion.qd)?])
+    }
+
+    /// Standard deviation of the white noise in the filtered torque of every joint.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub(super) fn torque_noise(&self) -> Result<Vec<f64>> {
+        let gain = self.filter.noise_gain(self.torque.samples())?;
+        Ok((0..self.torque.channels()).map(|joint| gain * white_noise(self.torque.channel(joint))).collect())
     }
 
     /// Torque of every joint that the parameters `beta` predict along the motion, unfiltered, `[joint][time]`.

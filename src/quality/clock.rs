@@ -73,9 +73,11 @@ pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
             .collect();
         let share = missing / recording.duration();
         let severity = if share > 0.01 { Severity::Warning } else { Severity::Note };
+        let (rows, count) = ((missing * clock.rate_hz).round(), clock.gaps.len());
         let text = format!(
-            "{} gaps, together {missing:.3} s; short ones are bridged, at long ones the log is cut in pieces",
-            clock.gaps.len()
+            "{count} gap{}, together {missing:.3} s ({rows:.0} rows lost); short ones are bridged, at long ones the log is cut \
+             in pieces",
+            if count == 1 { "" } else { "s" }
         );
         out.push(Finding::new(Kind::Gap, severity, places.join(", "), text));
     }

@@ -215,6 +215,41 @@ fn torque_of_bodies(log: &Recording) -> Channels {
     inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion)
 }
 
+/// A torque that was not logged is told as that, and not taken for columns in the wrong order.
+#[test]
+fn a_constant_torque_is_no_exchange() {
+    let robot = irb();
+    for (joint, level) in [(0, 12.5), (0, 0.0), (1, -300.0), (4, 3.0)] {
+        let mut sieved = log(&robot, 250.0, 12.0);
+        sieved.recording.tau.channel_mut(joint).fill(level);
+        let report = examine(&sieved, Some(&robot)).unwrap();
+        let worse = |finding: &&Finding| finding.severity != Severity::Note;
+        let told: Vec<&Finding> = report.findings.iter().filter(worse).collect();
+        assert_eq!(told.len(), 1, "joint {joint} at {level}: {told:?}");
+        assert_eq!(told[0].kind, Kind::NoTorque);
+        assert!(told[0].place.contains(&format!("tau{}", joint + 1)), "{told:?}");
+    }
+}
+
+#[test]
+fn rows_that_were_lost_are_no_jitter() {
+    let robot = irb();
+    let mut sieved = log(&robot, 250.0, 12.0);
+    let recording = &mut sieved.recording;
+    let kept: Vec<usize> = (0..recording.samples()).filter(|row| ![700, 1500, 2400].contains(row)).collect();
+    let thin = |table: &Channels| table.map(|_, signal| kept.iter().map(|&row| signal[row]).collect());
+    (recording.q, recording.tau) = (thin(&recording.q), thin(&recording.tau));
+    recording.qd = recording.qd.as_ref().map(thin);
+    recording.time = kept.iter().map(|&row| recording.time[row]).collect();
+    sieved.lines = kept.iter().map(|row| row + 2).collect();
+    let report = examine(&sieved, Some(&robot)).unwrap();
+    assert!(report.findings.iter().all(|finding| finding.kind != Kind::Jitter), "{:?}", report.findings);
+    let gap = report.findings.iter().find(|finding| finding.kind == Kind::Gap).unwrap();
+    assert!(gap.text.starts_with("3 gaps") && gap.text.contains("3 rows lost"), "{gap:?}");
+    assert!(gap.place.starts_with("2.7960 s (line 701)"), "{gap:?}");
+    assert!(report.clock.jitter_s < 1e-9, "{}", report.clock.jitter_s);
+}
+
 #[test]
 fn clock_faults() {
     let robot = irb();

@@ -22,6 +22,10 @@ const ROWS: usize = 4000;
 const REACH_S: f64 = 0.05;
 const DEAD_TIME_S: f64 = 0.0015;
 
+/// Mean square that a dead time must cost on a joint, over what is left without it: under slow noise the best lag is not zero
+/// either.
+const DEAD_TIME_COSTS: f64 = 1.1;
+
 /// Directions of a model's normal matrix weaker than this, of the strongest, are left out.
 const WEAK: f64 = 1e-9;
 
@@ -66,22 +70,32 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
         })
         .collect();
 
-    let mut out = Vec::new();
+    let (mut out, mut lags) = (Vec::new(), Vec::new());
     let nominal = robot.and_then(|robot| bodies(robot, &motion));
     let gains = nominal.map_or(vec![None; view.dof()], |nominal| gains(view, &nominal, &rows));
     let against: Vec<bool> = gains.iter().map(|gain| gain.is_some_and(|gain| gain < 0.0)).collect();
     let tau = view.tau.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
-    let best =
-        model.as_ref().and_then(|model| arrangement(model, &motion, &tau, view.log.duration())).unwrap_or_default();
+    // A torque that was not logged contradicts all others, whatever the order of the columns is.
+    let silent: Vec<bool> =
+        (0..view.dof()).map(|j| view.log.tau.channel(j).iter().all(|v| *v == view.log.tau.channel(j)[0])).collect();
+    let logged = !silent.contains(&true);
+    let best = model
+        .as_ref()
+        .filter(|_| logged)
+        .and_then(|model| arrangement(model, &motion, &tau, view.log.duration()))
+        .unwrap_or_default();
     let in_order = best.torques.is_empty() && best.positions.is_none();
     for (joint, fit) in fits.iter().enumerate() {
-        let Some(fit) = fit else { continue };
+        let Some(fit) = fit.as_ref().filter(|_| !silent[joint]) else { continue };
         let tau = view.tau.channel(joint);
         let share = fit.unexplained(tau, 0);
         summaries[joint].unexplained = Some(share);
-        let driven = summaries[joint].reversals >= REVERSALS && fit.friction_gives_power(tau);
+        let power = fit.friction_power(tau).filter(|_| summaries[joint].reversals >= REVERSALS);
+        let driven = power.is_some_and(|power| power > 0.0);
+        let braked = power.is_some_and(|power| power < 0.0);
         let flipped = best.flipped.contains(&joint);
-        if in_order && (driven || against[joint] || flipped) {
+        // A wrist's torque is mostly friction, and may go against its light bodies by chance.
+        if in_order && (driven || (against[joint] && !braked) || flipped) {
             let reason = match (driven, flipped) {
                 (true, _) => "friction would have to drive the joint",
                 (_, true) => "it contradicts the torques of the other joints or what friction does",
@@ -91,13 +105,15 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
             out.push(Finding::new(Kind::TorqueSign, Severity::Warning, view.place("tau", joint), text));
         }
         if robot.is_some() {
-            summaries[joint].dead_time_s = fit.lag(tau, reach).map(|lag| lag * view.period);
+            let lag = fit.lag(tau, reach);
+            summaries[joint].dead_time_s = lag.map(|lag| lag.samples * view.period);
+            lags.extend(lag);
         }
     }
-    out.extend(dead_time(view, summaries));
+    out.extend(dead_time(view, &lags));
     if robot.is_some() {
         out.extend(out_of_order(view, &best));
-        if in_order {
+        if in_order && logged {
             out.extend(swapped(view, &fits));
         }
     }
@@ -187,8 +203,9 @@ impl JointFit {
         rest.norm() / torque.norm().max(f64::MIN_POSITIVE)
     }
 
-    /// Whether the friction that fits drives the joint, and clearly so.
-    fn friction_gives_power(&self, tau: &[f64]) -> bool {
+    /// Power with which the friction that fits drives the joint (negative where it brakes it, as friction does), as a share of
+    /// the most that so large a torque could; None where the fit does not tell.
+    fn friction_power(&self, tau: &[f64]) -> Option<f64> {
         let torque = self.torque(tau, 0);
         let beta = &self.solve * (self.basis.transpose() * &torque);
         let rest = &torque - &self.columns * &beta;
@@ -199,9 +216,10 @@ impl JointFit {
         let size = rms(friction.as_slice());
         let other: Vec<usize> = (0..self.columns.ncols()).filter(|column| !self.friction.contains(column)).collect();
         let gained = self.without(&other, &torque) / rest.norm().max(f64::MIN_POSITIVE);
-        gained > FRICTION_TELLS
-            && power < -0.5 * friction.norm() * self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
-            && size > 0.05 * rms(torque.as_slice())
+        let most = friction.norm() * self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let clear = gained > FRICTION_TELLS && power.abs() > 0.5 * most && size > 0.05 * rms(torque.as_slice());
+        // The torque that overcomes friction goes with the motion.
+        clear.then(|| -power / most)
     }
 
     /// Length of what some of the columns leave of a torque.
@@ -217,24 +235,35 @@ impl JointFit {
         (torque.norm_squared() - explained).max(0.0).sqrt()
     }
 
-    /// Samples by which the torque comes behind the motion; None where the residual does not depend on it.
-    fn lag(&self, tau: &[f64], reach: usize) -> Option<f64> {
+    /// By how much the torque comes behind the motion; None where the residual does not depend on it.
+    fn lag(&self, tau: &[f64], reach: usize) -> Option<Lag> {
         let reach = reach as isize;
         let left: Vec<f64> = (-reach..=reach).map(|lag| self.unexplained(tau, lag).powi(2)).collect();
         let best = (0..left.len()).min_by(|&a, &b| left[a].total_cmp(&left[b]))?;
         let worst = left[0].max(left[left.len() - 1]);
         let inside = best > 0 && best + 1 < left.len();
-        (inside && left[best] < 0.5 * worst && left[best] < 0.25)
-            .then(|| best as f64 - reach as f64 + vertex(&left, best))
+        (inside && left[best] < 0.5 * worst && left[best] < 0.25).then(|| Lag {
+            samples: best as f64 - reach as f64 + vertex(&left, best),
+            cost: left[reach as usize] / left[best].max(f64::MIN_POSITIVE),
+        })
     }
 }
 
+/// The lag of a joint's torque behind its motion.
+#[derive(Debug, Clone, Copy)]
+struct Lag {
+    samples: f64,
+    /// Mean square that the model leaves without a lag over that with it.
+    cost: f64,
+}
+
 /// A dead time that the joints agree on.
-fn dead_time(view: &View, summaries: &[JointSummary]) -> Option<Finding> {
-    let mut lags: Vec<f64> = summaries.iter().filter_map(|summary| summary.dead_time_s).collect();
-    if lags.len() * 2 < view.dof() {
+fn dead_time(view: &View, lags: &[Lag]) -> Option<Finding> {
+    let costly = lags.iter().filter(|lag| lag.cost > DEAD_TIME_COSTS).count();
+    if lags.len() * 2 < view.dof() || costly * 2 < lags.len() {
         return None;
     }
+    let mut lags: Vec<f64> = lags.iter().map(|lag| lag.samples * view.period).collect();
     lags.sort_by(f64::total_cmp);
     let median = lags[lags.len() / 2];
     let agree = lags.iter().filter(|lag| (*lag - median).abs() < 0.3 * median.abs() + view.period).count();
@@ -316,10 +345,10 @@ fn unit(gains: &[Option<f64>]) -> Option<Finding> {
         return None;
     }
     let gain = size_quantile(gains.iter().flatten().copied(), 0.5);
-    let (factor, name) = [(1e3, "mN m"), (1e-3, "kN m")].into_iter().find(|(f, _)| (0.2..5.0).contains(&(gain / f)))?;
-    let text = format!(
-        "the torques are about {gain:.3e} times what the URDF's bodies need: are they in {name}? Divide them by {factor}"
-    );
+    let units = [(1e3, "mN m", "Divide them by 1000"), (1e-3, "kN m", "Multiply them by 1000")];
+    let (_, name, mend) = units.into_iter().find(|(factor, ..)| (0.2..5.0).contains(&(gain / factor)))?;
+    let text =
+        format!("the torques are about {gain:.3e} times what the URDF's bodies need: are they in {name}? {mend}");
     Some(Finding::new(Kind::TorqueUnit, Severity::Warning, "tau", text))
 }
 

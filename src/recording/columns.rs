@@ -219,7 +219,11 @@ fn meaning(name: &str) -> Option<(bool, usize, Joint<'_>)> {
     let of = |kind: usize| {
         let Quantity { prefixes, suffixes, .. } = QUANTITIES[kind];
         let behind = prefixes.iter().find_map(|prefix| {
-            let rest = name.strip_prefix(prefix)?;
+            // Exports like to shout: Q1, TAU1.
+            let rest = name
+                .get(..prefix.len())
+                .filter(|own| own.eq_ignore_ascii_case(prefix))
+                .map(|_| &name[prefix.len()..])?;
             let bare = rest.strip_prefix('_').unwrap_or(rest);
             if !bare.is_empty() && bare.bytes().all(|byte| byte.is_ascii_digit()) {
                 return bare.parse().ok().map(Joint::Number);
@@ -305,8 +309,8 @@ impl Resolver<'_> {
         }
         let hint = if self.header.iter().all(|name| name.parse::<f64>().is_ok()) {
             "; the first line must name the columns"
-        } else if self.header.len() == 1 && found.contains([';', '\t']) {
-            "; columns must be separated by commas"
+        } else if self.line.is_some() {
+            "; rename the columns, or tell their names in a dataset ([columns])"
         } else {
             ""
         };
@@ -388,7 +392,7 @@ mod tests {
             ("t,q1,qd1,dq1,tau1", None, ["log.csv:1: dq1:", "the same as column qd1"]),
             ("t,time,q1,tau1", None, ["log.csv:1: time:", "the same as column t"]),
             ("0.0,1.5,2.5", None, ["log.csv:1: t:", "the first line must name the columns"]),
-            ("t;q1;tau1", None, ["log.csv:1: t:", "separated by commas"]),
+            ("Zeit,Winkel1,tau1", None, ["log.csv:1: t:", "in a dataset ([columns])"]),
         ];
         for (header, joints, expected) in cases {
             let problem = problem(header, joints);

@@ -6,7 +6,8 @@
 //!
 //! Read: columns in any order; `t` or `time`; `dq1`, `ddq1` for velocity and acceleration; joints by name, as in
 //! `q_elbow`, `tau_elbow` or `elbow_position`, `elbow_velocity`, `elbow_effort`. Velocity, acceleration and truth may
-//! be missing.
+//! be missing. Semicolons and tabs may stand between the cells, numbers then with a decimal comma; comments (`#`) above the
+//! header.
 
 use super::Recording;
 use super::columns::{self, Layout};
@@ -50,8 +51,33 @@ fn write_table(writer: impl Write, columns: &[(String, &[f64])]) -> std::io::Res
 /// An unreadable or empty file, a header without what is needed, a ragged row, a cell that is no finite number, time
 /// that does not increase.
 pub fn read(path: &Path, joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
-    let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
-    parse(path, &bytes, joints)
+    parse(path, &bytes(path)?, joints)
+}
+
+/// The file, with what may stand above the header taken out.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
+    blank_comments(&mut bytes);
+    Ok(bytes)
+}
+
+/// Lines above the header that begin with `#` become blank, so that places in the file stay what they are. Where numbers
+/// follow the last of them, as numpy writes it, it is the header.
+fn blank_comments(bytes: &mut [u8]) {
+    let mut start = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+    while bytes.get(start) == Some(&b'#') {
+        let line = |from: usize| from + bytes[from..].iter().take_while(|byte| **byte != b'\n').count();
+        let end = line(start);
+        let next = (end + 1).min(bytes.len());
+        let below = &bytes[next..line(next)];
+        let numbers = below.split(|byte| SEPARATORS.contains(byte)).all(|cell| number(cell, true).is_some());
+        if numbers {
+            bytes[start] = b' ';
+        } else {
+            bytes[start..end].fill(b'\r');
+        }
+        start = next;
+    }
 }
 
 fn parse(path: &Path, bytes: &[u8], joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
@@ -69,7 +95,14 @@ fn parse(path: &Path, bytes: &[u8], joints: Option<&[String]>) -> Result<(Record
 
 /// What is in the file behind a byte order mark.
 pub(super) fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8]> {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    if bytes.starts_with(b"\xFF\xFE")
+        || bytes.starts_with(b"\xFE\xFF")
+        || bytes.iter().take(1000).any(|&byte| byte == 0)
+    {
+        let problem = "the file is no text in UTF-8 (UTF-16, or no text at all); export it as CSV in UTF-8";
+        return Err(Error::input(path, None, "header", problem));
+    }
     if bytes.trim_ascii().is_empty() {
         return Err(Error::input(path, None, "header", "the file is empty; a header and one row per sample go here"));
     }
@@ -79,6 +112,20 @@ pub(super) fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8]> {
 /// A header that needs no renaming.
 fn as_it_is(header: Vec<String>) -> Result<Vec<String>> {
     Ok(header)
+}
+
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// What may stand between two cells.
+const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+
+/// What separates the cells: the most frequent in the first line with content. Spreadsheets of countries that write numbers
+/// with a comma put semicolons between them.
+fn separator(bytes: &[u8]) -> u8 {
+    let mut lines = bytes.split(|byte| matches!(byte, b'\r' | b'\n'));
+    let header = lines.find(|line| !line.trim_ascii().is_empty()).unwrap_or_default();
+    let count = |separator: u8| header.iter().filter(|byte| **byte == separator).count();
+    SEPARATORS.into_iter().rev().max_by_key(|&separator| count(separator)).unwrap_or(b',')
 }
 
 /// The cells as numbers, whatever their values.
@@ -113,7 +160,9 @@ impl Table {
     ) -> Result<Table> {
         let bytes = &*without_open_quotes(bytes);
         // Lengths of rows are checked here, to say more than the csv crate does.
-        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
+        let separator = separator(bytes);
+        let decimal_comma = separator != b',';
+        let mut reader = ReaderBuilder::new().delimiter(separator).has_headers(false).flexible(true).from_reader(bytes);
         let mut record = ByteRecord::new();
         let broken = |error: ::csv::Error| Error::io(path, "read the recording", error.into());
         reader.read_byte_record(&mut record).map_err(broken)?;
@@ -130,10 +179,10 @@ impl Table {
         while reader.read_byte_record(&mut record).map_err(broken)? {
             rows += 1;
             let start = record.position().map_or(0, |position| position.byte() as usize);
-            match bad_cell(&record, &header, &used) {
+            match bad_cell(&record, &header, &used, decimal_comma) {
                 Some((field, problem)) => reject(BadRow { start, field, problem })?,
                 None => {
-                    used.iter().for_each(|&column| columns[column].extend(number(&record[column])));
+                    used.iter().for_each(|&column| columns[column].extend(number(&record[column], decimal_comma)));
                     starts.push(start);
                 }
             }
@@ -164,13 +213,13 @@ fn without_open_quotes(bytes: &[u8]) -> Cow<'_, [u8]> {
 }
 
 /// The first column of a row that does not hold a number, and why.
-fn bad_cell(record: &ByteRecord, header: &[String], used: &[usize]) -> Option<(String, String)> {
+fn bad_cell(record: &ByteRecord, header: &[String], used: &[usize], decimal_comma: bool) -> Option<(String, String)> {
     if record.len() != header.len() {
         let (cells, names) = (record.len(), header.len());
         let problem = format!("{cells} cells where the header names {names} columns; was the row cut off?");
         return Some((format!("column {}", cells.min(names)), problem));
     }
-    let column = used.iter().copied().find(|&column| number(&record[column]).is_none())?;
+    let column = used.iter().copied().find(|&column| number(&record[column], decimal_comma).is_none())?;
     let cell = String::from_utf8_lossy(&record[column]).replace(char::from(OPEN_QUOTE), "\"");
     let problem = match cell.trim() {
         "" => "the cell is empty; a number goes here".to_owned(),
@@ -180,8 +229,14 @@ fn bad_cell(record: &ByteRecord, header: &[String], used: &[usize]) -> Option<(S
     Some((header[column].clone(), problem))
 }
 
-fn number(cell: &[u8]) -> Option<f64> {
-    std::str::from_utf8(cell.trim_ascii()).ok()?.parse().ok()
+/// A cell as a number; `decimal_comma` takes 1,5 for 1.5.
+fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
+    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    let plain = cell.parse().ok();
+    if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
+        return cell.replace(',', ".").parse().ok();
+    }
+    plain
 }
 
 /// Number of the first line with content at or after a place in the file.
@@ -191,108 +246,4 @@ pub(super) fn line_at(bytes: &[u8], start: usize) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::samples;
-    use super::*;
-    use proptest::prelude::*;
-
-    fn text(recording: &Recording) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        write_table(&mut bytes, &columns::table(recording).unwrap()).unwrap();
-        bytes
-    }
-
-    fn parse_text(text: &str) -> Result<(Recording, Vec<String>)> {
-        parse(Path::new("log.csv"), text.as_bytes(), None)
-    }
-
-    #[test]
-    fn header_and_shortest_digits() {
-        let mut recording = samples::full(1, 2);
-        recording.truth = None;
-        recording.qdd = None;
-        recording.q.channel_mut(0).copy_from_slice(&[-0.0, 0.1]);
-        recording.tau.channel_mut(0).copy_from_slice(&[1e300, 5e-324]);
-        recording.qd.as_mut().unwrap().channel_mut(0).copy_from_slice(&[0.1 + 0.2, 1.0 / 3.0]);
-        let expected = "t,q1,qd1,tau1\n0.0,-0.0,0.30000000000000004,1e300\n0.002,0.1,0.3333333333333333,5e-324\n";
-        assert_eq!(String::from_utf8(text(&recording)).unwrap(), expected);
-    }
-
-    #[test]
-    fn columns_in_their_order() {
-        let bytes = text(&samples::full(2, 1));
-        let header = "t,q1,q2,qd1,qd2,qdd1,qdd2,tau1,tau2,q1_true,q2_true,qd1_true,qd2_true,qdd1_true,qdd2_true,\
-                      tau1_true,tau2_true\n";
-        assert!(bytes.starts_with(header.as_bytes()));
-    }
-
-    proptest! {
-        #[test]
-        fn round_trip_is_bit_for_bit(recording in samples::any_recording()) {
-            let (read, notes) = parse(Path::new("log.csv"), &text(&recording), Some(&recording.joints)).unwrap();
-            prop_assert_eq!(samples::bits(&read), samples::bits(&recording));
-            prop_assert_eq!(&read.joints, &recording.joints);
-            prop_assert!(notes.is_empty());
-        }
-
-        #[test]
-        fn no_input_panics(header in "[tqdau_12,]{0,20}", body in "[0-9,.\n\r\" ne-]{0,40}") {
-            let _ = parse_text(&format!("{header}\n{body}"));
-            let _ = parse_text(&format!("t,q1,tau1\n{body}"));
-        }
-    }
-
-    #[test]
-    fn logs_of_other_programs() {
-        let text =
-            "\u{feff}Time, q_elbow ,state,dq_elbow,\"tau_elbow\"\r\n\r\n 0, 1.5 ,idle,+2,-3e1\r\n.5,2,,3,4\r\n\r\n";
-        let (recording, notes) = parse_text(text).unwrap();
-        assert_eq!(recording.joints, ["elbow"]);
-        assert_eq!(recording.time, [0.0, 0.5]);
-        assert_eq!(recording.q.channel(0), [1.5, 2.0]);
-        assert_eq!(recording.qd.unwrap().channel(0), [2.0, 3.0]);
-        assert_eq!(recording.tau.channel(0), [-30.0, 4.0]);
-        assert_eq!(notes, ["columns not used: state"]);
-    }
-
-    #[test]
-    fn faults_are_named_by_line_and_column() {
-        let cases = [
-            ("", "log.csv: header: the file is empty"),
-            (" \n\n", "log.csv: header: the file is empty"),
-            ("t,q1,tau1\n", "log.csv:1: rows: there is no row"),
-            ("\n\nt,q1\n0,1\n", "log.csv:3: tau1: missing column"),
-            ("t,q1,tau1\n0,1,2\n1,x2,2\n", "log.csv:3: q1: 'x2' is not a number"),
-            ("t,q1,tau1\n0,1,2\n\n\n1,2,\n", "log.csv:5: tau1: the cell is empty"),
-            ("t,q1,tau1\r\n0,1,2\r\n\r\n1,2,-\r\n", "log.csv:4: tau1: '-' is not a number"),
-            ("t,q1,tau1\n0,1,2\n1,2\n", "log.csv:3: column 2: 2 cells where the header names 3 columns"),
-            ("t,q1,tau1\n0,1,2,3\n", "log.csv:2: column 3: 4 cells"),
-            ("t,q1,tau1\n0,1,2\n1,2,NaN\n", "log.csv:3: tau1: NaN is not a finite number"),
-            ("t,q1,tau1\n0,-inf,2\n1,2,NaN\n", "log.csv:2: q1: -inf is not a finite number"),
-            ("t,q1,tau1\n0,1e999,2\n", "log.csv:2: q1: inf is not a finite number"),
-            ("t,q1,tau1\n0,1,2\n1,1,2\n1,1,2\n", "log.csv:4: t: time must increase, but 1.0 s follows 1.0 s"),
-            ("t,q1,tau1\n0,1,2\n\n-1,1,nan\n", "log.csv:4: "),
-            ("t,q1,tau1\nnan,1,2\n", "log.csv:2: t: NaN"),
-            ("t,q1,tau1\n0,1,2\n1,\"2,3\n2,3,4\n", "log.csv:3: q1: '\"2' has a quote that is not closed"),
-        ];
-        for (text, expected) in cases {
-            let error = parse_text(text).unwrap_err().to_string();
-            assert!(error.contains(expected), "{text:?}: {error}");
-        }
-    }
-
-    #[test]
-    fn a_full_disk_is_an_error() {
-        let Ok(full) = File::options().write(true).open("/dev/full") else { return };
-        let recording = samples::full(1, 3);
-        assert!(write_table(full, &columns::table(&recording).unwrap()).is_err());
-    }
-
-    #[test]
-    fn signals_of_other_shape_are_refused() {
-        let mut recording = samples::full(2, 3);
-        recording.tau = samples::full(2, 4).tau;
-        let error = write(Path::new("unused.csv"), &recording).unwrap_err().to_string();
-        assert!(error.starts_with("torque: 2 joints of 4 samples"), "{error}");
-    }
-}
+mod tests;

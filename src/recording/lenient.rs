@@ -1,9 +1,8 @@
 //! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept.
 
-use super::columns::Layout;
+use super::sieve::Rows;
 use super::{Recording, csv, parquet};
 use crate::error::{Error, Result};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Names of columns in a file, for those that are not called as [`super::csv`] expects; one per joint in the order of
@@ -69,15 +68,6 @@ pub struct Sieved {
     pub notes: Vec<String>,
 }
 
-/// A value this many times larger than nearly all others of its column (and than 1) is absurd.
-const ABSURD_RATIO: f64 = 1e3;
-
-/// No position, velocity or torque of an arm is larger than this in any unit.
-const ABSURD: f64 = 1e12;
-
-/// The same for time, which may be nanoseconds since 1970.
-const ABSURD_TIME: f64 = 1e19;
-
 /// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
 /// robot's joints in order; `map` renames columns.
 ///
@@ -106,7 +96,7 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) 
 type Rename<'a> = dyn Fn(Vec<String>) -> Result<Vec<String>> + 'a;
 
 fn load_csv(path: &Path, joints: Option<&[String]>, rename: &Rename) -> Result<Sieved> {
-    let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
+    let bytes = csv::bytes(path)?;
     let bytes = csv::content(path, &bytes)?;
     let mut bad = Vec::new();
     let table = csv::Table::parse(path, bytes, joints, rename, &mut |row| {
@@ -145,7 +135,7 @@ fn load_bag(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<S
     let wanted = joints.filter(|_| map.q.is_none());
     let table = super::bag::read(path, wanted, map.topic.as_deref())?;
     let header = map.rename(path, table.header)?;
-    let mut layout = Layout::find(path, None, &header, joints)?;
+    let mut layout = super::columns::Layout::find(path, None, &header, joints)?;
     let unreadable = table.bad.into_iter().map(|(line, problem)| Rejected {
         line,
         column: "message".to_owned(),
@@ -179,108 +169,6 @@ fn lines(bytes: &[u8], starts: &[usize]) -> Vec<usize> {
             line
         })
         .collect()
-}
-
-/// The numbers of a file with the line of each row.
-struct Rows {
-    header: Vec<String>,
-    lines: Vec<usize>,
-    columns: Vec<Vec<f64>>,
-}
-
-impl Rows {
-    /// Takes out the rows whose values cannot be used; returns them with those known before, in order.
-    fn sieve(&mut self, layout: &Layout, mut rejected: Vec<Rejected>) -> Vec<Rejected> {
-        let used = layout.used();
-        let mut faults: BTreeMap<usize, (usize, Cause, String)> = BTreeMap::new();
-        for &column in &used {
-            let values = &self.columns[column];
-            let largest = if column == layout.time() { ABSURD_TIME } else { absurd_above(values) };
-            for (row, &value) in values.iter().enumerate() {
-                let fault = if !value.is_finite() {
-                    (column, Cause::NotFinite, format!("{value} is not a finite number"))
-                } else if value.abs() > largest {
-                    let problem = format!("{value:?} is far beyond all other values; a broken cell?");
-                    (column, Cause::Absurd, problem)
-                } else {
-                    continue;
-                };
-                faults.entry(row).or_insert(fault);
-            }
-        }
-        let time = layout.time();
-        let rows: Vec<usize> = (0..self.lines.len()).filter(|row| !faults.contains_key(row)).collect();
-        for (row, cause, problem) in out_of_time(&self.columns[time], &rows) {
-            faults.insert(row, (time, cause, problem));
-        }
-        if !faults.is_empty() {
-            rejected.extend(faults.iter().map(|(&row, (column, cause, problem))| Rejected {
-                line: self.lines[row],
-                column: self.header[*column].clone(),
-                cause: *cause,
-                problem: problem.clone(),
-            }));
-            let mut index = 0..self.lines.len();
-            self.lines.retain(|_| !faults.contains_key(&index.next().unwrap_or(0)));
-            for &column in &used {
-                let mut row = 0;
-                self.columns[column].retain(|_| {
-                    row += 1;
-                    !faults.contains_key(&(row - 1))
-                });
-            }
-        }
-        rejected.sort_by_key(|fault| fault.line);
-        rejected
-    }
-}
-
-/// One in so many values, and one at least, may be absurd. A joint may rest for most of a log: what is usual is not a
-/// median.
-const RARE: usize = 500;
-
-/// Size above which a value of a column is absurd.
-fn absurd_above(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).map(f64::abs).collect();
-    let rare = 1 + sizes.len() / RARE;
-    if sizes.len() < 5 * rare {
-        return ABSURD;
-    }
-    let place = sizes.len() - 1 - rare;
-    let (_, &mut common, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
-    (ABSURD_RATIO * common.max(1.0)).min(ABSURD)
-}
-
-/// The rows of `rows` whose time does not increase. Of two rows in the wrong order the one that stands alone goes: the
-/// later one, unless the row behind it too is before the earlier one.
-fn out_of_time(time: &[f64], rows: &[usize]) -> Vec<(usize, Cause, String)> {
-    let mut out = Vec::new();
-    let mut kept: Vec<usize> = Vec::new();
-    for (index, &row) in rows.iter().enumerate() {
-        let Some(&last) = kept.last() else {
-            kept.push(row);
-            continue;
-        };
-        if time[row] > time[last] {
-            kept.push(row);
-            continue;
-        }
-        let jumped = time[row] < time[last]
-            && rows.get(index + 1).is_some_and(|&next| time[next] < time[last] && time[next] > time[row])
-            && (kept.len() < 2 || time[row] > time[kept[kept.len() - 2]]);
-        if jumped {
-            let problem = format!("the time {:?} s is ahead of the rows behind it", time[last]);
-            out.push((last, Cause::BackwardTime, problem));
-            kept.pop();
-            kept.push(row);
-        } else if time[row] == time[last] {
-            out.push((row, Cause::DuplicateTime, format!("the time {:?} s is that of a row before", time[row])));
-        } else {
-            let problem = format!("time goes back: {:?} s follows {:?} s", time[row], time[last]);
-            out.push((row, Cause::BackwardTime, problem));
-        }
-    }
-    out
 }
 
 impl ColumnMap {

@@ -10,6 +10,7 @@ pub mod resample;
 mod columns;
 #[cfg(test)]
 mod samples;
+mod sieve;
 
 use crate::channels::Channels;
 use crate::error::{Error, Result};
@@ -145,6 +146,35 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
         tracing::warn!("{}: {note}", path.display());
     }
     Ok(recording)
+}
+
+/// Writes a log in the format that the extension of the name tells: `csv`, `parquet`, `mcap` or `db3`. Returns what the
+/// format has no place for.
+///
+/// # Errors
+/// An unknown extension, a file that cannot be written, or a time that the format cannot hold.
+pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let mut lost = Vec::new();
+    match extension.as_deref() {
+        Some("csv") => {
+            csv::write(path, recording)?;
+            let numbered = |(joint, name): (usize, &String)| *name == format!("joint_{}", joint + 1);
+            lost.extend((!recording.joints.iter().enumerate().all(numbered)).then_some("names of joints"));
+            let told = !recording.provenance.is_empty() || !recording.robot.is_empty();
+            lost.extend(told.then_some("where the log comes from"));
+        }
+        Some("parquet") => parquet::write(path, recording)?,
+        #[cfg(feature = "bags")]
+        Some(extension @ ("mcap" | "db3")) => {
+            let write = if extension == "mcap" { bag::write::mcap } else { bag::write::sqlite };
+            write(path, recording)?;
+            let more = recording.qdd.is_some() || recording.truth.is_some();
+            lost.extend(more.then_some("accelerations and truth"));
+        }
+        _ => return Err(unknown_format(path)),
+    }
+    Ok(lost)
 }
 
 /// The name of a log must tell its format.

@@ -8,8 +8,13 @@ use std::ops::Range;
 /// taken at even steps before it is used.
 pub const IRREGULAR: f64 = 0.02;
 
-/// A step longer than this many median steps is a gap.
+/// A step longer than this many median steps is a gap, whatever the clock.
 pub const GAP: f64 = 2.5;
+
+/// Of a clock whose steps otherwise scatter by less than [`STEADY`] of the median, one longer than this already is: a row was
+/// lost.
+const LOST_ROW: f64 = 1.5;
+const STEADY: f64 = 0.1;
 
 /// How regular the clock of a log is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -31,16 +36,14 @@ impl Clock {
         let rate_hz = recording.rate_hz();
         let median = 1.0 / rate_hz;
         let steps = || recording.time.windows(2).map(|pair| pair[1] - pair[0]);
-        let gaps: Vec<usize> = steps().enumerate().filter(|(_, s)| *s > GAP * median).map(|(at, _)| at).collect();
-        let (sum, count) = steps()
-            .filter(|s| *s <= GAP * median)
-            .fold((0.0, 0usize), |(sum, count), s| (sum + (s - median).powi(2), count + 1));
-        Clock {
-            rate_hz,
-            jitter_s: (sum / count.max(1) as f64).sqrt(),
-            longest_step_s: steps().fold(0.0, f64::max),
-            gaps,
-        }
+        let scatter = |longest: f64| {
+            let kept = steps().filter(|s| *s <= longest * median);
+            let (sum, count) = kept.fold((0.0, 0usize), |(sum, count), s| (sum + (s - median).powi(2), count + 1));
+            (sum / count.max(1) as f64).sqrt()
+        };
+        let longest = if scatter(LOST_ROW) < STEADY * median { LOST_ROW } else { GAP };
+        let gaps: Vec<usize> = steps().enumerate().filter(|(_, s)| *s > longest * median).map(|(at, _)| at).collect();
+        Clock { rate_hz, jitter_s: scatter(longest), longest_step_s: steps().fold(0.0, f64::max), gaps }
     }
 
     /// Whether the log should be taken at even steps before it is used.
@@ -101,10 +104,17 @@ const SHORTEST: usize = 50;
 /// Longer logs are cut, so that the columns of a model need memory for one piece at a time.
 const LONGEST: usize = 60_000;
 
+/// No log starts later on a clock that means anything to it, s.
+const LONG_AGO_S: f64 = 1e6;
+
 /// The log ready for filters that need even steps: cut where the clock leaves out more than ten steps, and at the median
-/// rate where it is irregular. No piece has more than sixty thousand samples. A short log with a regular clock comes back
-/// as it is.
-pub fn pieces(recording: Recording) -> Vec<Recording> {
+/// rate where it is irregular. No piece has more than sixty thousand samples. A clock that started long ago, as one that
+/// counts from 1970, starts with the log: what warms up does so from there, and times keep their digits. Otherwise a short log
+/// with a regular clock comes back as it is.
+pub fn pieces(mut recording: Recording) -> Vec<Recording> {
+    if let Some(&first) = recording.time.first().filter(|first| first.abs() > LONG_AGO_S) {
+        recording.time.iter_mut().for_each(|t| *t -= first);
+    }
     if recording.samples() <= LONGEST {
         return even_pieces(recording);
     }
@@ -190,6 +200,19 @@ mod tests {
         assert!(pieces.iter().all(|piece| piece.samples() <= LONGEST));
         let joined: Vec<f64> = pieces.iter().flat_map(|piece| piece.tau.channel(0)).copied().collect();
         assert_eq!(joined, recording.tau.channel(0));
+    }
+
+    #[test]
+    fn a_clock_from_1970_starts_with_the_log() {
+        let mut recording = samples::full(1, 100);
+        let own = pieces(recording.clone());
+        assert_eq!(own[0].time, recording.time);
+        recording.time.iter_mut().for_each(|t| *t += 5000.0);
+        assert_eq!(pieces(recording.clone())[0].time[0], 5000.0);
+        recording.time.iter_mut().for_each(|t| *t += 1.7e9);
+        let pieces = pieces(recording);
+        assert_eq!((pieces.len(), pieces[0].time[0]), (1, 0.0));
+        assert!(pieces[0].time.iter().zip(&own[0].time).all(|(now, then)| (now - then).abs() < 1e-6));
     }
 
     #[test]

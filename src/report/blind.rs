@@ -57,7 +57,7 @@ fn answer(answer: &Answer) -> String {
 /// The counts for people.
 pub fn counts(summary: &Summary) -> String {
     let rows = summary.classes.iter().map(class_row).collect();
-    console::table(&HEADER, rows).to_string()
+    console::table(&HEADER, rows)
 }
 
 /// The counts and the confusion matrix as Markdown.

@@ -7,14 +7,14 @@ use crate::study::testbed::{Scored, Variant};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A plain aligned table: first column left, numbers right.
-pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> Table {
+pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled).set_header(header);
     table.add_rows(rows);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    table
+    table.trim_fmt()
 }
 
 /// The scores of a scenario run: torque error per joint with and without smoothing, then one line per variant.
@@ -78,8 +78,8 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
         setup.plant.dof(),
         crate::excitation::Reference::duration_s(&setup.motion),
         crate::excitation::Reference::duration_s(&setup.held_out),
-        per_joint.trim_fmt(),
-        per_variant.trim_fmt(),
+        per_joint,
+        per_variant,
     )
 }
 

@@ -87,7 +87,7 @@ pub fn table(parameters: usize, rows: &[Row]) -> String {
             ]
         })
         .collect();
-    plain_table(&header, cells).to_string()
+    plain_table(&header, cells)
 }
 
 /// The comparison with what its columns mean.

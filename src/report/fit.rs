@@ -198,7 +198,7 @@ pub fn tables(robot: &Robot, found: Found) -> String {
             [joint.name.clone()].into_iter().chain(numbers.map(|&value| significant(value))).collect()
         })
         .collect();
-    let mut text = table(&header, rows).to_string();
+    let mut text = table(&header, rows);
     if let Some(found) = consistent {
         let cost = match found.exact {
             true => "bodies that can exist have the fitted base parameters: consistency costs nothing".to_owned(),

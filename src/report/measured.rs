@@ -53,5 +53,5 @@ pub fn text(robot: &Robot, scored: &[Scored]) -> String {
         }
         row
     });
-    table(&header, rows.collect()).trim_fmt()
+    table(&header, rows.collect())
 }

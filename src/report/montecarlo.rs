@@ -89,7 +89,12 @@ fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
 
 /// A noise level in a table.
 pub(super) fn noise(std: Option<f64>) -> String {
-    std.map_or("scenario's".to_owned(), |std| format!("{std}"))
+    std.map_or("scenario's".to_owned(), size)
+}
+
+/// A size that may be of any order, as short as it can be told.
+pub(super) fn size(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
 }
 
 /// A smoothing window in a table.
@@ -114,7 +119,7 @@ pub fn trial(rows: &[Row]) -> String {
             cells
         })
         .collect();
-    table(&header, cells).to_string()
+    table(&header, cells)
 }
 
 /// What an accuracy check found: what got worse, or that nothing did.

@@ -4,11 +4,13 @@ mod inertia;
 mod urdf;
 mod urdf_edit;
 mod urdf_numbers;
+mod urdf_write;
 pub mod visuals;
 
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use urdf::{InertiaCheck, load};
 pub use urdf_edit::with_parameters;
+pub use urdf_write::to_urdf;
 
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Vector3};

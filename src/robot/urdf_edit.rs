@@ -83,7 +83,8 @@ fn with_child(text: &str, node: Node, tag: &str, new: &str) -> (Range<usize>, St
     }
 }
 
-fn inertial(body: &Inertia) -> String {
+/// The element of a body, about its centre of mass.
+pub(super) fn inertial(body: &Inertia) -> String {
     let (center, tensor) = (body.center_of_mass(), body.tensor_about_center());
     format!(
         "<inertial><origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/><mass value=\"{:?}\"/><inertia ixx=\"{:?}\" \
@@ -101,7 +102,8 @@ fn inertial(body: &Inertia) -> String {
     )
 }
 
-fn dynamics(drive: &Drive) -> String {
+/// The element of a drive.
+pub(super) fn dynamics(drive: &Drive) -> String {
     let Drive { viscous, coulomb, armature } = drive;
     format!("<dynamics damping=\"{viscous:?}\" friction=\"{coulomb:?}\" armature=\"{armature:?}\"/>")
 }

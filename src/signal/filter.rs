@@ -3,6 +3,9 @@
 use super::{Edge, SavitzkyGolay, ZeroPhaseLowPass, check_same_length, downsample};
 use crate::error::{Error, Result};
 
+/// Samples after which the response to an impulse has died away.
+const MOST_RESPONSE: usize = 16_384;
+
 /// The filter between the recording and the estimate.
 ///
 /// Identification solves tau = Y(q, qd, qdd) beta for beta. A linear filter F leaves the equation true only if both
@@ -83,6 +86,20 @@ impl Filter {
             }
         }
     }
+
+    /// Standard deviation of unit white noise after the filter, away from the ends of a signal of `samples`.
+    ///
+    /// # Errors
+    /// As [`Filter::apply`].
+    pub fn noise_gain(&self, samples: usize) -> Result<f64> {
+        let mut impulse = vec![0.0; samples.min(MOST_RESPONSE)];
+        if let Some(middle) = impulse.len().checked_sub(1) {
+            impulse[middle / 2] = 1.0;
+        }
+        let mut response = impulse.clone();
+        self.apply(&impulse, &mut response)?;
+        Ok(response.iter().map(|h| h * h).sum::<f64>().sqrt())
+    }
 }
 
 fn check_smooths_linearly(filter: &SavitzkyGolay) -> Result<()> {
@@ -130,6 +147,17 @@ mod tests {
         let low_pass = ZeroPhaseLowPass::new(3, 10.0, 100.0).unwrap();
         low_pass.apply(&input, &mut want).unwrap();
         assert_eq!(filtered(&Filter::LowPass(low_pass), &input), want);
+    }
+
+    /// Least squares project: the sum of the squared weights of a smoother is its middle weight.
+    #[test]
+    fn noise_after_a_smoother_is_the_root_of_its_middle_weight() {
+        let smoother = SavitzkyGolay::new(9, 3, 0, 0.01, Edge::Polynomial).unwrap();
+        let middle = smoother.coefficients()[4];
+        let gain = Filter::SavitzkyGolay(smoother).noise_gain(200).unwrap();
+        assert!((gain - middle.sqrt()).abs() < 1e-12, "{gain} {middle}");
+        assert_eq!(Filter::None.noise_gain(200).unwrap(), 1.0);
+        assert!(Filter::LowPass(ZeroPhaseLowPass::new(3, 10.0, 100.0).unwrap()).noise_gain(3).is_err());
     }
 
     #[test]

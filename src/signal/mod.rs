@@ -5,6 +5,7 @@ pub mod difference;
 pub mod filter;
 mod gram;
 pub mod low_pass;
+pub mod noise;
 pub mod savitzky_golay;
 mod sliding;
 pub mod spectrum;
@@ -13,6 +14,7 @@ pub use decimate::{block_means, downsample};
 pub use difference::{first_derivative, second_derivative};
 pub use filter::Filter;
 pub use low_pass::ZeroPhaseLowPass;
+pub use noise::white_noise;
 pub use savitzky_golay::{Edge, SavitzkyGolay};
 pub use spectrum::amplitude_density;
 

@@ -1,7 +1,9 @@
 //! The arm in the loop: rapier as forward dynamics, friction and drives, controller, sensors.
 
+mod balance;
 pub mod controller;
 pub mod engine;
+pub mod following;
 pub mod integrator;
 pub mod measured_motion;
 pub mod plant;

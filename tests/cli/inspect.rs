@@ -116,3 +116,115 @@ fn identify_takes_a_dataset() {
     let both = case.tauscope(&["run", "s.toml", "--dataset", "d.toml"]);
     assert!(both.status.code() == Some(2) && text(&both.stderr).contains("cannot be used with"), "{both:?}");
 }
+
+#[test]
+fn a_log_goes_through_all_formats_and_comes_back_the_same() {
+    let case = simulated();
+    let original = case.read("out/recording.csv");
+    let mut from = "out/recording.parquet".to_owned();
+    for to in ["a.csv", "b.parquet", "c.mcap", "d.db3", "e.csv"] {
+        let output = case.tauscope(&["inspect", &from, "--robot", "arm.urdf", "--convert", to]);
+        // CSV and bags know the joints by number or name: a file without names is one of joint_1 and so on, as this arm is.
+        assert_done(&output);
+        assert!(text(&output.stdout).contains(&format!("{to}: 2001 rows written")), "{}", text(&output.stdout));
+        from = to.to_owned();
+    }
+    // Truth and accelerations have no place in messages; all else but the time has every bit.
+    let columns = |csv: &str| -> Vec<Vec<String>> {
+        let mut lines = csv.lines();
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let kept: Vec<usize> =
+            (0..header.len()).filter(|&k| !header[k].ends_with("_true") && !header[k].starts_with("qdd")).collect();
+        let row = |line: &str| {
+            let cells: Vec<&str> = line.split(',').collect();
+            kept.iter().map(|&k| cells[k].to_owned()).collect()
+        };
+        std::iter::once(row(&header.join(","))).chain(lines.map(row)).collect()
+    };
+    let (original, back) = (columns(&original), columns(&case.read("e.csv")));
+    assert_eq!((original.len(), original[0].len()), (2002, 1 + 3 * 6));
+    for (row, (now, then)) in back.iter().zip(&original).enumerate() {
+        assert_eq!(now[1..], then[1..], "row {row}");
+        // A message has its time in whole nanoseconds.
+        let time = |cells: &[String]| cells[0].parse::<f64>().unwrap();
+        assert!(row == 0 || (time(now) - time(then)).abs() < 1e-12, "row {row}: {} {}", now[0], then[0]);
+    }
+    let refused = case.tauscope(&["inspect", "e.csv", "--convert", "e.csv"]);
+    assert_refusal(&refused, &["--convert", "the log itself"]);
+    assert_refusal(&case.tauscope(&["inspect", "e.csv", "--convert", "e.xls"]), &["e.xls", ".parquet"]);
+    assert_refusal(&case.tauscope(&["inspect", "e.csv", "--convert", "none/e.csv"]), &["none/e.csv"]);
+}
+
+/// Files that people have: each is read, or refused in one line that says what to do.
+#[test]
+fn exports_of_other_programs() {
+    let case = Case::new(&[]);
+    let log = sines("t,q1,tau1", one_joint);
+    let rows = || log.lines().skip(1);
+    let semicolons = log.replace(',', ";");
+    for (what, content) in [
+        ("Windows line ends", log.replace('\n', "\r\n")),
+        ("byte order mark", format!("\u{feff}{log}")),
+        ("semicolons", semicolons.clone()),
+        ("decimal commas", semicolons.replace('.', ",")),
+        ("tabs", log.replace(',', "\t")),
+        ("capitals", log.replacen("t,q1,tau1", "T,Q1,TAU1", 1)),
+        ("comments", format!("# made by a controller\n# t in s\n{log}")),
+        ("seconds since 1970", sines_at(&log, |t| 1.7e9 + t)),
+    ] {
+        case.write("log.csv", &content);
+        let output = case.tauscope(&["inspect", "log.csv"]);
+        assert_eq!(output.status.code(), Some(0), "{what}: {}", text(&output.stderr));
+        assert!(text(&output.stdout).contains("1000 rows over 3.996 s at 250 Hz"), "{what}: {}", text(&output.stdout));
+        assert!(!text(&output.stdout).contains("warning"), "{what}: {}", text(&output.stdout));
+    }
+    let mut turned: Vec<&str> = rows().collect();
+    turned.reverse();
+    for (what, content, words) in [
+        ("nothing", String::new(), ["log.csv: header", "empty"]),
+        ("a header alone", "t,q1,tau1\n".to_owned(), ["log.csv:1: rows", "no row below"]),
+        ("two rows", log.lines().take(3).collect::<Vec<_>>().join("\n"), ["log.csv: rows", "too few"]),
+        ("German names", log.replacen("t,q1,tau1", "Zeit,Winkel,Moment", 1), ["log.csv:1: t", "[columns]"]),
+        ("a name twice", log.replacen("t,q1,tau1", "t,q1,q1", 1), ["log.csv:1: q1", "leave one of them out"]),
+        ("no header", rows().collect::<Vec<_>>().join("\n"), ["log.csv:1: t", "the first line must name the columns"]),
+        ("milliseconds", sines_at(&log, |t| 1e3 * t), ["log.csv: t", "[units] time"]),
+        ("nanoseconds", sines_at(&log, |t| 1e9 * t), ["log.csv: t", "[units] time"]),
+        ("time turned round", format!("t,q1,tau1\n{}", turned.join("\n")), ["log.csv: line", "out of time"]),
+        ("numbers of no arm", sines("t,q1,tau1", |t| format!("{:e},1", 1e200 * t.sin())), ["log.csv:", "far beyond"]),
+        ("no numbers", sines("t,q1,tau1", |_| "nan,inf".to_owned()), ["log.csv:2: q1", "not a finite number"]),
+    ] {
+        case.write("log.csv", &content);
+        for command in ["inspect", "identify"] {
+            let arguments: &[&str] = match command {
+                "inspect" => &["inspect", "log.csv"],
+                _ => &["identify", "--robot", "arm.urdf", "--train", "log.csv", "--out", "out"],
+            };
+            let output = case.tauscope(arguments);
+            let said = text(&output.stderr);
+            assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{command}, {what}: {said}");
+            for word in words.iter().filter(|_| command == "inspect") {
+                assert!(said.contains(word), "{what}: {said} lacks {word}");
+            }
+        }
+        assert!(!case.path("out").exists(), "{what}");
+    }
+    std::fs::create_dir(case.path("folder.csv")).unwrap();
+    assert_refusal(&case.tauscope(&["inspect", "folder.csv"]), &["folder.csv", "directory"]);
+    std::fs::write(
+        case.path("wide.csv"),
+        "\u{feff}t,q1".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+    )
+    .unwrap();
+    assert_refusal(&case.tauscope(&["inspect", "wide.csv"]), &["wide.csv: header", "UTF-8"]);
+}
+
+/// The log with another clock.
+fn sines_at(log: &str, clock: impl Fn(f64) -> f64) -> String {
+    let mut lines = log.lines();
+    let mut out = format!("{}\n", lines.next().unwrap());
+    for line in lines {
+        let (t, rest) = line.split_once(',').unwrap();
+        writeln!(out, "{:.4},{rest}", clock(t.parse().unwrap())).unwrap();
+    }
+    out
+}

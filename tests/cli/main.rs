@@ -9,6 +9,8 @@ mod inspect;
 mod options;
 mod reports;
 mod studies;
+#[cfg(unix)]
+mod terminal;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -64,6 +64,31 @@ fn a_diagnosis_writes_a_report_that_can_be_sent() {
 }
 
 #[test]
+fn a_run_on_measured_logs_writes_a_report_that_can_be_sent() {
+    let case = Case::new(&[]);
+    assert_done(&case.tauscope(&["simulate", "s.toml", "--out", "logs", "-q"]));
+    let dataset = "schema = \"tauscope.dataset/1\"\nrobot = \"arm.urdf\"\n[[train]]\nfile = \"logs/recording.csv\"\n";
+    case.write("d.toml", &format!("{dataset}[[test]]\nfile = \"logs/held_out.csv\"\n"));
+    case.write("alone.toml", dataset);
+    assert_done(&case.tauscope(&["run", "--dataset", "d.toml", "--out", "out", "-q"]));
+    let page = sound(&case, "out/report.html");
+    for part in
+        ["from measured logs", "tauscope run --dataset d.toml", "noise floor", "95 % from", "Data quality", "Next: "]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    assert_eq!(page.matches("class=\"ts-figure chart\"").count(), 5 * 6);
+    assert!(!page.contains("NaN"));
+    assert_eq!(case.path("out/recording.rrd").is_file(), cfg!(feature = "viewer"));
+
+    // Where nothing is held out there is nothing to plot, and the page says so.
+    assert_done(&case.tauscope(&["run", "--dataset", "alone.toml", "--out", "alone", "-q"]));
+    let page = sound(&case, "alone/report.html");
+    assert!(page.contains("nothing was held out") && page.contains("hold a log of another motion out"), "{page}");
+    assert_eq!(page.matches("class=\"ts-figure chart\"").count(), 0);
+}
+
+#[test]
 fn a_diagnosis_that_faults_stop_writes_a_report_too() {
     let case = Case::new(&[]);
     let scenario = format!("{ROOT}/scenarios/effects/stribeck_friction.toml");

@@ -208,6 +208,37 @@ impl<'a> EffectModel<'a> {
         Ok(times)
     }
 
+    /// Position and velocity of every joint at those rows, `[joint][row]`; NaN for the rows that only separate logs.
+    ///
+    /// # Errors
+    /// If a log is too short for its preparation.
+    pub fn row_motion(&self) -> Result<[Vec<Vec<f64>>; 2]> {
+        let mut tables = [vec![Vec::new(); self.joints()], vec![Vec::new(); self.joints()]];
+        for (_, prepared) in &self.logs {
+            for joint in 0..self.joints() {
+                for (table, own) in tables.iter_mut().zip(prepared.row_motion(joint)?) {
+                    table[joint].extend(own);
+                    table[joint].extend([f64::NAN; SEPARATION]);
+                }
+            }
+        }
+        Ok(tables)
+    }
+
+    /// Standard deviation of the white noise in the torque of the rows, for each joint, N m: what no model can explain.
+    ///
+    /// # Errors
+    /// If a log is too short for its preparation.
+    pub fn torque_noise(&self) -> Result<Vec<f64>> {
+        let mut squares = vec![0.0; self.joints()];
+        for (_, prepared) in &self.logs {
+            for (sum, noise) in squares.iter_mut().zip(prepared.torque_noise()?) {
+                *sum += noise * noise / self.logs.len() as f64;
+            }
+        }
+        Ok(squares.into_iter().map(f64::sqrt).collect())
+    }
+
     /// The regression rows of one log.
     fn rows(&self, recording: &Recording, prepared: &Prepared) -> Result<Vec<JointRegression>> {
         let undone = self.without_encoder_errors(recording);

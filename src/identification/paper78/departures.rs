@@ -218,7 +218,7 @@ pub const DEPARTURES: &[Departure] = &[
     Departure {
         equation: "Table 1",
         printed: "row 1 twice, 475 mm on the row labelled 3, no offset of 600 mm, five distinct rows",
-        used: "tables::CORRECTED_TABLE_1",
+        used: "the six rows at the right of Table 1",
         why: "the arm has six joints and its wrist centre is 600 mm from joint 3",
         variants: ALL,
         place: Place::Elsewhere,
@@ -226,7 +226,7 @@ pub const DEPARTURES: &[Departure] = &[
     Departure {
         equation: "Table 2, X29..X42",
         printed: "values missing from the available text",
-        used: "None",
+        used: "a dash in Table 2",
         why: "the row holds the unit of X29..X42 and then the name of X43..X56",
         variants: ALL,
         place: Place::Elsewhere,

@@ -54,6 +54,40 @@ impl JointState {
     }
 }
 
+impl JointState {
+    /// The message as it is sent, in little-endian order, with an empty frame.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut bytes = vec![0, 1, 0, 0];
+        let word = |bytes: &mut Vec<u8>, value: u32| {
+            align(bytes, 4);
+            bytes.extend(value.to_le_bytes());
+        };
+        let text = |bytes: &mut Vec<u8>, text: &str| {
+            word(bytes, text.len() as u32 + 1);
+            bytes.extend(text.as_bytes());
+            bytes.push(0);
+        };
+        word(&mut bytes, self.stamp_ns.div_euclid(1_000_000_000) as i32 as u32);
+        word(&mut bytes, self.stamp_ns.rem_euclid(1_000_000_000) as u32);
+        text(&mut bytes, "");
+        word(&mut bytes, self.names.len() as u32);
+        self.names.iter().for_each(|name| text(&mut bytes, name));
+        for values in [&self.position, &self.velocity, &self.effort] {
+            word(&mut bytes, values.len() as u32);
+            for value in values {
+                align(&mut bytes, 8);
+                bytes.extend(value.to_le_bytes());
+            }
+        }
+        bytes
+    }
+}
+
+/// Fills up to a multiple of `size`, counted from behind the four bytes that tell the byte order.
+fn align(bytes: &mut Vec<u8>, size: usize) {
+    bytes.resize(4 + (bytes.len() - 4).next_multiple_of(size), 0);
+}
+
 /// Walks through the bytes behind the four that tell the byte order.
 struct Reader<'a> {
     body: &'a [u8],
@@ -167,6 +201,24 @@ mod tests {
         fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             let _ = JointState::decode(&bytes);
             let _ = JointState::decode(&[&[0, 1, 0, 0], bytes.as_slice()].concat());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_encoded_is_decoded(
+            stamp_ns in 0..2_000_000_000_000_000_000i64,
+            names in prop::collection::vec("[a-zäß_]{0,9}", 0..5),
+            (position, velocity, effort) in (any::<bool>(), any::<bool>(), any::<bool>()),
+            seed in any::<u64>(),
+        ) {
+            let values = |there: bool, shift: u64| -> Vec<f64> {
+                let bits = |k: usize| f64::from_bits((seed ^ (shift << 40)).wrapping_mul(k as u64 + 3) >> 2);
+                if there { (0..names.len()).map(bits).collect() } else { Vec::new() }
+            };
+            let (position, velocity, effort) = (values(position, 1), values(velocity, 2), values(effort, 3));
+            let state = JointState { stamp_ns, names: names.clone(), position, velocity, effort };
+            prop_assert_eq!(JointState::decode(&state.encode()), Ok(state));
         }
     }
 }

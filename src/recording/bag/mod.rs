@@ -6,6 +6,7 @@
 
 mod joint_state;
 mod storage;
+pub mod write;
 
 use super::Recording;
 use super::columns::Layout;
@@ -64,6 +65,9 @@ pub fn read(path: &Path, joints: Option<&[String]>, topic: Option<&str>) -> Resu
             true => reason,
             false => format!("{}: {reason}", file.display()),
         }));
+    }
+    if let (true, Some(reason)) = (topics.is_empty(), &cut_off) {
+        return Err(Error::input(path, None, "messages", format!("none can be read: {reason}; copy the log again")));
     }
     topics.sort();
     topics.dedup();
@@ -253,7 +257,7 @@ impl Group {
         let start_ns = stamps.first().copied().unwrap_or_default();
         let mut header = vec!["t".to_owned()];
         let mut columns: Vec<Vec<f64>> =
-            vec![stamps.iter().map(|stamp| stamp.saturating_sub(start_ns) as f64 * 1e-9).collect()];
+            vec![stamps.iter().map(|stamp| stamp.saturating_sub(start_ns) as f64 / 1e9).collect()];
         for (ending, values) in ["position", "velocity", "effort"].into_iter().zip(self.values) {
             if values.iter().all(|column| column.iter().all(|value| value.is_nan())) {
                 continue;

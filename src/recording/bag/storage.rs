@@ -1,6 +1,7 @@
 //! The two kinds of storage: MCAP and SQLite, whole or compressed with Zstandard.
 
 use crate::error::{Error, Result};
+use ::mcap::sans_io::LinearReaderOptions;
 use rusqlite::{Connection, OpenFlags};
 use std::borrow::Cow;
 use std::fs::File;
@@ -9,6 +10,9 @@ use std::path::Path;
 
 /// How a Zstandard frame begins.
 const ZSTANDARD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+
+/// Longest record of a small file when it is unpacked, bytes.
+const LONGEST_RECORD: usize = 1 << 28;
 
 /// Messages that a storage may hold.
 const TYPES: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
@@ -48,14 +52,23 @@ pub struct Contents {
 
 /// Reads an MCAP file; what comes before a damage is kept.
 pub fn mcap(path: &Path, hear: &mut Hear) -> Result<Contents> {
-    let file = open(path)?;
-    let mut reader = ::mcap::io::MessageReader::new(file);
+    let size = std::fs::metadata(path).map_or(0, |about| about.len()) as usize;
+    // Checksums are looked at before a chunk is believed; a record that claims to be far longer than the file is damaged.
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_validate_data_section_crc(true)
+        .with_record_length_limit(size.max(LONGEST_RECORD));
+    let mut reader = ::mcap::io::MessageReader::new_with_options(open(path)?, options);
     let mut contents = Contents::default();
     for message in reader.by_ref() {
         let message = match message {
             Ok(message) => message,
             Err(::mcap::McapError::BadMagic) if contents.topics.is_empty() => {
                 return Err(Error::input(path, None, "MCAP", "this is not an MCAP file"));
+            }
+            Err(error @ ::mcap::McapError::BadDataCrc { .. }) => {
+                let problem = format!("the file is damaged: bytes in it were changed ({error}); copy the log again");
+                return Err(Error::input(path, None, "MCAP", problem));
             }
             Err(error) => {
                 contents.cut_off = Some(error.to_string());

@@ -205,7 +205,7 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
         let values = columns.iter().map(|column| significant(column[joint]));
         [spec.name.clone()].into_iter().chain(values).collect()
     });
-    table(&header, rows.collect()).to_string()
+    table(&header, rows.collect())
 }
 
 /// What would have been seen, where nothing was.

@@ -130,7 +130,8 @@ fn over_time(joint: &Joint, contenders: &[Contender]) -> Chart {
         x: joint.time.clone(),
         y: joint.counted(index),
     };
-    let ends: Vec<f64> = joint.time.first().into_iter().chain(joint.time.last()).copied().collect();
+    let times = || joint.time.iter().filter(|t| t.is_finite());
+    let ends: Vec<f64> = times().next().into_iter().chain(times().next_back()).copied().collect();
     let noise = [1.0, -1.0].map(|sign| Trace {
         mark: Mark::Dashed(0.9),
         color: Color::Ink,

@@ -1,11 +1,13 @@
 //! `report.html`: one file that can be sent, read offline and on a phone, in light and dark. The verdict comes first, in
 //! words, then what it rests on.
 //!
-//! A [`Page`] is data: a verdict and sections of blocks; [`Page::render`] makes the file. [`run`], [`diagnosis`],
-//! [`stopped`], [`montecarlo`] and [`paper`] fill it; [`evidence`] draws what a residual looks like over time, velocity, position and frequency.
+//! A [`Page`] is data: a verdict and sections of blocks; [`Page::render`] makes the file. [`run`], [`measured`],
+//! [`diagnosis`], [`stopped`], [`montecarlo`] and [`paper`] fill it; [`evidence`] draws what a residual looks like over time,
+//! velocity, position and frequency.
 
 pub mod diagnosis;
 pub mod evidence;
+pub mod measured;
 pub mod montecarlo;
 pub mod paper;
 pub mod provenance;
@@ -20,6 +22,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Name of the report in a results folder.
 pub const FILE: &str = "report.html";
+
+/// Length of a cell from which on it is a sentence.
+const PROSE: usize = 40;
 
 const CSS: &str = include_str!("report.css");
 
@@ -177,7 +182,14 @@ fn table(header: &[String], rows: &[Vec<String>]) -> Markup {
         let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| !matches!(cell.as_str(), "" | "-"));
         column > 0 && cells.all(|cell| cell.split_whitespace().next().is_some_and(is_number))
     };
-    let classes: Vec<Option<&str>> = (0..header.len()).map(|column| numeric(column).then_some("number")).collect();
+    // Sentences keep a readable width where the table is wider than the page.
+    let prose = |column: usize| rows.iter().any(|row| row.get(column).is_some_and(|cell| cell.len() > PROSE));
+    let class = |column: usize| match (numeric(column), prose(column)) {
+        (true, _) => Some("number"),
+        (false, true) => Some("prose"),
+        (false, false) => None,
+    };
+    let classes: Vec<Option<&str>> = (0..header.len()).map(class).collect();
     html! {
         div.table { table {
             thead { tr { @for (cell, class) in header.iter().zip(&classes) { th class=[class] { (cell) } } } }

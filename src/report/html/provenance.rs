@@ -36,6 +36,11 @@ impl Provenance {
     }
 }
 
+/// The path of a log as one can send it to others.
+pub(super) fn file_name(path: &str) -> String {
+    plain(path, &std::env::current_dir().unwrap_or_default())
+}
+
 /// A word of a command as one can send it to others.
 fn plain(word: &str, here: &Path) -> String {
     let (option, value) = match word.split_once('=') {

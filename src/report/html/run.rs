@@ -114,16 +114,22 @@ fn scores(setup: &Setup, found: Found, best: &Scored, joints: &[Joint]) -> Secti
     let raw = found.scored.iter().find(|one| one.variant == Variant::Raw).unwrap_or(best);
     let rows = setup.plant.joints.iter().enumerate().map(|(j, about)| {
         vec![
-            about.name.clone(),
-            format!("{} {}", significant(rms(&joints[j].torque)), about.effort_unit()),
+            format!("{}, {}", about.name, about.effort_unit()),
+            significant(rms(&joints[j].torque)),
             significant(raw.score.torque_std_held_out_nm[j]),
             significant(best.score.torque_std_held_out_nm[j]),
             significant(setup.sensors[j].torque_noise),
             format!("{:.3}", found.gain.held_out[j]),
         ]
     });
-    let header =
-        ["joint", "torque, rms", "error without smoothing", "error with smoothing", "sensor noise", "smoothing gain"];
+    let header = [
+        "joint",
+        "torque, rms",
+        "error without smoothing",
+        "error with smoothing",
+        "sensor noise",
+        "with over without",
+    ];
     let per_variant = found.scored.iter().map(|one| {
         vec![
             one.variant.name().replace('_', " "),
@@ -135,8 +141,7 @@ fn scores(setup: &Setup, found: Found, best: &Scored, joints: &[Joint]) -> Secti
         "How good the model is",
         vec![
             Block::text(
-                "Standard deviation of predicted minus noise-free torque on the held-out motion, while the joint moves. \
-                 The gain is the error with smoothing over that without.",
+                "Standard deviation of predicted minus noise-free torque on the held-out motion, while the joint moves.",
             ),
             Block::table(header, rows.collect()),
             Block::table(["signals", "d_beta", "condition number"], per_variant.collect()),

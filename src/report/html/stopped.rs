@@ -1,5 +1,6 @@
 //! The report of a diagnosis that faults of the data have stopped: what is wrong with which log, and the log itself.
 
+use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::diagnosis::screening::{Consequence, DataFault};
 use crate::recording::Recording;
@@ -32,7 +33,7 @@ fn faulty(faults: &[DataFault]) -> Section {
             Consequence::LeftOut => "left out",
             Consequence::Told => "worth knowing",
         };
-        vec![fault.log.clone(), fault.place.clone(), fault.text.clone(), consequence.to_owned()]
+        vec![file_name(&fault.log), fault.place.clone(), fault.text.clone(), consequence.to_owned()]
     });
     Section::new("What is wrong", vec![Block::table(["log", "place", "what is wrong", "consequence"], rows.collect())])
 }

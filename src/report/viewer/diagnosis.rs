@@ -58,7 +58,7 @@ pub fn film<'a>(
     let mut film = Film {
         title: format!("diagnosis of {}", robot.name),
         robot,
-        text: text(robot, told),
+        text: text(robot, told, simulated.is_some()),
         tracks,
         signals: Vec::new(),
         markers: markers(robot, diagnosis, &row_time, &rows, &offsets, logs),
@@ -150,14 +150,15 @@ fn strongest(
     chosen
 }
 
-fn text(robot: &Robot, told: &str) -> String {
+fn text(robot: &Robot, told: &str, simulated: bool) -> String {
     // The table of residuals is too wide here, and drawn beside.
     let parts = told.split("\n\n").filter(|part| !part.starts_with(" held-out rms"));
     let lines = parts.map(|part| part.lines().map(str::trim_start).collect::<Vec<_>>().join("\n\n"));
     format!(
         "# {}\n\n{}\n\nResiduals: arm as described grey, re-identified blue, with the findings orange, noise floor purple. \
-         Gaps are reversals. Solid arm: as measured. Outline: the extended model in the simulator.\n",
+         Gaps are reversals. Solid arm: as measured.{}\n",
         robot.name,
-        lines.collect::<Vec<_>>().join("\n\n")
+        lines.collect::<Vec<_>>().join("\n\n"),
+        if simulated { " Outline: the extended model in the simulator." } else { "" }
     )
 }

@@ -5,7 +5,7 @@ use super::case::{ArmKind, Case};
 use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
 use super::sizing::sized;
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, screen, still_joints};
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
 use crate::diagnosis::{Diagnosis, Options, diagnose};
 use crate::effects::{Placed, Site};
 use crate::error::Result;
@@ -23,6 +23,8 @@ use std::time::Instant;
 pub struct BlindRun {
     /// The arm's description.
     pub robot: Robot,
+    /// The logs: those to identify from, and the one to judge by.
+    pub logs: Vec<Recording>,
     /// What was hidden, at the size used.
     pub hidden: Vec<Placed>,
     /// Faults of the data that were found.
@@ -72,10 +74,10 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
         fault.put_into(&mut logs, case.seed);
     }
     let started = Instant::now();
-    let (faults, diagnosis) = answer(&setup.known, logs, case)?;
+    let (faults, diagnosis) = answer(&setup.known, logs.clone(), case)?;
     let seconds = started.elapsed().as_secs_f64();
     let judgement = judge(case, &hidden, &faults, diagnosis.as_ref());
-    Ok(BlindRun { robot: setup.known, hidden, faults, diagnosis, judgement, seconds })
+    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, judgement, seconds })
 }
 
 /// What one who has the arm's description and the logs alone is told.
@@ -96,15 +98,11 @@ fn answer(robot: &Robot, logs: Vec<Recording>, case: &Case) -> Result<(Vec<DataF
             }
         }
     }
-    let training = &screened[..TRAIN.min(screened.len())];
-    let still = still_joints(training, robot).into_iter();
-    let still = still.map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
-    let mut faults: Vec<DataFault> = refused.into_iter().chain(still).collect();
-    faults.extend(screened.iter().flat_map(|log| log.faults.iter().cloned()));
+    let (train, test) = screened.split_at(TRAIN.min(screened.len()));
+    let faults: Vec<DataFault> = refused.into_iter().chain(all_faults(train, test, &[], robot)).collect();
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         return Ok((faults, None));
     }
-    let (train, test) = screened.split_at(TRAIN);
     let pieces = |logs: &'_ [Screened]| logs.iter().flat_map(|log| log.pieces.clone()).collect::<Vec<Recording>>();
     let (train, test) = (pieces(train), pieces(test));
     let options = Options { trust: case.trust, seed: case.seed, ..Options::default() };

@@ -1,13 +1,17 @@
 //! The report of a diagnosis.
 
+mod candidates;
+mod findings;
+
 use super::evidence::{self, Contender, Joint};
+use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::screening::DataFault;
 use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
-use crate::effects::{self, About, Role};
+use crate::effects::Role;
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::joints;
@@ -17,9 +21,6 @@ use crate::robot::Robot;
 
 /// Time between two rows of a diagnosis, s.
 const ROW_S: f64 = 0.02;
-
-/// Candidates that stand in the table that is not folded away.
-const RANKED: usize = 12;
 
 /// 97.5 % point of the normal distribution.
 const NORMAL_95: f64 = 1.959_964;
@@ -49,10 +50,10 @@ pub fn page(
         contenders.push(contender("with the findings", Color::Orange));
     }
     let mut sections = vec![how_far(robot, diagnosis, resimulation)];
-    sections.push(findings(robot, diagnosis));
+    sections.push(findings::section(robot, diagnosis));
     sections.extend(evidence::sections(&joints, &contenders, ROW_S));
-    sections.push(candidates(robot, diagnosis));
-    sections.push(not_found(robot, diagnosis));
+    sections.push(candidates::ranked(robot, diagnosis));
+    sections.push(candidates::not_found(robot, diagnosis));
     sections.push(quality(robot, diagnosis, logs));
     let (verdict, tone) = verdict(robot, diagnosis);
     Page {
@@ -120,7 +121,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
         lead.push(format!(
-            "{} ({}): {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+            "{}, {}. {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
             values(found).join(", "),
             about.explanation,
@@ -142,23 +143,33 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         ));
     }
     lead.push(format!(
-        "Where nothing is wrong, at most {} % of diagnoses name anything: {:.0} independent tests were made, and the level \
-         is corrected for them.",
+        "Where nothing is wrong, at most {} % of diagnoses name anything: the level is corrected for the number of \
+         independent tests, which is {:.0}.",
         100.0 * diagnosis.alpha,
         diagnosis.effective_tests
     ));
     lead
 }
 
-/// "rise 24.6 ± 0.7 N m" for every parameter that was estimated; the half width is that of the 95 % interval.
+/// "rise 24.6 N m (95 %: 23.9 to 25.3)" for every parameter that was estimated.
 fn values(found: &Found) -> Vec<String> {
     let placed = &found.member.placed;
     let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
     all.filter(|(parameter, _)| parameter.role != Role::Held)
         .map(|(parameter, (&value, &std))| {
-            format!("{} {} ± {} {}", parameter.name, significant(value), significant(NORMAL_95 * std), parameter.unit)
+            let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
+            format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), parameter.unit)
         })
         .collect()
+}
+
+/// A probability from its decimal logarithm: one that underflows is still told.
+fn probability(log10: f64) -> String {
+    match log10 {
+        p if p < -300.0 => "<1e-300".into(),
+        p if p < -3.0 => format!("1e{:.0}", p.ceil()),
+        p => significant(10f64.powf(p)),
+    }
 }
 
 fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> Section {
@@ -201,156 +212,6 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
     )
 }
 
-fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Section {
-    if diagnosis.found.is_empty() {
-        let mut blocks = vec![Block::text("No effect of the library was found.")];
-        let left = diagnosis.unexplained.iter().map(|left| {
-            vec![
-                robot.joints[left.joint].name.clone(),
-                format!("{:.0} %", 100.0 * left.share),
-                left.structure.to_owned(),
-                probability(left.family_wise_p.log10()),
-            ]
-        });
-        let left: Vec<Vec<String>> = left.collect();
-        if !left.is_empty() {
-            blocks.push(Block::table(["joint", "share of what is left", "structure", "chance of as much"], left));
-        }
-        return Section::new("Findings", blocks);
-    }
-    let mut blocks = Vec::new();
-    for found in &diagnosis.found {
-        let placed = &found.member.placed;
-        let about = placed.effect.about();
-        let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
-        let rows = all.filter(|(parameter, _)| parameter.role != Role::Held).map(|(parameter, (&value, &std))| {
-            vec![
-                parameter.name.to_owned(),
-                significant(value),
-                parameter.unit.to_owned(),
-                significant(std),
-                significant(value - NORMAL_95 * std),
-                significant(value + NORMAL_95 * std),
-            ]
-        });
-        blocks.push(Block::text(format!(
-            "{}: {} Chance of a false alarm: {}. At least {:.0} % of the held-out sum of squares is gained (84 %).",
-            named(robot, found.member.candidate.family()),
-            sentence(about.explanation),
-            probability(found.family_wise_p.log10()),
-            100.0 * found.gain_lower_bound
-        )));
-        blocks.push(Block::table(["parameter", "value", "unit", "std", "95 % from", "to"], rows.collect()));
-        blocks.push(Block::text(format!("Law: {}. Reference: {}", about.equation, sentence(about.reference))));
-        blocks.extend(confusions(robot, found, about));
-    }
-    Section::new("Findings", blocks)
-}
-
-/// What else explains the same, or is easily taken for it.
-fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
-    let how = |name: &str| about.rivals.iter().find(|rival| rival.name == name).map_or("", |rival| rival.how_to_tell);
-    if !found.alternatives.is_empty() {
-        let rows = found.alternatives.iter().map(|other| {
-            vec![
-                named(robot, other.family),
-                significant(other.relative_likelihood),
-                how(other.family.effect).to_owned(),
-            ]
-        });
-        return vec![
-            Block::text("These logs cannot tell it from:"),
-            Block::table(["alternative", "relative likelihood", "how to tell"], rows.collect()),
-        ];
-    }
-    let rivals = about.rivals.iter().map(|rival| vec![spaced(rival.name), rival.how_to_tell.to_owned()]);
-    let rivals: Vec<Vec<String>> = rivals.collect();
-    match rivals.is_empty() {
-        true => Vec::new(),
-        false => vec![
-            Block::text("No other effect of the library explains these logs as well. It is easily taken for:"),
-            Block::table(["effect", "how to tell"], rivals),
-        ],
-    }
-}
-
-/// A probability from its decimal logarithm: one that underflows is still told.
-fn probability(log10: f64) -> String {
-    match log10 {
-        p if p < -300.0 => "<1e-300".into(),
-        p if p < -3.0 => format!("1e{:.0}", p.ceil()),
-        p => significant(10f64.powf(p)),
-    }
-}
-
-fn candidates(robot: &Robot, diagnosis: &Diagnosis) -> Section {
-    let row = |(index, ranked): (usize, &crate::diagnosis::evidence::Ranked)| {
-        vec![
-            (index + 1).to_string(),
-            named(robot, ranked.family),
-            significant(ranked.statistic),
-            ranked.freedom.to_string(),
-            probability(ranked.log_p / std::f64::consts::LN_10),
-            status(diagnosis, ranked.family).to_owned(),
-        ]
-    };
-    let rows: Vec<Vec<String>> = diagnosis.evidence.ranking.iter().enumerate().map(row).collect();
-    let header = ["rank", "candidate", "statistic", "degrees", "chance without it", "verdict"];
-    let (first, rest) = rows.split_at(RANKED.min(rows.len()));
-    let mut blocks = vec![
-        Block::text(
-            "The first scan: every effect at every place, added to the re-identified model, before anything was found. The \
-             statistic is chi-square with its degrees of freedom where the effect is absent. Several are large when one \
-             effect is there, because their torques resemble each other; the contest between them decides.",
-        ),
-        Block::table(header, first.to_vec()),
-    ];
-    if !rest.is_empty() {
-        blocks.push(Block::Folded(format!("The other {}", rest.len()), vec![Block::table(header, rest.to_vec())]));
-    }
-    Section::new("Candidates, ranked", blocks)
-}
-
-fn status(diagnosis: &Diagnosis, family: Family) -> &'static str {
-    if diagnosis.found.iter().any(|found| found.member.candidate.family() == family) {
-        return "found";
-    }
-    let alternatives = diagnosis.found.iter().flat_map(|found| &found.alternatives);
-    if alternatives.into_iter().any(|other| other.family == family) { "alternative" } else { "" }
-}
-
-/// Smallest sizes that would have been found, effects down, joints across.
-fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
-    let mut names: Vec<(&str, &str)> =
-        diagnosis.not_found.iter().map(|missed| (missed.family.effect, missed.unit)).collect();
-    names.dedup();
-    let rows = names.iter().map(|&(name, unit)| {
-        let parameter = effects::find(name).ok().and_then(|effect| effect.parameters().first());
-        let cell = |joint: usize| {
-            let missed = diagnosis.not_found.iter().find(|missed| missed.family == Family { effect: name, joint });
-            missed.map_or("".to_owned(), |missed| missed.minimum_detectable.map_or("-".to_owned(), significant))
-        };
-        let about = parameter.map_or(String::new(), |parameter| format!(", {}", parameter.name));
-        let head = [format!("{}{about}", spaced(name)), unit.to_owned()];
-        head.into_iter().chain((0..robot.dof()).map(cell)).collect()
-    });
-    let header = ["effect and its parameter".to_owned(), "unit".to_owned()].into_iter().chain(robot.joint_names());
-    let rows: Vec<Vec<String>> = rows.collect();
-    Section::new(
-        "Not found, and how small it would have to be",
-        vec![
-            Block::text(
-                "The smallest size that would have been found with a probability of 80 % on these logs. A dash: these logs \
-                 cannot tell it from the model. An effect of the whole arm, or between two joints, stands under its first.",
-            ),
-            Block::Folded(
-                format!("Minimum detectable sizes of {} effects", rows.len()),
-                vec![Block::table(header, rows)],
-            ),
-        ],
-    )
-}
-
 fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     let Logs { train, held_out, faults } = given;
     let log = |kind: &str, index: usize, log: &Recording| {
@@ -378,7 +239,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     if faults.is_empty() {
         blocks.push(Block::text("No fault was found in the logs."));
     } else {
-        let rows = faults.iter().map(|fault| vec![fault.log.clone(), fault.place.clone(), fault.text.clone()]);
+        let rows = faults.iter().map(|fault| vec![file_name(&fault.log), fault.place.clone(), fault.text.clone()]);
         blocks.push(Block::table(["log", "place", "what is wrong"], rows.collect()));
     }
     if diagnosis.held_out_from_training {

@@ -1,0 +1,159 @@
+//! Generic functions of a joint's motion, of loads and of time: what no law of the library need be for structure to show.
+
+use super::column::Column;
+use super::rows::Rows;
+use super::session::{Session, Side};
+use super::whitening::rich;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Hats over the range of velocities, and of positions.
+const HATS: usize = 8;
+const PLACES: usize = 10;
+
+/// Harmonics of the position.
+const HARMONICS: usize = 4;
+
+/// Delays with which something may follow the motion, s.
+const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
+
+/// A kind of structure, and the generic columns of a joint that show it.
+#[derive(Debug)]
+pub struct Block {
+    /// What it follows, as the end of a sentence on what is left.
+    pub structure: &'static str,
+    /// Its columns.
+    pub columns: Vec<Column>,
+}
+
+/// Ranges of a joint's motion in the training logs.
+#[derive(Debug, Clone, Copy)]
+pub struct Reach {
+    fastest: f64,
+    lowest: f64,
+    highest: f64,
+}
+
+impl Reach {
+    /// The ranges of a joint over `rows`.
+    pub fn new(rows: &Rows, joint: usize) -> Self {
+        let all = |of: fn(&super::rows::Log) -> &crate::channels::Channels| {
+            rows.logs.iter().flat_map(move |log| of(log).channel(joint)).copied()
+        };
+        Reach {
+            fastest: all(|log| &log.motion.qd).fold(0.0, |m, v| m.max(v.abs())),
+            lowest: all(|log| &log.motion.q).fold(f64::INFINITY, f64::min),
+            highest: all(|log| &log.motion.q).fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+}
+
+/// Cosines number `orders` over the length of every log, on one joint.
+pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Column> {
+    let mut cosines = Vec::new();
+    for log in 0..rows.logs.len() {
+        let (start, end) = (rows.starts[log], rows.starts[log + 1]);
+        for k in orders.clone() {
+            let mut column = vec![0.0; rows.len()];
+            for (place, value) in column[start..end].iter_mut().enumerate() {
+                *value = (PI * k as f64 * place as f64 / (end - start) as f64).cos();
+            }
+            cosines.push(Column::on(joint, column));
+        }
+    }
+    cosines
+}
+
+/// The blocks of a joint over the rows of `side`.
+pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec<Block> {
+    let rows = &side.rows;
+    let of = |channel: usize, f: &dyn Fn(f64, f64) -> f64| {
+        rows.signal(|log| {
+            let (q, v) = (log.motion.q.channel(channel), log.motion.qd.channel(channel));
+            q.iter().zip(v).map(|(&q, &v)| f(q, v)).collect()
+        })
+    };
+    let own = |f: &dyn Fn(f64, f64) -> f64| of(joint, f);
+    let torques = session.arm.all_torque(rows);
+    let torque = |joint: usize| torques.part(joint).map(<[f64]>::to_vec).unwrap_or_default();
+    let others = || (0..rows.dof()).filter(|&other| other != joint);
+
+    let mut smooth = rich(rows, joint);
+    for harmonic in 3..=HARMONICS {
+        let n = harmonic as f64;
+        for shift in [0.0, 0.5 * PI] {
+            smooth.push(own(&|q, _| (n * q - shift).cos()));
+            smooth.push(own(&|q, v| (n * q - shift).cos() * v.signum()));
+            smooth.push(own(&|q, v| (n * q - shift).cos() * v));
+        }
+    }
+    let width = 2.0 * reach.fastest / (HATS - 1) as f64;
+    let hats = (0..HATS).map(|k| -reach.fastest + k as f64 * width);
+    let speed = hats.map(|center| own(&|_, v| hat(v, center, width))).collect();
+    let width = (reach.highest - reach.lowest) / (PLACES - 1) as f64;
+    let places = (0..PLACES).map(|k| reach.lowest + k as f64 * width);
+    let place =
+        places.flat_map(|center| [own(&|q, _| hat(q, center, width)), own(&|q, v| hat(q, center, width) * v.signum())]);
+    let damping = [f64::cos, f64::sin].map(|f| own(&|q, v| f(q) * v));
+    let followed = DELAYS_S.iter().flat_map(|&delay| {
+        let late = move |f: fn(f64) -> f64| {
+            rows.signal(|log| {
+                let speed = log.motion.qd.channel(joint).iter().map(|&v| f(v));
+                delayed(speed, log.period / delay)
+            })
+        };
+        [late(|v| v.max(0.0)), late(|v| v.min(0.0)), late(|v| v.max(0.0).powi(2)), late(|v| v.min(0.0).powi(2))]
+    });
+    let elsewhere = others().flat_map(|other| {
+        [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
+    });
+    let block = |structure, signals: Vec<Vec<f64>>| Block {
+        structure,
+        columns: signals.into_iter().map(|signal| Column::on(joint, rows.since_change(signal))).collect(),
+    };
+    vec![
+        block("is damping that changes with the joint's position", damping.into()),
+        block("changes with the joint's position", smooth),
+        block("sits at places of the joint's range", place.collect()),
+        block("depends on the joint's speed", speed),
+        block("follows the joint's speed with a delay", followed.collect()),
+        block("depends on the other joints' positions and speeds", elsewhere.collect()),
+        block("goes with the torque of other joints", others().map(torque).collect()),
+    ]
+}
+
+fn hat(x: f64, center: f64, width: f64) -> f64 {
+    (1.0 - ((x - center) / width).abs()).max(0.0)
+}
+
+/// A signal behind a first-order lag; `share` is the sampling period over its time constant.
+fn delayed(signal: impl Iterator<Item = f64>, share: f64) -> Vec<f64> {
+    let kept = (-share).exp();
+    let mut state = None;
+    signal
+        .map(|x| {
+            let before = state.unwrap_or(x);
+            *state.insert(kept * before + (1.0 - kept) * x)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delayed_step_comes_up_over_its_time_constant() {
+        let step = (0..300).map(|k| if k < 100 { 0.0 } else { 1.0 });
+        let out = delayed(step, 0.02);
+        assert_eq!(out[99], 0.0);
+        let expected = 1.0 - (-1.0f64).exp();
+        assert!((out[149] - expected).abs() < 1e-12, "{}", out[149]);
+    }
+
+    #[test]
+    fn hats_add_up_to_one() {
+        let sum: f64 = (0..8).map(|k| hat(0.37, -1.0 + 2.0 * f64::from(k) / 7.0, 2.0 / 7.0)).sum();
+        assert!((sum - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,75 @@
+//! Whether evidence is spread over the motion: what rests on a moment or two may be anything that went wrong there.
+
+use super::judging::Judged;
+use super::session::{Member, Session};
+use super::whitening::Whitener;
+use crate::error::Result;
+use std::ops::Range;
+
+/// Rows in a stretch (one second): longer than the memory of noise and filters.
+pub const STRETCH: usize = 50;
+
+/// Stretches that an effect must be seen without.
+const WITHOUT: usize = 2;
+
+/// The stretch with the largest sum.
+pub fn best_stretch(of_rows: &[f64]) -> Range<usize> {
+    let width = STRETCH.min(of_rows.len());
+    let mut sum: f64 = of_rows[..width].iter().sum();
+    let mut best = (sum, 0);
+    for end in width..of_rows.len() {
+        sum += of_rows[end] - of_rows[end - width];
+        if sum > best.0 {
+            best = (sum, end + 1 - width);
+        }
+    }
+    best.1..best.1 + width
+}
+
+/// Logarithm of the probability of what a candidate takes beyond the model with `members` outside the stretches in which it
+/// takes most.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn without_best_stretches(
+    session: &Session,
+    members: &[Member],
+    whitener: &Whitener,
+    winner: &Judged,
+) -> Result<f64> {
+    let present = session.all_columns(&session.train, members)?;
+    let mut rows = session.train.rows.clone();
+    let mut whitener = whitener.clone();
+    for _ in 0..WITHOUT {
+        let fit = whitener.fit(&present, &session.train.torque);
+        let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
+        let mut gains = vec![0.0; rows.len()];
+        for (joint, before) in &fit.residual.parts {
+            let Some(after) = with.residual.part(*joint) else { continue };
+            for ((place, b), a) in whitener.places(*joint).iter().zip(before).zip(after) {
+                gains[*place] += b * b - a * a;
+            }
+        }
+        let best = best_stretch(&gains);
+        rows.valid.iter_mut().for_each(|valid| valid[best.clone()].fill(false));
+        whitener = whitener.on(&rows);
+    }
+    let fit = whitener.fit(&present, &session.train.torque);
+    Ok(session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_stretch_is_where_most_is_gained() {
+        let mut rows = vec![0.1; 400];
+        rows[120] = 30.0;
+        rows[165] = 20.0;
+        let best = best_stretch(&rows);
+        assert_eq!(best.len(), STRETCH);
+        assert!(best.contains(&120) && best.contains(&165));
+        assert_eq!(best_stretch(&[1.0, 2.0]), 0..2);
+    }
+}

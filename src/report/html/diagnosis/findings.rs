@@ -1,0 +1,83 @@
+//! What was found: parameters with intervals, law, and what is easily taken for it.
+
+use super::{NORMAL_95, named, probability, sentence, spaced};
+use crate::diagnosis::Diagnosis;
+use crate::diagnosis::selection::Found;
+use crate::effects::{About, Role};
+use crate::report::console::significant;
+use crate::report::html::{Block, Section};
+use crate::robot::Robot;
+
+/// The effects found, or what structure is left where there are none.
+pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+    if diagnosis.found.is_empty() {
+        let mut blocks = vec![Block::text("No effect of the library was found.")];
+        let left = diagnosis.unexplained.iter().map(|left| {
+            vec![
+                robot.joints[left.joint].name.clone(),
+                format!("{:.0} %", 100.0 * left.share),
+                left.structure.to_owned(),
+                probability(left.family_wise_p.log10()),
+            ]
+        });
+        let left: Vec<Vec<String>> = left.collect();
+        if !left.is_empty() {
+            blocks.push(Block::table(["joint", "share of what is left", "structure", "chance of as much"], left));
+        }
+        return Section::new("Findings", blocks);
+    }
+    let mut blocks = Vec::new();
+    for found in &diagnosis.found {
+        let placed = &found.member.placed;
+        let about = placed.effect.about();
+        let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
+        let rows = all.filter(|(parameter, _)| parameter.role != Role::Held).map(|(parameter, (&value, &std))| {
+            vec![
+                parameter.name.to_owned(),
+                significant(value),
+                parameter.unit.to_owned(),
+                significant(std),
+                significant(value - NORMAL_95 * std),
+                significant(value + NORMAL_95 * std),
+            ]
+        });
+        blocks.push(Block::text(format!(
+            "{}: {} Chance of a false alarm: {}. It takes at least {:.0} % of the held-out sum of squares (84 % sure).",
+            sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
+            sentence(about.explanation),
+            probability(found.family_wise_p.log10()),
+            100.0 * found.gain_lower_bound
+        )));
+        blocks.push(Block::table(["parameter", "value", "unit", "std", "95 % from", "to"], rows.collect()));
+        blocks.push(Block::text(format!("Law: {}. Reference: {}", about.equation, sentence(about.reference))));
+        blocks.extend(confusions(robot, found, about));
+    }
+    Section::new("Findings", blocks)
+}
+
+/// What else explains the same, or is easily taken for it.
+fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
+    let how = |name: &str| about.rivals.iter().find(|rival| rival.name == name).map_or("", |rival| rival.how_to_tell);
+    if !found.alternatives.is_empty() {
+        let rows = found.alternatives.iter().map(|other| {
+            vec![
+                named(robot, other.family),
+                significant(other.relative_likelihood),
+                how(other.family.effect).to_owned(),
+            ]
+        });
+        return vec![
+            Block::text("These logs cannot tell it from:"),
+            Block::table(["alternative", "relative likelihood", "how to tell"], rows.collect()),
+        ];
+    }
+    let rivals = about.rivals.iter().map(|rival| vec![spaced(rival.name), rival.how_to_tell.to_owned()]);
+    let rivals: Vec<Vec<String>> = rivals.collect();
+    match rivals.is_empty() {
+        true => Vec::new(),
+        false => vec![
+            Block::text("No other effect of the library explains these logs as well. It is easily taken for:"),
+            Block::table(["effect", "how to tell"], rivals),
+        ],
+    }
+}

@@ -3,7 +3,10 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rand::RngExt;
 use std::hint::black_box;
-use tauscope::dynamics::{Chain, EquationsOfMotion, Lanes, Motion, inverse_dynamics_in, regressor_in};
+use tauscope::channels::Channels;
+use tauscope::dynamics::{
+    Chain, EquationsOfMotion, Lanes, Motion, forward_dynamics, inverse_dynamics_into, regressor_in,
+};
 use tauscope::random;
 use tauscope::robot::{self, InertiaCheck, Robot};
 
@@ -25,9 +28,10 @@ fn kernels(criterion: &mut Criterion) {
     let (chain, inertial) = (Chain::new(&robot), robot.inertial_parameters());
     let mut group = criterion.benchmark_group("inverse_dynamics");
     group.throughput(Throughput::Elements(SAMPLES as u64));
+    let mut torque = Channels::zeros(robot.dof(), SAMPLES);
     for lanes in Lanes::available() {
         group.bench_function(BenchmarkId::from_parameter(lanes.name()), |bencher| {
-            bencher.iter(|| inverse_dynamics_in(lanes, &chain, &inertial, black_box(&motion)));
+            bencher.iter(|| inverse_dynamics_into(lanes, &chain, &inertial, black_box(&motion), &mut torque));
         });
     }
     group.finish();
@@ -46,9 +50,25 @@ fn forward(criterion: &mut Criterion) {
     let (chain, inertial) = (Chain::new(&robot), robot.inertial_parameters());
     let armature: Vec<f64> = robot.joints.iter().map(|joint| joint.drive.armature).collect();
     let (q, qd, tau) = (motion.q.at(0), motion.qd.at(0), motion.qdd.at(0));
-    criterion.bench_function("forward_dynamics", |bencher| {
-        bencher.iter(|| EquationsOfMotion::new(&chain, &inertial, &armature, black_box(&q), &qd).accelerations(&tau));
+    criterion.bench_function("forward_dynamics of one state", |bencher| {
+        let mut equations = EquationsOfMotion::new(&chain, &inertial, &armature, &q, &qd);
+        bencher.iter(|| {
+            equations.update(&chain, &inertial, &armature, black_box(&q), &qd);
+            equations.accelerations(&tau)
+        });
     });
+    let mut group = criterion.benchmark_group("forward_dynamics");
+    group.throughput(Throughput::Elements(SAMPLES as u64));
+    let mut qdd = Channels::zeros(robot.dof(), SAMPLES);
+    let Motion { q, qd, qdd: tau } = &motion;
+    for lanes in Lanes::available() {
+        group.bench_function(BenchmarkId::from_parameter(lanes.name()), |bencher| {
+            bencher.iter(|| {
+                forward_dynamics(lanes, &chain, [&inertial, &armature], [black_box(q), qd, tau], &mut qdd);
+            });
+        });
+    }
+    group.finish();
 }
 
 criterion_group!(benches, kernels, forward);

@@ -132,7 +132,7 @@ def trial(solve):
     q, _, _, tau = SHORT
     measured = q + 1e-5 * rng.standard_normal(q.shape)
     torque = tau + rng.standard_normal(tau.shape)
-    q, v, a = (x.T for x in smooth(measured.T))
+    q, v, a = (np.ascontiguousarray(x.T) for x in smooth(measured.T))
     return identify(q, v, a, torque, solve)
 
 
@@ -143,38 +143,29 @@ def objective():
     return np.linalg.slogdet(rows.T @ rows)
 
 
-def figaroh():
-    """FIGAROH's own path: regressor, rotor and friction columns, base parameters by QR, weighted least squares."""
-    from figaroh.calibration.calibration_tools import BaseCalibration  # noqa: F401
-    from figaroh.tools import qrdecomposition, regressor
+def figaroh(q, v, a, tau):
+    """FIGAROH's own path: regressor with rotor and friction columns, base parameters by its double QR, least squares."""
+    from types import SimpleNamespace
 
-    q, v, a, tau = LONG
-    param = {
-        "is_joint_torques": True, "is_external_wrench": False, "has_friction": True, "has_actuator_inertia": True,
-        "has_joint_offset": False, "force_torque": None, "ft_sensor": None,
-    }
+    from figaroh.tools.qrdecomposition import QRDecomposer
+    from figaroh.tools.regressor import build_regressor_basic, build_regressor_reduced, get_index_eliminate
 
-    class Robot:
-        pass
-
-    robot = Robot()
-    robot.model, robot.data = model, data
-    w = regressor.build_regressor_basic(robot, q, v, a, param)
-    standard = {f"p{k}": 1.0 for k in range(w.shape[1])}
-    _, kept = regressor.get_index_eliminate(w, standard, 1e-6)
-    w = regressor.build_regressor_reduced(w, regressor.get_index_eliminate(w, standard, 1e-6)[0])
-    return qrdecomposition.double_QR(tau.T.reshape(-1), w, kept, {k: 1.0 for k in kept})
+    config = {"is_joint_torques": True, "has_friction": True, "has_actuator_inertia": True, "act_idxv": list(range(N))}
+    table = build_regressor_basic(SimpleNamespace(model=model, data=data, nv=N), q, v, a, config)
+    standard = {f"p{k}": 1.0 for k in range(table.shape[1])}
+    left_out, kept = get_index_eliminate(table, standard, 1e-6)
+    table = build_regressor_reduced(table, left_out)
+    return QRDecomposer().double_decomposition(tau.T.reshape(-1), table, kept, standard)
 
 
 def build(directory):
     """Compiles the C++ and C peers; None where that fails."""
     compiler = os.environ.get("CXX", "g++")
-    kinds = {0: lambda j: j.shortname()[-1].lower()}
     text = ""
     for j in range(1, model.njoints):
         placement, inertia = model.jointPlacements[j], model.inertias[j]
         numbers = [*placement.rotation.flatten(), *placement.translation, inertia.mass, *inertia.lever, *inertia.inertia.flatten()]
-        text += " ".join([kinds[0](model.joints[j]), *map(repr, map(float, numbers))]) + "\n"
+        text += " ".join([model.joints[j].shortname()[-1].lower(), *map(repr, map(float, numbers))]) + "\n"
     (directory / "model.txt").write_text(text)
     defines = ["NDEBUG", "BOOST_MPL_LIMIT_LIST_SIZE=30", "BOOST_MPL_LIMIT_VECTOR_SIZE=30",
                "BOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "BOOST_FUSION_INVOKE_MAX_ARITY=12"]
@@ -222,7 +213,7 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         commands = build(Path(directory))
         try:
-            note("FIGAROH ", {"identify 60k": cpu_ms(figaroh)[0]})
+            note("FIGAROH ", {"identify 60k": cpu_ms(lambda: figaroh(*LONG))[0]})
         except Exception as problem:  # its interface changes from version to version
             print(f"FIGAROH is left out: {problem!r}", file=sys.stderr)
         for round in range(arguments.rounds):

@@ -85,7 +85,14 @@ impl Channels {
 
     /// A table of what `convert` makes of every signal.
     pub fn map(&self, mut convert: impl FnMut(usize, &[f64]) -> Vec<f64>) -> Self {
-        let vectors: Vec<Vec<f64>> = self.iter().enumerate().map(|(index, signal)| convert(index, signal)).collect();
-        Self::from_vectors(&vectors)
+        let mut made = Channels::default();
+        for (index, signal) in self.iter().enumerate() {
+            let signal = convert(index, signal);
+            if index == 0 {
+                made.data.reserve_exact(self.channels * signal.len());
+            }
+            made.push(&signal);
+        }
+        made
     }
 }

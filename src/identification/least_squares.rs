@@ -47,11 +47,16 @@ pub struct JointRegression {
 
 impl JointRegression {
     /// Several logs of one joint one after the other, with `separation` rows without weight between them.
-    pub fn joined(parts: Vec<JointRegression>, separation: usize) -> Self {
+    pub fn joined(mut parts: Vec<JointRegression>, separation: usize) -> Self {
+        // A single log, which may be long, stays where it is.
+        if parts.len() == 1 && parts[0].parameters.is_sorted_by(|a, b| a < b) {
+            return parts.swap_remove(0);
+        }
         let mut parameters: Vec<usize> = parts.iter().flat_map(|part| part.parameters.clone()).collect();
         parameters.sort_unstable();
         parameters.dedup();
-        let samples: usize = parts.iter().map(|part| part.columns.samples() + separation).sum();
+        let rows: usize = parts.iter().map(|part| part.columns.samples()).sum();
+        let samples = rows + separation * parts.len().saturating_sub(1);
         let mut joined = JointRegression {
             joint: parts.first().map_or(String::new(), |part| part.joint.clone()),
             columns: Channels::zeros(parameters.len(), samples),

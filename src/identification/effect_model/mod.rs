@@ -202,8 +202,10 @@ impl<'a> EffectModel<'a> {
     pub fn row_times(&self) -> Result<Vec<f64>> {
         let mut times = Vec::new();
         for (_, prepared) in &self.logs {
+            if !times.is_empty() {
+                times.extend([f64::NAN; SEPARATION]);
+            }
             times.extend(prepared.row_times()?);
-            times.extend([f64::NAN; SEPARATION]);
         }
         Ok(times)
     }
@@ -217,8 +219,10 @@ impl<'a> EffectModel<'a> {
         for (_, prepared) in &self.logs {
             for joint in 0..self.joints() {
                 for (table, own) in tables.iter_mut().zip(prepared.row_motion(joint)?) {
+                    if !table[joint].is_empty() {
+                        table[joint].extend([f64::NAN; SEPARATION]);
+                    }
                     table[joint].extend(own);
-                    table[joint].extend([f64::NAN; SEPARATION]);
                 }
             }
         }

@@ -39,7 +39,6 @@ pub(super) struct Parts<'a> {
 impl<'a> Parts<'a> {
     pub fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
         let model = owner.model;
-        let along = Along::new(model.robot(), model.chain(), &prepared.time, &prepared.motion, 0.0);
         let silent: Vec<Placed> = owner
             .placed
             .iter()
@@ -51,7 +50,14 @@ impl<'a> Parts<'a> {
             unit.parameters[k] = 1.0;
             all.push(unit);
         }
-        let mut torques = contributions(&all, &along);
+        // What effects look at is as large as the log: nothing of it is made where there are none.
+        let mut torques = match all.is_empty() {
+            true => Vec::new(),
+            false => {
+                let along = Along::new(model.robot(), model.chain(), &prepared.time, &prepared.motion, 0.0);
+                contributions(&all, &along)
+            }
+        };
         let mut units = torques.split_off(silent.len());
         for (unit, (effect, _)) in units.iter_mut().zip(owner.amplitudes()) {
             let base = torques[effect].as_slice();

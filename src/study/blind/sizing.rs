@@ -36,11 +36,17 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
     session.believe(&setup.known);
     let severity = |placed: &Placed| -> Result<f64> {
         let added = session.arm.added(std::slice::from_ref(placed), &session.train.rows)?.swap_remove(0);
-        let masked = |column: &Column| column.masked(&session.train.rows.valid);
-        let baseline: Vec<_> = session.train.baseline.iter().map(masked).collect();
-        let left = Projection::new(&baseline, &masked(&added)).residual;
-        let each = rms(&session.train.rows.valid, &left);
-        Ok(each.iter().zip(&setup.sensors).map(|(rms, sensor)| rms / sensor.torque_noise).fold(0.0, f64::max))
+        // Parameters that joints share must not carry what is little on a strong joint to a weak one, where it is much.
+        let in_noise = |column: &Column| {
+            let mut column = column.masked(&session.train.rows.valid);
+            for (joint, values) in &mut column.parts {
+                values.iter_mut().for_each(|value| *value /= setup.sensors[*joint].torque_noise);
+            }
+            column
+        };
+        let baseline: Vec<_> = session.train.baseline.iter().map(in_noise).collect();
+        let left = Projection::new(&baseline, &in_noise(&added)).residual;
+        Ok(rms(&session.train.rows.valid, &left).into_iter().fold(0.0, f64::max))
     };
     let mut placed = placed.clone();
     if roles::is_level(placed.effect) {

@@ -109,7 +109,7 @@ pub fn happens_anywhere(candidate: &Candidate) -> bool {
 pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, columns: &[Column], test: &Test) -> f64 {
     let predicted = fit.left_of(combined(columns, &test.values));
     let all = predicted.dot(&predicted);
-    if !(all > 0.0) {
+    if all.is_nan() || all <= 0.0 {
         return 0.0;
     }
     let with = fit.with(columns);

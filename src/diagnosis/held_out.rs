@@ -1,7 +1,7 @@
 //! What an effect takes away on rows that it was not fitted to, with its chance.
 
 use super::column::Column;
-use super::stretches::{STRETCH, best_stretch};
+use super::stretches::{STRETCH, best_stretch, row_by_row};
 use super::whitening::Whitener;
 
 /// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
@@ -34,13 +34,10 @@ impl Gains {
         let mut of_rows = vec![0.0; rows];
         let mut chance = vec![0.0; rows / STRETCH + 1];
         let mut predicted = 0.0;
-        for (joint, values) in &before.parts {
-            let Some(others) = after.part(*joint) else { continue };
-            for ((place, b), a) in unseen.places(*joint).iter().zip(values).zip(others) {
-                of_rows[*place] += b * b - a * a;
-                chance[place / STRETCH] += 2.0 * a * (b - a);
-                predicted += (b - a).powi(2);
-            }
+        for (place, b, a) in row_by_row(unseen, &before, &after) {
+            of_rows[place] += b * b - a * a;
+            chance[place / STRETCH] += 2.0 * a * (b - a);
+            predicted += (b - a).powi(2);
         }
         let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
         let expected_std = 2.0 * predicted.sqrt();

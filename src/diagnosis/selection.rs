@@ -137,15 +137,18 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         let Contest { winner, alternatives, close } = contest(session, &members, &best, &round.all, &open)?;
         let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
         // What is significant only in the noise model that does not know it is an error of that noise model.
-        let level = level.max(family_wise(winner.test.log_p(), tests));
-        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
-        let beside = beside(session, &round.whitener, &round.fit, &winner)?;
-        let level = level.max(family_wise(beside, tests));
-        tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
-        let spread = happens_anywhere(&winner.candidate)
-            || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln();
         let limit = options.alpha * strictness(&winner.candidate);
-        let accepted = if level > limit || !spread { None } else { accepted(session, &members, &winner, level)? };
+        let mut level = level.max(family_wise(winner.test.log_p(), tests));
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
+        if level <= limit {
+            let beside = beside(session, &round.whitener, &round.fit, &winner)?;
+            level = level.max(family_wise(beside, tests));
+            tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
+        }
+        let stands = level <= limit
+            && (happens_anywhere(&winner.candidate)
+                || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln());
+        let accepted = if stands { accepted(session, &members, &winner, level)? } else { None };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };

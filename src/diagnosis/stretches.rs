@@ -1,5 +1,6 @@
 //! Whether evidence is spread over the motion: what rests on a moment or two may be anything that went wrong there.
 
+use super::column::Column;
 use super::judging::Judged;
 use super::session::{Member, Session};
 use super::whitening::Whitener;
@@ -26,6 +27,18 @@ pub fn best_stretch(of_rows: &[f64]) -> Range<usize> {
     best.1..best.1 + width
 }
 
+/// Row of the logs and whitened residual before and after, of every row that counts on every joint of both.
+pub fn row_by_row<'a>(
+    whitener: &'a Whitener,
+    before: &'a Column,
+    after: &'a Column,
+) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+    before.parts.iter().flat_map(|(joint, values)| {
+        let others = after.part(*joint).unwrap_or_default();
+        whitener.places(*joint).iter().zip(values).zip(others).map(|((place, b), a)| (*place, *b, *a))
+    })
+}
+
 /// Logarithm of the probability of what a candidate takes beyond the model with `members` outside the stretches in which it
 /// takes most.
 ///
@@ -44,11 +57,8 @@ pub fn without_best_stretches(
         let fit = whitener.fit(&present, &session.train.torque);
         let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
         let mut gains = vec![0.0; rows.len()];
-        for (joint, before) in &fit.residual.parts {
-            let Some(after) = with.residual.part(*joint) else { continue };
-            for ((place, b), a) in whitener.places(*joint).iter().zip(before).zip(after) {
-                gains[*place] += b * b - a * a;
-            }
+        for (place, before, after) in row_by_row(&whitener, &fit.residual, &with.residual) {
+            gains[place] += before * before - after * after;
         }
         let best = best_stretch(&gains);
         rows.valid.iter_mut().for_each(|valid| valid[best.clone()].fill(false));

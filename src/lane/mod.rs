@@ -36,10 +36,17 @@ pub trait Lane:
     fn store(self, values: &mut [f64]);
 
     /// self * factor + addend, rounded once where the machine can.
-    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        // f64::mul_add would be a library call on machines without the instruction.
+        self * factor + addend
+    }
 
     /// from - self * factor, rounded once where the machine can.
-    fn mul_sub_from(self, factor: Self, from: Self) -> Self;
+    #[inline(always)]
+    fn mul_sub_from(self, factor: Self, from: Self) -> Self {
+        from - self * factor
+    }
 
     /// The nearest whole numbers.
     fn round(self) -> Self;
@@ -97,17 +104,6 @@ impl Lane for f64 {
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
         values[0] = self;
-    }
-
-    // f64::mul_add would be a library call on machines without the instruction.
-    #[inline(always)]
-    fn mul_add(self, factor: Self, addend: Self) -> Self {
-        self * factor + addend
-    }
-
-    #[inline(always)]
-    fn mul_sub_from(self, factor: Self, from: Self) -> Self {
-        from - self * factor
     }
 
     #[inline(always)]

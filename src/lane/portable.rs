@@ -62,16 +62,6 @@ impl Lane for Pair {
         values[..2].copy_from_slice(&self.0);
     }
 
-    #[inline(always)]
-    fn mul_add(self, factor: Self, addend: Self) -> Self {
-        self * factor + addend
-    }
-
-    #[inline(always)]
-    fn mul_sub_from(self, factor: Self, from: Self) -> Self {
-        from - self * factor
-    }
-
     // SSE2 has no rounding of its own, and one by one it is a library call.
     #[inline(always)]
     fn round(self) -> Self {

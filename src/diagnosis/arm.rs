@@ -3,7 +3,7 @@
 use super::column::Column;
 use super::rows::{Log, Rows};
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
 use crate::effects::{Along, Placed, Scope, Site, contributions};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -126,8 +126,18 @@ impl Arm {
         Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
     }
 
+    /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
+    pub fn load(&self, motion: &Motion) -> Channels {
+        inverse_dynamics(&self.chain, &self.found.inertial_parameters(), motion)
+    }
+
+    /// Inertia of the arm as found about one of its joints at `q`, kg m2 (kg for one that slides).
+    pub fn inertia_about(&self, joint: usize, q: &[f64]) -> f64 {
+        mass_matrix(&self.chain, &self.found.inertial_parameters(), q)[(joint, joint)]
+    }
+
     /// Torque of the arm as found, `[joint][time]`: bodies along `link`, rotors and friction along `motor`.
-    fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
+    pub fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
         let mut torque = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), link);
         for (joint, spec) in self.found.joints.iter().enumerate() {
             let drive = spec.drive;
@@ -249,7 +259,7 @@ impl Arm {
         let Some(gear) = placed.effect.gear(&placed.parameters) else { return Ok(log.motion.clone()) };
         // Only the play of a gear without compliance is asked for: its completion is part of the rigid arm.
         let stiff = gear.completed(armature);
-        let carried = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), &log.motion);
+        let carried = self.load(&log.motion);
         let mut twist: Vec<f64> = carried
             .channel(joint)
             .iter()

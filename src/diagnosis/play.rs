@@ -15,7 +15,7 @@ use crate::error::Result;
 
 /// Share of the level at which impacts are believed, and the same where the held-out logs have too few changes of sign to
 /// confirm it.
-const IMPACTS: f64 = 1e-3;
+const IMPACTS: f64 = 0.02;
 const UNCONFIRMED: f64 = 1e-6;
 
 /// What held-out logs must say, and the fewest changes of sign that can.

@@ -83,9 +83,9 @@ pub struct Play {
     pub half_gap: f64,
     /// Its standard deviation, rad.
     pub std: f64,
-    /// Changes of sign of the gear's load, and those among the strongest moments.
+    /// Changes of sign of the gear's load that can be looked at.
     pub changes: usize,
-    /// Those of them after which the torque jumps.
+    /// Those among the moments after which the torque jumps most.
     pub impacts: usize,
 }
 
@@ -117,18 +117,16 @@ impl Traces {
         self.0.iter().map(|trace| trace.changes(joint).iter().filter(|&&k| trace.rank(k).is_some()).count()).sum()
     }
 
-    /// Share of all that is new in the torque which follows the changes of sign beyond what is usual: lower bound (84 %).
+    /// Share of all that is new in the torque which follows the changes of sign beyond the noise: lower bound (84 %).
     pub fn share(&self, joint: usize) -> f64 {
         let (mut beyond, mut all) = (Vec::new(), 0.0);
         for trace in &self.0 {
             all += trace.new.iter().sum::<f64>();
-            let usual = trace.new.iter().sum::<f64>() / trace.new.len() as f64;
-            let usual = usual.min(1.0);
             let length = trace.samples(AFTER_S + BEFORE_S);
             let changes = trace.changes(joint).into_iter().filter(|&k| trace.rank(k).is_some());
             beyond.extend(changes.map(|k| {
                 let own = &trace.new[k..(k + length).min(trace.new.len())];
-                own.iter().map(|value| value - usual).sum::<f64>()
+                own.iter().map(|value| value - 1.0).sum::<f64>()
             }));
         }
         let sum: f64 = beyond.iter().sum();

@@ -147,6 +147,13 @@ impl Arm {
         mass_matrix(&self.chain, &self.found.inertial_parameters(), q)[(joint, joint)]
     }
 
+    /// Inertia of a joint's rotor seen at the joint, kg m2 (kg for one that slides): as found, or as described where only its
+    /// sum with the link's can be told; None where neither says.
+    pub fn rotor(&self, joint: usize) -> Option<f64> {
+        let of = |robot: &Robot| Some(robot.joints[joint].drive.armature).filter(|rotor| *rotor > 0.0);
+        of(&self.found).or_else(|| of(&self.known))
+    }
+
     /// Torque of the arm as found, `[joint][time]`: bodies along `link`, rotors and friction along `motor`.
     pub fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
         let mut torque = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), link);

@@ -70,6 +70,8 @@ struct Trace {
     sorted: Vec<f64>,
     /// Torque that each gear carries, `[joint][time]`, N m.
     load: Channels,
+    /// What the model leaves of the torque, `[joint][time]`, N m.
+    left: Channels,
 }
 
 /// All logs of one kind as impacts show in them.
@@ -135,8 +137,7 @@ impl Traces {
         (sum - scatter) / all.max(f64::MIN_POSITIVE)
     }
 
-    /// The play from the time in which the link falls through it: between the change of sign and the meeting of the teeth
-    /// its load moves it alone. None where too few flights can be timed.
+    /// The play from the time in which it is crossed, between the change of sign and the meeting of the teeth. None where too few flights can be timed.
     pub fn play(&self, joint: usize, arm: &Arm, rows: &Rows) -> Option<Play> {
         let mut gaps = Vec::new();
         let (mut changes, mut impacts) = (0, 0);
@@ -151,7 +152,8 @@ impl Traces {
                 impacts += 1;
                 let q: Vec<f64> = (0..rows.dof()).map(|other| motion.q.channel(other)[change]).collect();
                 let inertia = arm.inertia_about(joint, &q);
-                gaps.extend(Some(inertia).filter(|i| *i > 0.0).and_then(|i| trace.flight(joint, change, i)));
+                let inertia = Some(inertia).filter(|inertia| *inertia > 0.0);
+                gaps.extend(inertia.and_then(|inertia| trace.flight(joint, change, inertia, arm.rotor(joint))));
             }
         }
         if gaps.len() < FLIGHTS {
@@ -186,23 +188,30 @@ impl Trace {
         let samples = |seconds: f64| ((seconds / period).round() as usize).max(1);
         let torque = arm.torque(&log.motion, &log.motion);
         let (count, dof) = (log.time.len(), torque.channels());
+        let left = log.torque.map(|joint, measured| {
+            measured.iter().zip(torque.channel(joint)).map(|(measured, model)| measured - model).collect()
+        });
         let mut new = vec![0.0; count];
         let mut known = vec![true; count];
         for joint in 0..dof {
-            let measured = log.torque.channel(joint).iter().zip(torque.channel(joint));
-            let left: Vec<f64> = measured.map(|(tau, model)| tau - model).collect();
-            known.iter_mut().zip(&left).for_each(|(known, value)| *known &= value.is_finite());
-            for (sum, value) in new.iter_mut().zip(innovations(&left)) {
+            known.iter_mut().zip(left.channel(joint)).for_each(|(known, value)| *known &= value.is_finite());
+            for (sum, value) in new.iter_mut().zip(innovations(left.channel(joint))) {
                 *sum += value * value / dof as f64;
             }
         }
         let mut permitted = moving(log, samples);
         permitted.iter_mut().zip(&known).for_each(|(ok, known)| *ok &= known);
-        Self::ranked(index, period, new, &permitted, arm.load(&log.motion))
+        Self::ranked(index, period, new, &permitted, [arm.load(&log.motion), left])
     }
 
     /// From what is new in the torque of a log, with the samples that play a part; None where these are too few.
-    fn ranked(log: usize, period: f64, new: Vec<f64>, permitted: &[bool], load: Channels) -> Option<Self> {
+    fn ranked(
+        log: usize,
+        period: f64,
+        new: Vec<f64>,
+        permitted: &[bool],
+        [load, left]: [Channels; 2],
+    ) -> Option<Self> {
         let samples = |seconds: f64| ((seconds / period).round() as usize).max(1);
         let (count, window, length) = (new.len(), samples(AFTER_S + BEFORE_S), samples(IMPACT_S));
         let permitted: Vec<bool> =
@@ -215,7 +224,7 @@ impl Trace {
             return None;
         }
         sorted.sort_by(f64::total_cmp);
-        Some(Trace { log, period, new, largest, permitted, sorted, load })
+        Some(Trace { log, period, new, largest, permitted, sorted, load, left })
     }
 
     fn samples(&self, seconds: f64) -> usize {
@@ -244,9 +253,10 @@ impl Trace {
         self.permitted[sample].then(|| (count - below as f64 + 1.0) / (count + 1.0))
     }
 
-    /// Half the play that the link falls through in the time to the meeting of the teeth, and what that time leaves
-    /// uncertain, rad.
-    fn flight(&self, joint: usize, window: usize, inertia: f64) -> Option<[f64; 2]> {
+    /// Half the play that link and motor cross in the time to the meeting of the teeth, and what that time leaves uncertain,
+    /// rad. Meanwhile the load moves the link alone, and the motor has no more to carry: what torque it still has moves the
+    /// `rotor`, as far as it is known.
+    fn flight(&self, joint: usize, window: usize, inertia: f64, rotor: Option<f64>) -> Option<[f64; 2]> {
         let load = self.load.channel(joint);
         let start = (window + 1..load.len()).find(|&k| load[k - 1] * load[k] < 0.0)?;
         let end = (start + self.samples(AFTER_S)).min(self.new.len());
@@ -259,8 +269,12 @@ impl Trace {
         }
         let (mut speed, mut way) = (0.0, 0.0);
         let side = load[start].signum();
+        let left = self.left.channel(joint);
+        let before = &left[start - self.samples(APART_S).min(start)..start];
+        let usual = before.iter().sum::<f64>() / before.len().max(1) as f64;
         for k in start..start + (time / self.period).round() as usize {
-            speed += side * load[k] / inertia * self.period;
+            let of_motor = rotor.map_or(0.0, |rotor| (load[k] + left[k] - usual) / rotor);
+            speed += side * (load[k] / inertia + of_motor) * self.period;
             way += speed * self.period;
         }
         // The way grows with the third power of the time.
@@ -348,6 +362,7 @@ mod tests {
             (0..10_000).map(|k| (std::f64::consts::TAU * hz * f64::from(k) * PERIOD + phase).sin()).collect()
         };
         let load = Channels::from_vectors(&[wave(0.31, 0.4), wave(0.23, 1.1)]);
+        let left = Channels::zeros(2, 10_000);
         let mut new: Vec<f64> = (0..10_000)
             .map(|_| {
                 let white: f64 = StandardNormal.sample(&mut source);
@@ -359,7 +374,7 @@ mod tests {
                 new[k + 10] += hardness;
             }
         }
-        Traces(vec![Trace::ranked(0, PERIOD, new, &[true; 10_000], load).unwrap()])
+        Traces(vec![Trace::ranked(0, PERIOD, new, &[true; 10_000], [load, left]).unwrap()])
     }
 
     #[test]
@@ -382,10 +397,14 @@ mod tests {
     fn the_play_is_what_the_link_falls_through() {
         // A load of 2 pi 0.31 t behind 0.5 kg m2 takes t^3 2 pi 0.31 / (6 * 0.5) to either side in t = 20 ms.
         let traces = hit(2, 1e4);
-        let [gap, std] = traces.0[0].flight(0, traces.0[0].changes(0)[3], 0.5).unwrap();
+        let change = traces.0[0].changes(0)[3];
+        let [gap, std] = traces.0[0].flight(0, change, 0.5, None).unwrap();
         let time: f64 = 0.02 - EARLIER_S;
         let expected = 0.5 * time.powi(3) * std::f64::consts::TAU * 0.31 / (6.0 * 0.5);
         assert!((gap - expected).abs() < 2.0 * std && std < 0.5 * gap, "{gap} +- {std}, {expected}");
+        // A motor that keeps its torque is thrown the other way: with a rotor as heavy as the link twice the play is crossed.
+        let [both, _] = traces.0[0].flight(0, change, 0.5, Some(0.5)).unwrap();
+        assert!((both / gap - 2.0).abs() < 1e-9, "{both} {gap}");
     }
 
     #[test]

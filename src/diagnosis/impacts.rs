@@ -17,7 +17,7 @@ const ORDER: usize = 12;
 const CUT: f64 = 4.0;
 
 /// Time after a change of sign in which the teeth meet, and before it for what the smoothing shifts, s.
-const AFTER_S: f64 = 0.07;
+const AFTER_S: f64 = 0.1;
 const BEFORE_S: f64 = 0.01;
 
 /// Length over which what is new is summed up, s.
@@ -39,19 +39,20 @@ const TURNS: f64 = 0.01;
 const FEWEST: usize = 200;
 
 /// Rows that impacts disturb: before and after a change of sign, s.
-const DISTURBED_S: [f64; 2] = [0.02, 0.12];
+const DISTURBED_S: [f64; 2] = [0.02, 0.15];
 
 /// Share of the moments that hold an impact at most: the flight through the play is timed with those.
 const STRONGEST: f64 = 0.1;
+
+/// Longest flight through the play that is timed, s, and the square of a jump over the noise that ends one.
+const LONGEST_S: f64 = 0.15;
+const JUMP: f64 = 10.0;
 
 /// Share of the largest jump at which the teeth have met, how much earlier they touched than that shows, and how uncertain
 /// that is, s; beside half a sample.
 const MET: f64 = 0.1;
 const EARLIER_S: f64 = 1.5e-3;
 const UNCERTAIN_S: f64 = 1.5e-3;
-
-/// Fewest flights that tell the play.
-const FLIGHTS: usize = 3;
 
 /// One log as impacts show in it.
 #[derive(Debug)]
@@ -137,7 +138,8 @@ impl Traces {
         (sum - scatter) / all.max(f64::MIN_POSITIVE)
     }
 
-    /// The play from the time in which it is crossed, between the change of sign and the meeting of the teeth. None where too few flights can be timed.
+    /// The play from the time in which it is crossed, between the change of sign and the meeting of the teeth. None where no
+    /// jump is strong enough to be timed.
     pub fn play(&self, joint: usize, arm: &Arm, rows: &Rows) -> Option<Play> {
         let mut gaps = Vec::new();
         let (mut changes, mut impacts) = (0, 0);
@@ -156,11 +158,8 @@ impl Traces {
                 gaps.extend(inertia.and_then(|inertia| trace.flight(joint, change, inertia, arm.rotor(joint))));
             }
         }
-        if gaps.len() < FLIGHTS {
-            return None;
-        }
         gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let middle = gaps[gaps.len() / 2];
+        let middle = *gaps.get(gaps.len() / 2)?;
         let mut apart: Vec<f64> = gaps.iter().map(|gap| (gap[0] - middle[0]).abs()).collect();
         apart.sort_by(f64::total_cmp);
         // Standard deviation of a median of so many, whose scatter the median deviation tells.
@@ -259,26 +258,27 @@ impl Trace {
     fn flight(&self, joint: usize, window: usize, inertia: f64, rotor: Option<f64>) -> Option<[f64; 2]> {
         let load = self.load.channel(joint);
         let start = (window + 1..load.len()).find(|&k| load[k - 1] * load[k] < 0.0)?;
-        let end = (start + self.samples(AFTER_S)).min(self.new.len());
+        let end = (start + self.samples(LONGEST_S)).min(self.new.len());
         let peak = self.new[start..end].iter().fold(0.0, |m: f64, v| m.max(*v));
-        let met = self.new[start..end].iter().position(|value| *value > MET * peak)?;
-        let time = met as f64 * self.period - EARLIER_S - 0.5 * self.period;
-        let uncertain = UNCERTAIN_S + 0.5 * self.period;
-        if time <= uncertain {
+        if peak < JUMP {
             return None;
         }
+        let met = self.new[start..end].iter().position(|value| *value > MET * peak)?;
+        let uncertain = UNCERTAIN_S + 0.5 * self.period;
+        // Of a flight too short to be timed only so much is known.
+        let time = (met as f64 * self.period - EARLIER_S - 0.5 * self.period).max(uncertain);
         let (mut speed, mut way) = (0.0, 0.0);
         let side = load[start].signum();
         let left = self.left.channel(joint);
         let before = &left[start - self.samples(APART_S).min(start)..start];
         let usual = before.iter().sum::<f64>() / before.len().max(1) as f64;
-        for k in start..start + (time / self.period).round() as usize {
+        for k in start..(start + (time / self.period).round() as usize).min(end) {
             let of_motor = rotor.map_or(0.0, |rotor| (load[k] + left[k] - usual) / rotor);
             speed += side * (load[k] / inertia + of_motor) * self.period;
             way += speed * self.period;
         }
         // The way grows with the third power of the time.
-        (way > 0.0).then_some([0.5 * way, 1.5 * way * uncertain / time])
+        (way > 0.0).then(|| [0.5 * way, 0.5 * way * ((1.0 + uncertain / time).powi(3) - 1.0)])
     }
 }
 

@@ -5,7 +5,7 @@ use super::candidates::{Candidate, Family, is_candidate};
 use super::column::rms;
 use super::contest::Alternative;
 use super::impacts::{Play, Traces};
-use super::score::family_wise;
+use super::score::{family_wise, log_survival};
 use super::selection::Found;
 use super::session::{Member, Session};
 use super::verdict::Verdict;
@@ -13,14 +13,12 @@ use super::whitening::Whitener;
 use crate::effects::{Effect, Placed, find};
 use crate::error::Result;
 
-/// Share of the level at which impacts are believed, and the same where the held-out logs have too few changes of sign to
-/// confirm it.
+/// Share of the level at which impacts are believed, and the same where the held-out logs have no change of sign.
 const IMPACTS: f64 = 0.02;
 const UNCONFIRMED: f64 = 1e-6;
 
-/// What held-out logs must say, and the fewest changes of sign that can.
-const CONFIRMED: f64 = 0.05;
-const ENOUGH: usize = 3;
+/// What training and held-out logs must each say for themselves.
+const EACH: f64 = 0.05;
 
 /// What is left of a gear's impacts without those moments at which another gear's load changes sign too, from which on the
 /// other is not an alternative.
@@ -47,16 +45,21 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
     let mut found = Vec::new();
     while found.len() < options.max_findings {
         let open = (0..dof).filter(|joint| !known.contains(joint) && !rattling.contains(joint));
-        let mut all: Vec<(usize, f64)> = open.map(|joint| (joint, train.log_p(joint, &rattling))).collect();
+        // Nothing was fitted to the moments, so that those of all logs count.
+        let log_p = |joint: usize, without: &[usize]| -> f64 {
+            let each = [&train, &test].map(|traces| traces.log_p(joint, without));
+            log_survival(-2.0 * (each[0] + each[1]), 4)
+        };
+        let mut all: Vec<(usize, f64)> = open.map(|joint| (joint, log_p(joint, &rattling))).collect();
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let Some(&(joint, log_p)) = all.first() else { break };
-        let level = family_wise(log_p, dof as f64);
-        let unseen = test.log_p(joint, &rattling);
-        let confirmed = unseen < CONFIRMED.ln();
-        let contradicted = !confirmed && test.changes(joint) >= ENOUGH;
-        tracing::debug!(joint, level, unseen = unseen.exp(), contradicted, "impacts");
-        let limit = options.alpha * if confirmed { IMPACTS } else { UNCONFIRMED };
-        if level > limit || contradicted {
+        let Some(&(joint, best)) = all.first() else { break };
+        let level = family_wise(best, dof as f64);
+        let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
+        tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
+        let both = each.iter().all(|log_p| *log_p < EACH.ln());
+        let told = both || test.changes(joint) == 0;
+        let limit = options.alpha * if both { IMPACTS } else { UNCONFIRMED };
+        if level > limit || !told {
             break;
         }
         let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
@@ -64,7 +67,7 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
             .iter()
             .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
             .map(|(other, _)| *other)
-            .filter(|other| train.log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > OWN.ln())
+            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > OWN.ln())
             .collect();
         rattling.push(joint);
         rattling.extend(&rivals);

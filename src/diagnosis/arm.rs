@@ -47,7 +47,7 @@ impl Arm {
                 let on = |joint: usize| {
                     let place = model.active(joint).into_iter().position(|other| other == b)?;
                     let logs = rows.logs.iter().zip(&tables);
-                    Some(logs.flat_map(|(log, table)| log.blocks(table[joint].channel(place))).collect())
+                    Some(logs.flat_map(|(log, table)| log.as_logged(table[joint].channel(place))).collect())
                 };
                 Column::new((0..rows.dof()).map(|joint| on(joint).unwrap_or_default()))
             })
@@ -270,6 +270,6 @@ impl Arm {
 fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
     Column::new((0..rows.dof()).map(|joint| {
         let each = rows.logs.iter().zip(logs);
-        each.flat_map(|(log, torque)| log.blocks(torque.borrow().channel(joint))).collect()
+        each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()
     }))
 }

@@ -58,7 +58,7 @@ impl Arm {
                 let on = |joint: usize| {
                     let place = model.active(joint).into_iter().position(|other| other == b)?;
                     let logs = rows.logs.iter().zip(&tables);
-                    Some(logs.flat_map(|(log, table)| log.blocks(table[joint].channel(place))).collect())
+                    Some(logs.flat_map(|(log, table)| log.as_logged(table[joint].channel(place))).collect())
                 };
                 Column::new((0..rows.dof()).map(|joint| on(joint).unwrap_or_default()))
             })
@@ -302,7 +302,8 @@ impl Arm {
     fn below_swing(&self, joint: usize, compliance: f64, log: &Log) -> Result<Option<ZeroPhaseLowPass>> {
         let samples = log.time.len();
         let inertia = (0..PLACES).map(|place| {
-            let q: Vec<f64> = (0..self.known.dof()).map(|j| log.motion.q.channel(j)[place * samples / PLACES]).collect();
+            let q: Vec<f64> =
+                (0..self.known.dof()).map(|j| log.motion.q.channel(j)[place * samples / PLACES]).collect();
             self.inertia_about(joint, &q)
         });
         let largest = inertia.fold(0.0, f64::max);
@@ -316,6 +317,6 @@ impl Arm {
 fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
     Column::new((0..rows.dof()).map(|joint| {
         let each = rows.logs.iter().zip(logs);
-        each.flat_map(|(log, torque)| log.blocks(torque.borrow().channel(joint))).collect()
+        each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()
     }))
 }

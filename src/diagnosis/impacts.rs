@@ -204,13 +204,7 @@ impl Trace {
     }
 
     /// From what is new in the torque of a log, with the samples that play a part; None where these are too few.
-    fn ranked(
-        log: usize,
-        period: f64,
-        new: Vec<f64>,
-        permitted: &[bool],
-        [load, left]: [Channels; 2],
-    ) -> Option<Self> {
+    fn ranked(log: usize, period: f64, new: Vec<f64>, permitted: &[bool], [load, left]: [Channels; 2]) -> Option<Self> {
         let samples = |seconds: f64| ((seconds / period).round() as usize).max(1);
         let (count, window, length) = (new.len(), samples(AFTER_S + BEFORE_S), samples(IMPACT_S));
         let permitted: Vec<bool> =

@@ -5,6 +5,7 @@
 //! | faults of the data, before any physics | [`screening`] |
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
+//! | the low-pass that torque went through before it was logged | [`passband`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
@@ -43,6 +44,7 @@ pub mod inertias;
 pub mod innovations;
 pub mod judging;
 pub mod known;
+pub mod passband;
 pub mod play;
 pub mod residual_structure;
 pub mod resimulation;

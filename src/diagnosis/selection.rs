@@ -54,7 +54,7 @@ const WORTH_A_NAME: f64 = 0.05;
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
 
-/// Candidates that held-out logs may refuse before the search ends.
+/// Candidates that may be refused one after the other before the search ends.
 const REFUSALS: usize = 12;
 
 /// An effect that was found.
@@ -107,7 +107,8 @@ struct Round {
 /// If a log is too short to differentiate.
 pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
-    let mut refused: Vec<Slot> = Vec::new();
+    let mut refused: Vec<(Slot, Vec<usize>)> = Vec::new();
+    let mut in_a_row = 0;
     let mut round = look(session, &mut found, options)?;
     found.extend(rattling_gears(session, &round.whitener, options)?);
     if !found.is_empty() {
@@ -116,12 +117,12 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let first_whitener = round.whitener.clone();
     let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
-    while found.len() < options.max_findings && refused.len() < REFUSALS {
+    while found.len() < options.max_findings && in_a_row < REFUSALS {
         progress(found.len());
         let taken: Vec<Slot> = found.iter().map(|found| found.member.candidate.slot()).collect();
         let open = |candidate: &Candidate| {
             let slot = candidate.slot();
-            !refused.contains(&slot)
+            !refused.iter().any(|(other, _)| *other == slot)
                 && !taken.iter().any(|(family, log)| *family == slot.0 && (*log == slot.1 || log.is_none()))
         };
         let mut best = round.scan.best_per_family();
@@ -160,6 +161,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
+                // What was refused where this acts was seen in a noise that did not know it.
+                let joints = member.candidate.joints();
+                refused.retain(|(_, others)| !others.iter().any(|joint| joints.contains(joint)));
+                in_a_row = 0;
                 found.push(Found {
                     member,
                     alternatives,
@@ -171,7 +176,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                 });
                 round = look(session, &mut found, options)?;
             }
-            None => refused.push(winner.candidate.slot()),
+            None => {
+                refused.push((winner.candidate.slot(), winner.candidate.joints()));
+                in_a_row += 1;
+            }
         }
     }
     if drop_superfluous(session, &mut found)? {

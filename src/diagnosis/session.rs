@@ -4,11 +4,12 @@ use super::arm::Arm;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
 use super::known::Known;
+use super::passband::{self, LowPass};
 use super::roles::{is_level, linear, shapes};
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::Projection;
 use super::solution::solve;
-use super::whitening::Whitener;
+use super::whitening::{Whitener, rich};
 use crate::effects::{Parameter, Placed};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -58,6 +59,8 @@ pub struct Session<'a> {
     pub test: Side,
     /// Cut-off of the positions' low-pass, Hz.
     pub cutoff_hz: f64,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
 }
 
 /// An effect in the model, with what it takes there.
@@ -107,9 +110,9 @@ impl<'a> Session<'a> {
         let arm = known.arm.clone();
         let before = known.reference.len();
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
-        let (train, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
-        let side = |logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
-            let mut rows = Rows::new(logs, cutoff_hz, fewest)?;
+        let (train_logs, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
+        let side = |through, logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
+            let mut rows = Rows::logged_through(through, logs, cutoff_hz, fewest)?;
             rows.before = before;
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
@@ -118,27 +121,52 @@ impl<'a> Session<'a> {
             baseline.extend(known.derivatives(&rows)?);
             Ok(Side { baseline, torque, rows, training: fewest == FEWEST_ROWS })
         };
+        let both = |through, hz: f64| -> Result<[Side; 2]> {
+            Ok([side(through, train_logs, before, hz, FEWEST_ROWS)?, side(through, test, 0, hz, FEWEST_TEST_ROWS)?])
+        };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
-        let both = |hz: f64| -> Result<[Side; 2]> {
-            Ok([side(train, before, hz, FEWEST_ROWS)?, side(test, 0, hz, FEWEST_TEST_ROWS)?])
+        let cutoffs = cutoffs_up_to(cutoff(&all)?);
+        let best_of = |through: Option<LowPass>| -> Option<(f64, [Side; 2])> {
+            let mut best: Option<(f64, f64, [Side; 2])> = None;
+            for &hz in &cutoffs {
+                let Ok(sides) = both(through, hz) else { continue };
+                let [Side { rows, torque, baseline, .. }, _] = &sides;
+                let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
+                tracing::debug!(hz, unexpected, "cut-off");
+                if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
+                    best = Some((unexpected, hz, sides));
+                }
+            }
+            best.map(|(_, hz, sides)| (hz, sides))
         };
-        let mut best: Option<(f64, f64, [Side; 2])> = None;
-        for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(sides) = both(hz) else { continue };
-            let [Side { rows, torque, baseline, .. }, _] = &sides;
-            let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
-            tracing::debug!(hz, unexpected, "cut-off");
-            if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
-                best = Some((unexpected, hz, sides));
+        let (mut cutoff_hz, [mut train, mut test]) = match best_of(None) {
+            Some(best) => best,
+            // No cut-off leaves enough rows; the widest tells best why.
+            None => (WIDEST_HZ, both(None, WIDEST_HZ)?),
+        };
+        let mut passband = None;
+        if let Some(edge_hz) = passband::edge(&all)? {
+            let narrow = |hz: f64| side(Some(LowPass { order: 1, hz }), train_logs, before, cutoff_hz, FEWEST_ROWS);
+            if let Ok(Side { rows: Rows { valid, .. }, .. }) = narrow(passband::lowest(edge_hz)) {
+                let left = |through| {
+                    // All are seen on the same rows.
+                    let Side { mut rows, torque, baseline, .. } =
+                        side(through, train_logs, before, cutoff_hz, FEWEST_ROWS).ok()?;
+                    rows.valid.clone_from(&valid);
+                    let rich = (0..rows.dof())
+                        .flat_map(|joint| rich(&rows, joint).into_iter().map(move |signal| Column::on(joint, signal)));
+                    let columns: Vec<Column> = baseline.into_iter().chain(rich).collect();
+                    Some(passband::left(&rows, &torque, &columns))
+                };
+                if let Some(found) = passband::best(edge_hz, left)
+                    && let Some((hz, sides)) = best_of(Some(found))
+                {
+                    (passband, cutoff_hz, [train, test]) = (Some(found), hz, sides);
+                }
             }
         }
-        let (cutoff_hz, [train, test]) = match best {
-            Some((_, hz, sides)) => (hz, sides),
-            // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, both(WIDEST_HZ)?),
-        };
-        let mut session = Session { model, trust, known, arm, train, test, cutoff_hz };
+        let mut session = Session { model, trust, known, arm, train, test, cutoff_hz, passband };
         session.leave_out_distorted()?;
         Ok(session)
     }

@@ -69,7 +69,9 @@ pub fn without_best_stretches(
         whitener = whitener.on(&rows);
     }
     let fit = whitener.fit(&present, &session.train.torque);
-    Ok(session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p()))
+    let log_p = session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p());
+    tracing::debug!(log_p, "without the best stretches");
+    Ok(log_p)
 }
 
 #[cfg(test)]

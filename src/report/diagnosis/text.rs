@@ -33,6 +33,12 @@ pub fn lines(
     if diagnosis.held_out_from_training {
         lines.push("No test log was given: the last part of every training log was held out.".into());
     }
+    lines.extend(diagnosis.passband.map(|low_pass| {
+        format!(
+            "The torque went through a low-pass of {:.2} Hz before it was logged; the model is seen through the same.",
+            low_pass.hz
+        )
+    }));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
         lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
@@ -50,8 +56,9 @@ pub fn lines(
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
         lines.push(format!(
-            "- {joint}: {percent:.0} % of what is left {}, and no effect of the library does so",
-            left.structure
+            "- {joint}: {percent:.0} % of what is left {}, and {} does so",
+            left.structure,
+            none(diagnosis)
         ));
     }
     lines.extend(where_it_lives(robot, diagnosis));
@@ -97,15 +104,26 @@ pub fn mend(faults: &[DataFault]) -> String {
     }
 }
 
+/// What explains nothing: all that was tried.
+fn none(diagnosis: &Diagnosis) -> String {
+    match diagnosis.candidates.as_slice() {
+        [] => "no effect of the library".into(),
+        tried => format!("none of the effects tried ({})", tried.join(", ")),
+    }
+}
+
 fn headline(diagnosis: &Diagnosis) -> String {
     let changed = diagnosis.against_reference;
+    let none = none(diagnosis);
+    let unexplained =
+        [format!("something changed that {none} explains"), format!("the model misses something that {none} explains")];
     let answer = match diagnosis.verdict {
         Verdict::Named if changed => "something changed, and the logs name it",
         Verdict::Named => "the logs name what the model misses",
         Verdict::OneOf if changed => "something changed, and the logs leave a choice of what",
         Verdict::OneOf => "the logs leave a choice of what the model misses",
-        Verdict::Unexplained if changed => "something changed that no effect of the library explains",
-        Verdict::Unexplained => "the model misses something that no effect of the library explains",
+        Verdict::Unexplained if changed => &unexplained[0],
+        Verdict::Unexplained => &unexplained[1],
         Verdict::None if changed => "nothing changed beyond the noise",
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",

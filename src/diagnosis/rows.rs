@@ -69,6 +69,8 @@ pub struct Log {
     pub time: Vec<f64>,
     /// The motion from smooth positions.
     pub motion: Motion,
+    /// Measured torque, `[joint][time]`; not a number where it must not be used.
+    pub torque: Channels,
     /// Time between samples, s.
     pub period: f64,
     /// The low-pass that positions went through.
@@ -260,6 +262,13 @@ impl Rows {
         }
     }
 
+    /// Leaves out the rows of all joints that hold samples `from..to` of a log.
+    pub fn leave_out_samples(&mut self, log: usize, from: usize, to: usize) {
+        let (start, end, block) = (self.starts[log], self.starts[log + 1], self.logs[log].block);
+        let near = (start + from / block).min(end)..(start + to.div_ceil(block)).min(end);
+        self.valid.iter_mut().for_each(|valid| valid[near.clone()].fill(false));
+    }
+
     /// A part of the torque of one joint over the rows as it would have been logged, from what `of` gives for every log at its
     /// own rate.
     pub fn signal(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
@@ -344,7 +353,15 @@ fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
     }
     let motion = Log::motion_of(q, 1.0 / rate)?;
     let block = ((BLOCK_S * rate).round() as usize).max(1);
-    Ok(Log { time: recording.time.clone(), motion, period: 1.0 / rate, low_pass, passed: None, block })
+    Ok(Log {
+        time: recording.time.clone(),
+        motion,
+        torque: recording.tau.clone(),
+        period: 1.0 / rate,
+        low_pass,
+        passed: None,
+        block,
+    })
 }
 
 /// Whether all joints rest at the start and at the end of a log.

@@ -74,6 +74,8 @@ pub struct Member {
     pub candidate: Candidate,
     /// Factors of the columns.
     pub factors: Vec<f64>,
+    /// Whether its parameters are told by something else than the rows: it has no columns in the model.
+    pub held: bool,
 }
 
 /// The noise under a model and the model's fit in its units.
@@ -201,7 +203,7 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub fn all_columns(&self, side: &Side, members: &[Member]) -> Result<Vec<Column>> {
         let mut all = side.baseline.clone();
-        for member in members {
+        for member in members.iter().filter(|member| !member.held) {
             if side.training || member.candidate.log.is_none() {
                 let Candidate { placed, log, .. } = &member.candidate;
                 all.extend(columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed))?.concat());
@@ -274,7 +276,7 @@ impl<'a> Session<'a> {
         let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
         self.arm.take(self.model, &solved.values);
         let mut place = self.train.baseline.len();
-        for member in members {
+        for member in members.iter_mut().filter(|member| !member.held) {
             let effect = member.placed.effect;
             for (k, index) in linear(effect).into_iter().enumerate() {
                 member.factors[k] = solved.values[place];
@@ -319,6 +321,9 @@ impl<'a> Session<'a> {
 impl Member {
     /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
     pub fn columns(&self) -> usize {
+        if self.held {
+            return 0;
+        }
         linear(self.placed.effect).len() + shapes(self.placed.effect).len()
     }
 
@@ -330,6 +335,7 @@ impl Member {
             factors: factors.to_vec(),
             candidate: candidate.clone(),
             placed,
+            held: false,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 mod text;
 
-pub use text::{lines, mend, place, stopped_lines};
+pub use text::{impacts, lines, mend, place, stopped_lines};
 
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;

@@ -4,6 +4,7 @@ use super::{EXTENDED_SCENARIO, finding, findings, joints};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::gap::Share;
+use crate::diagnosis::impacts::Play;
 use crate::diagnosis::screening::{Consequence, DataFault};
 use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
@@ -162,16 +163,28 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     if found.verdict == Verdict::Unexplained {
         names = format!("something like {names} (much stays unexplained there)");
     }
+    let chance =
+        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
+    if let Some(play) = &found.impacts {
+        return format!("{names}: {} (chance of a false alarm {chance}).", impacts(play));
+    }
     let torque = diagnosis.test_torque_rms[joint];
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
     format!(
-        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {}).",
+        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {chance}).",
         robot.joints[joint].name,
         significant(before[joint]),
         significant(after[joint]),
-        significant(diagnosis.noise_floor[joint]),
-        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) }
+        significant(diagnosis.noise_floor[joint])
+    )
+}
+
+/// What shows a gear's play.
+pub fn impacts(play: &Play) -> String {
+    format!(
+        "the torque jumps within milliseconds of {} of {} changes of sign of the gear's load, which averages over 20 ms do not show",
+        play.impacts, play.changes
     )
 }
 

@@ -14,6 +14,7 @@ use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::Role;
 use crate::recording::Recording;
 use crate::report::console::significant;
+use crate::report::diagnosis::impacts;
 use crate::report::diagnosis::joints;
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
@@ -120,15 +121,21 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let gain = |joint: &usize| before[*joint] / after[*joint];
         let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
+        let shown = match &found.impacts {
+            Some(play) => sentence(&impacts(play)),
+            None => format!(
+                "With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+                joint.name,
+                significant(before[most]),
+                significant(after[most]),
+                significant(diagnosis.noise_floor[most]),
+            ),
+        };
         lead.push(format!(
-            "{}, {}. {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+            "{}, {}. {} {shown}",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
             values(found).join(", "),
             about.explanation,
-            joint.name,
-            significant(before[most]),
-            significant(after[most]),
-            significant(diagnosis.noise_floor[most]),
         ));
     }
     for left in &diagnosis.unexplained {

@@ -1,0 +1,105 @@
+//! Gears with play, named by their impacts.
+
+use super::Options;
+use super::candidates::{Candidate, Family, is_candidate};
+use super::column::rms;
+use super::contest::Alternative;
+use super::impacts::{Play, Traces};
+use super::score::family_wise;
+use super::selection::Found;
+use super::session::{Member, Session};
+use super::verdict::Verdict;
+use super::whitening::Whitener;
+use crate::effects::{Effect, Placed, find};
+use crate::error::Result;
+
+/// Share of the level at which impacts are believed, and the same where the held-out logs have too few changes of sign to
+/// confirm it.
+const IMPACTS: f64 = 0.02;
+const UNCONFIRMED: f64 = 1e-6;
+
+/// What held-out logs must say, and the fewest changes of sign that can.
+const CONFIRMED: f64 = 0.05;
+const ENOUGH: usize = 3;
+
+/// What is left of a gear's impacts without those moments at which another gear's load changes sign too, from which on the
+/// other is not an alternative.
+const OWN: f64 = 0.01;
+
+/// Name of the effect.
+const NAME: &str = "backlash";
+
+/// Gears with play that impacts in the logs show, the surest first. Rows that impacts disturb are left out of the session.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Options) -> Result<Vec<Found>> {
+    let effect = find(NAME)?;
+    if !is_candidate(effect, options.trust, &options.candidates) {
+        return Ok(Vec::new());
+    }
+    let dof = session.model.dof();
+    let known: Vec<usize> =
+        session.known.effects.iter().filter(|placed| placed.effect.about().name == NAME).map(|one| one.joint).collect();
+    let train = Traces::new(&session.arm, &session.train.rows);
+    let test = Traces::new(&session.arm, &session.test.rows);
+    let mut rattling: Vec<usize> = Vec::new();
+    let mut found = Vec::new();
+    while found.len() < options.max_findings {
+        let open = (0..dof).filter(|joint| !known.contains(joint) && !rattling.contains(joint));
+        let mut all: Vec<(usize, f64)> = open.map(|joint| (joint, train.log_p(joint, &rattling))).collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(&(joint, log_p)) = all.first() else { break };
+        let level = family_wise(log_p, dof as f64);
+        let unseen = test.log_p(joint, &rattling);
+        let confirmed = unseen < CONFIRMED.ln();
+        let contradicted = !confirmed && test.changes(joint) >= ENOUGH;
+        tracing::debug!(joint, level, unseen = unseen.exp(), contradicted, "impacts");
+        let limit = options.alpha * if confirmed { IMPACTS } else { UNCONFIRMED };
+        if level > limit || contradicted {
+            break;
+        }
+        let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
+        let rivals: Vec<usize> = all[1..]
+            .iter()
+            .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
+            .map(|(other, _)| *other)
+            .filter(|other| train.log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > OWN.ln())
+            .collect();
+        rattling.push(joint);
+        rattling.extend(&rivals);
+        found.push(named(session, whitener, effect, (joint, &rivals), &play, (level, test.share(joint)))?);
+    }
+    for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
+        train.leave_out(joint, &mut session.train.rows);
+        test.leave_out(joint, &mut session.test.rows);
+    }
+    Ok(found)
+}
+
+fn named(
+    session: &Session,
+    whitener: &Whitener,
+    effect: &'static dyn Effect,
+    (joint, rivals): (usize, &[usize]),
+    play: &Play,
+    (level, share): (f64, f64),
+) -> Result<Found> {
+    let placed = Placed { parameters: vec![play.half_gap], ..Placed::typical(effect, joint) };
+    let candidate = Candidate { placed: placed.clone(), log: None, columns: Vec::new() };
+    let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true };
+    let left = rms(&session.test.rows.valid, &session.held_out_residual(&[], whitener)?);
+    let alternatives: Vec<Alternative> = rivals
+        .iter()
+        .map(|&joint| Alternative { family: Family { effect: NAME, joint }, relative_likelihood: 1.0 })
+        .collect();
+    Ok(Found {
+        verdict: if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },
+        member,
+        alternatives,
+        family_wise_p: level,
+        gain_lower_bound: share,
+        rms: [left.clone(), left],
+        impacts: Some(play.clone()),
+    })
+}

@@ -24,7 +24,7 @@ const HIGHEST_SHARE: f64 = 0.4;
 const SPLIT_ORDER: usize = 6;
 
 /// Cut-offs that are tried on either side of where the power falls, octaves, and the step between them.
-const REACH_OCTAVES: f64 = 1.5;
+const REACH_OCTAVES: f64 = 1.0;
 const STEP_OCTAVES: f64 = 0.25;
 
 /// Halvings of that step around the best.
@@ -58,7 +58,7 @@ impl LowPass {
     }
 }
 
-/// The frequency, Hz, around which the torque of all joints of all logs ends as no step of friction does; None where it goes
+/// The frequency, Hz, within an octave of which the torque of all joints of all logs ends as no step of friction does; None where it goes
 /// on, or where there is noise above it.
 ///
 /// # Errors
@@ -96,9 +96,9 @@ fn edge_of(torque: &[f64], rate_hz: f64) -> Result<Option<f64>> {
             inner_power(&inside, rate_hz)
         })
         .collect();
-    let falls = powers.windows(2).map(|pair| pair[0] / pair[1].max(f64::MIN_POSITIVE));
-    let steepest = falls.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    Ok(steepest.filter(|(_, fall)| *fall > FALL).map(|(octave, _)| edges[octave + 1]))
+    // Beyond the first fall there is nothing but rounding, which may fall as steeply.
+    let first = powers.windows(2).position(|pair| pair[0] > FALL * pair[1]);
+    Ok(first.map(|octave| edges[octave]))
 }
 
 /// The lowest cut-off that is tried for an edge, Hz.

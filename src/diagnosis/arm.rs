@@ -1,18 +1,29 @@
 //! The arm as identified so far: what effects in gears and sensors, and friction under load, act upon.
 
 use super::column::Column;
-use super::rows::{Log, Rows};
+use super::rows::{Log, Rows, WIDEST_HZ};
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
 use crate::effects::{Along, Placed, Scope, Site, contributions};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::{Model, STANDARD};
 use crate::robot::{Inertia, PARAMETERS, Robot};
+use crate::signal::ZeroPhaseLowPass;
 use rayon::prelude::*;
 
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
 const BATCH: usize = 12;
+
+/// Rounds in which the twist of an elastic gear settles.
+const GEAR_ROUNDS: usize = 3;
+
+/// Share of the frequency at which a link swings on its gear up to which the twist is followed, and the order of the filter;
+/// the slowest swing that is, Hz; and the places of the motion that tell the inertia.
+const BELOW_SWING: f64 = 0.6;
+const SWING_ORDER: usize = 4;
+const SLOWEST_SWING_HZ: f64 = 1.5;
+const PLACES: usize = 10;
 
 /// The arm with the parameters found for its baseline.
 #[derive(Debug, Clone)]
@@ -47,7 +58,7 @@ impl Arm {
                 let on = |joint: usize| {
                     let place = model.active(joint).into_iter().position(|other| other == b)?;
                     let logs = rows.logs.iter().zip(&tables);
-                    Some(logs.flat_map(|(log, table)| log.blocks(table[joint].channel(place))).collect())
+                    Some(logs.flat_map(|(log, table)| log.as_logged(table[joint].channel(place))).collect())
                 };
                 Column::new((0..rows.dof()).map(|joint| on(joint).unwrap_or_default()))
             })
@@ -126,8 +137,25 @@ impl Arm {
         Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
     }
 
+    /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
+    pub fn load(&self, motion: &Motion) -> Channels {
+        inverse_dynamics(&self.chain, &self.found.inertial_parameters(), motion)
+    }
+
+    /// Inertia of the arm as found about one of its joints at `q`, kg m2 (kg for one that slides).
+    pub fn inertia_about(&self, joint: usize, q: &[f64]) -> f64 {
+        mass_matrix(&self.chain, &self.found.inertial_parameters(), q)[(joint, joint)]
+    }
+
+    /// Inertia of a joint's rotor seen at the joint, kg m2 (kg for one that slides): as found, or as described where only its
+    /// sum with the link's can be told; None where neither says.
+    pub fn rotor(&self, joint: usize) -> Option<f64> {
+        let of = |robot: &Robot| Some(robot.joints[joint].drive.armature).filter(|rotor| *rotor > 0.0);
+        of(&self.found).or_else(|| of(&self.known))
+    }
+
     /// Torque of the arm as found, `[joint][time]`: bodies along `link`, rotors and friction along `motor`.
-    fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
+    pub fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
         let mut torque = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), link);
         for (joint, spec) in self.found.joints.iter().enumerate() {
             let drive = spec.drive;
@@ -242,27 +270,46 @@ impl Arm {
         Ok(torque)
     }
 
-    /// Motion of the links when the gear of one joint twists under the torque of the bodies.
+    /// Motion of the links when the gear of one joint twists under the torque of the bodies, which move as the gear lets them:
+    /// found in rounds.
     fn behind_gear(&self, placed: &Placed, log: &Log) -> Result<Motion> {
         let joint = placed.joint;
         let armature = self.found.joints[joint].drive.armature.max(f64::MIN_POSITIVE);
         let Some(gear) = placed.effect.gear(&placed.parameters) else { return Ok(log.motion.clone()) };
+        let elastic = gear.compliance > 0.0;
         // Only the play of a gear without compliance is asked for: its completion is part of the rigid arm.
         let stiff = gear.completed(armature);
-        let carried = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), &log.motion);
-        let mut twist: Vec<f64> = carried
-            .channel(joint)
-            .iter()
-            .map(|&torque| match gear.compliance > 0.0 {
-                true => stiff.twist(torque),
-                false => stiff.twist(torque) - stiff.compliance * torque,
-            })
-            .collect();
-        // The play is crossed in a jump, of which the smooth positions can follow as much as they pass.
-        log.low_pass.apply_in_place(&mut twist)?;
-        let mut q = log.motion.q.clone();
-        q.channel_mut(joint).iter_mut().zip(&twist).for_each(|(q, twist)| *q -= twist);
-        Log::motion_of(q, log.period)
+        let play = |torque: f64| stiff.twist(torque) - if elastic { 0.0 } else { stiff.compliance * torque };
+        let below_swing = if elastic { self.below_swing(joint, gear.compliance, log)? } else { None };
+        let mut link = log.motion.clone();
+        for _ in 0..if elastic { GEAR_ROUNDS } else { 1 } {
+            let carried = self.load(&link);
+            let mut twist: Vec<f64> = carried.channel(joint).iter().map(|&torque| play(torque)).collect();
+            // The play is crossed in a jump, of which the smooth positions can follow as much as they pass.
+            log.low_pass.apply_in_place(&mut twist)?;
+            if let Some(filter) = &below_swing {
+                filter.apply_in_place(&mut twist)?;
+            }
+            let mut q = log.motion.q.clone();
+            q.channel_mut(joint).iter_mut().zip(&twist).for_each(|(q, twist)| *q -= twist);
+            link = Log::motion_of(q, log.period)?;
+        }
+        Ok(link)
+    }
+
+    /// Passes what is slower than the link swings on its gear, beyond which the rounds of [`Arm::behind_gear`] amplify every
+    /// error. None where the swing is faster than anything that the smooth positions hold.
+    fn below_swing(&self, joint: usize, compliance: f64, log: &Log) -> Result<Option<ZeroPhaseLowPass>> {
+        let samples = log.time.len();
+        let inertia = (0..PLACES).map(|place| {
+            let q: Vec<f64> =
+                (0..self.known.dof()).map(|j| log.motion.q.channel(j)[place * samples / PLACES]).collect();
+            self.inertia_about(joint, &q)
+        });
+        let largest = inertia.fold(0.0, f64::max);
+        let swing_hz = 1.0 / (std::f64::consts::TAU * (compliance * largest).sqrt());
+        let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
+        (hz < WIDEST_HZ).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, 1.0 / log.period)).transpose()
     }
 }
 
@@ -270,6 +317,6 @@ impl Arm {
 fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
     Column::new((0..rows.dof()).map(|joint| {
         let each = rows.logs.iter().zip(logs);
-        each.flat_map(|(log, torque)| log.blocks(torque.borrow().channel(joint))).collect()
+        each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()
     }))
 }

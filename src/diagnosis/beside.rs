@@ -97,7 +97,7 @@ fn over_stretches(rows: usize, whitener: &Whitener, fit: &Projection, columns: &
 }
 
 /// Whether an effect may show in a moment of the logs alone: what happened once, and what happens where the torque is largest.
-pub fn happens_anywhere(candidate: &Candidate) -> bool {
+fn happens_anywhere(candidate: &Candidate) -> bool {
     candidate.log.is_some() || is_level(candidate.placed.effect)
 }
 

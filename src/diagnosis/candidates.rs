@@ -35,6 +35,9 @@ impl Candidate {
 
     /// Joints on which it has torque.
     pub fn joints(&self) -> Vec<usize> {
+        if self.columns.is_empty() {
+            return self.placed.joints();
+        }
         let mut joints: Vec<usize> =
             self.columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
         joints.sort_unstable();

@@ -212,7 +212,9 @@ fn answer<'a>(
     let diagnosis = Diagnosis {
         verdict: verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,
+        candidates: options.candidates.clone(),
         cutoff_hz: session.cutoff_hz,
+        passband: session.passband,
         held_out_from_training,
         effective_tests: tests,
         gap_closed: closed.value,

@@ -1,7 +1,7 @@
 //! What practitioners call the parameters of an effect: a payload's mass and centre of mass, the angle of a tilt.
 
 use super::estimates::Estimates;
-use super::roles::{linear, shapes};
+use super::roles::linear;
 use super::session::Member;
 use crate::robot::{Inertia, Robot};
 use nalgebra::DVector;
@@ -30,7 +30,7 @@ pub fn derived(members: &[Member], estimates: &Estimates, first: usize, robot: &
         .map(|member| {
             let effect = member.placed.effect;
             let places: Vec<usize> = (first..first + linear(effect).len()).collect();
-            first += places.len() + shapes(effect).len();
+            first += member.columns();
             let parameters = &member.placed.parameters;
             let last = member.placed.joint + 1 == robot.dof();
             let with = |of: &dyn Fn(&[f64]) -> Vec<f64>| delta(of, parameters, &places, estimates);

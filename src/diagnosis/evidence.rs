@@ -86,10 +86,10 @@ impl Evidence {
         let joints = 0..rows.dof();
         Ok(Evidence {
             starts: rows.starts.clone(),
-            time: rows.signal(|log| log.time.clone()),
+            time: rows.means(|log| log.time.clone()),
             valid: rows.valid.clone(),
-            q: joints.clone().map(|joint| rows.signal(|log| log.motion.q.channel(joint).to_vec())).collect(),
-            qd: joints.map(|joint| rows.signal(|log| log.motion.qd.channel(joint).to_vec())).collect(),
+            q: joints.clone().map(|joint| rows.means(|log| log.motion.q.channel(joint).to_vec())).collect(),
+            qd: joints.map(|joint| rows.means(|log| log.motion.qd.channel(joint).to_vec())).collect(),
             torque: rows.torque.clone(),
             described: table(described),
             baseline: table(baseline),

@@ -19,8 +19,9 @@ const LOW_SPEED: f64 = 0.3;
 const SHORTEST_DRIFT: f64 = 0.1;
 const LONGEST_DRIFT: f64 = 3.0;
 
-/// Least distance of a power of speed from one.
-const APART: f64 = 0.02;
+/// Least distance of a power of speed from one: nearer ones are the same bend of friction over speed, of coefficients that grow
+/// beyond any bound.
+const APART: f64 = 0.1;
 
 /// Highest harmonic of a ripple scan, and lengths of contacts, s.
 const HIGHEST_HARMONIC: f64 = 60.0;

@@ -61,7 +61,7 @@ impl Gains {
 
     /// The share that is gained outside the stretch that gains most.
     pub fn without_best_stretch(&self) -> f64 {
-        let best: f64 = self.of_rows[best_stretch(&self.of_rows)].iter().sum();
+        let best: f64 = self.of_rows[best_stretch(&self.of_rows, STRETCH)].iter().sum();
         self.share() - best / self.before
     }
 }

@@ -5,6 +5,7 @@
 //! | faults of the data, before any physics | [`screening`] |
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
+//! | the low-pass that torque went through before it was logged | [`passband`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
@@ -14,6 +15,7 @@
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection with held-out acceptance, backward pass | [`selection`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
+//! | gears with play, by their impacts | [`impacts`], [`play`] |
 //! | evidence beside slow noise and the error of the smoothing | [`beside`](mod@beside) |
 //! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
@@ -37,10 +39,13 @@ pub mod generic;
 pub mod grid;
 pub mod harmonics;
 pub mod held_out;
+pub mod impacts;
 pub mod inertias;
 pub mod innovations;
 pub mod judging;
 pub mod known;
+pub mod passband;
+pub mod play;
 pub mod residual_structure;
 pub mod resimulation;
 pub mod roles;

@@ -73,7 +73,7 @@ pub fn residual_structure(rows: &Rows, residual: &Column) -> Vec<ResidualStructu
                 follows(&own, &values)
             };
             let motion = |which: fn(&crate::dynamics::Motion) -> &crate::channels::Channels| {
-                share(rows.signal(|log| which(&log.motion).channel(joint).to_vec()))
+                share(rows.means(|log| which(&log.motion).channel(joint).to_vec()))
             };
             ResidualStructure {
                 rms_nm: (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt(),

@@ -48,7 +48,7 @@ pub fn resimulate(models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimula
             let mut residual = Column::new(rows.torque.iter().cloned());
             let simulated = Column::new((0..rows.dof()).map(|joint| {
                 let each = rows.logs.iter().zip(logs);
-                each.flat_map(|(log, (torque, _))| log.blocks(torque.channel(joint))).collect()
+                each.flat_map(|(log, (torque, _))| log.as_logged(torque.channel(joint))).collect()
             }));
             residual.add(-1.0, &simulated);
             let positions = logs.iter().map(|(_, q)| q.clone()).collect();

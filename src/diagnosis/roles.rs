@@ -27,10 +27,11 @@ pub fn is_level(effect: &dyn Effect) -> bool {
     LEVELS.contains(&effect.about().name)
 }
 
-/// Whether the torque of a departure is not straight in it: times by which signals are moved.
+/// Whether the torque of a departure is not straight in it: times by which signals are moved, and the compliance of gears, on
+/// which links swing.
 pub fn bends(effect: &dyn Effect, index: usize) -> bool {
     let parameter = &effect.parameters()[index];
-    parameter.role == Role::Departure && parameter.unit == "s"
+    parameter.role == Role::Departure && ["s", "rad/(N m)"].contains(&parameter.unit)
 }
 
 /// Size below which the torque of a departure that bends is as good as straight in it.

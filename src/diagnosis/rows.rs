@@ -4,12 +4,14 @@
 //! become means over the same short blocks, which keeps white noise white.
 
 use super::column::Column;
+use super::passband::LowPass;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::signal::{ZeroPhaseLowPass, block_means, first_derivative, second_derivative};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Length of a block, s.
 const BLOCK_S: f64 = 0.02;
@@ -43,8 +45,14 @@ const MEMORY: f64 = 1.0;
 /// share of an arm's torque is much against its noise.
 const MEMORY_OF_ENDS: f64 = 5.0;
 
+/// The same of the low-pass that torque went through before it was logged.
+const MEMORY_OF_LOGGER: f64 = 2.5;
+
 /// Stretch at an end that tells whether the arm moves there, s.
 const END_S: f64 = 0.1;
+
+/// Points of integrals over frequency.
+const POINTS: usize = 4000;
 
 /// Share of a joint's motion that reversals may not take.
 const KEPT_SHARE: f64 = 0.85;
@@ -61,10 +69,14 @@ pub struct Log {
     pub time: Vec<f64>,
     /// The motion from smooth positions.
     pub motion: Motion,
+    /// Measured torque, `[joint][time]`; not a number where it must not be used.
+    pub torque: Channels,
     /// Time between samples, s.
     pub period: f64,
     /// The low-pass that positions went through.
     pub low_pass: ZeroPhaseLowPass,
+    /// The low-pass that torque went through before it was logged, if any.
+    passed: Option<ZeroPhaseLowPass>,
     /// Samples in a block.
     block: usize,
 }
@@ -86,6 +98,18 @@ impl Log {
     /// Means over the blocks of a signal of this log.
     pub fn blocks(&self, signal: &[f64]) -> Vec<f64> {
         block_means(signal, self.block).unwrap_or_default()
+    }
+
+    /// Means over the blocks of a part of the torque, as it would have been logged: through the low-pass that the torque went
+    /// through.
+    pub fn as_logged(&self, torque: &[f64]) -> Vec<f64> {
+        let Some(passed) = &self.passed else { return self.blocks(torque) };
+        let mut logged = vec![0.0; torque.len()];
+        match passed.apply(torque, &mut logged) {
+            Ok(()) => self.blocks(&logged),
+            // No log is so short that made it here.
+            Err(_) => self.blocks(torque),
+        }
     }
 }
 
@@ -110,6 +134,19 @@ impl Rows {
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
     pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
+        Self::logged_through(None, recordings, cutoff_hz, fewest)
+    }
+
+    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged.
+    ///
+    /// # Errors
+    /// If a log is too short, or a joint hardly moves; named.
+    pub fn logged_through(
+        through: Option<LowPass>,
+        recordings: &[&Recording],
+        cutoff_hz: f64,
+        fewest: usize,
+    ) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
         let dof = first.joints();
         let mut rows = Rows {
@@ -120,10 +157,14 @@ impl Rows {
             before: 0,
         };
         for recording in recordings {
-            let log = prepared(recording, cutoff_hz)?;
-            let blocks = |periods: f64| (periods * recording.rate_hz() / cutoff_hz / log.block as f64).ceil() as usize;
-            let margin = blocks(MEMORY);
-            let ends = rests(recording).map(|rests| blocks(if rests { MEMORY } else { MEMORY_OF_ENDS }));
+            let mut log = prepared(recording, cutoff_hz)?;
+            log.passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
+            let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
+            let margin = blocks(MEMORY / cutoff_hz);
+            // What torque there was before and after the log, its low-pass knew.
+            let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
+            let ends = rests(recording)
+                .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / cutoff_hz).max(unknown_s)));
             for joint in 0..dof {
                 // A torque that is not a number is one that must not be used.
                 let torque = log.blocks(recording.tau.channel(joint));
@@ -167,6 +208,23 @@ impl Rows {
         self.len() == 0
     }
 
+    /// Share of white noise, as means over blocks, that the low-pass lets through that torque went through; one without any.
+    pub fn share_as_logged(&self) -> f64 {
+        let Some((log, passed)) = self.logs.iter().find_map(|log| Some((log, log.passed.as_ref()?))) else {
+            return 1.0;
+        };
+        let (mut all, mut through) = (0.0, 0.0);
+        for k in 0..POINTS {
+            let hz = (k as f64 + 0.5) / POINTS as f64 * 0.5 / log.period;
+            // A mean over a block is a low-pass of its own (Dirichlet's kernel).
+            let phase = PI * hz * log.period;
+            let mean = (log.block as f64 * phase).sin() / (log.block as f64 * phase.sin());
+            all += mean * mean;
+            through += (mean * passed.gain(hz)).powi(2);
+        }
+        through / all
+    }
+
     /// First row from after the change in question.
     pub fn changed_from(&self) -> usize {
         self.starts[self.before]
@@ -204,8 +262,21 @@ impl Rows {
         }
     }
 
-    /// A signal of one joint over the rows, from what `of` gives for every log at its own rate.
+    /// Leaves out the rows of all joints that hold samples `from..to` of a log.
+    pub fn leave_out_samples(&mut self, log: usize, from: usize, to: usize) {
+        let (start, end, block) = (self.starts[log], self.starts[log + 1], self.logs[log].block);
+        let near = (start + from / block).min(end)..(start + to.div_ceil(block)).min(end);
+        self.valid.iter_mut().for_each(|valid| valid[near.clone()].fill(false));
+    }
+
+    /// A part of the torque of one joint over the rows as it would have been logged, from what `of` gives for every log at its
+    /// own rate.
     pub fn signal(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
+        self.logs.iter().flat_map(|log| log.as_logged(&of(log))).collect()
+    }
+
+    /// A signal that is no torque over the rows, from what `of` gives for every log at its own rate.
+    pub fn means(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
         self.logs.iter().flat_map(|log| log.blocks(&of(log))).collect()
     }
 }
@@ -260,7 +331,7 @@ fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
 }
 
 /// Mean square away from both ends, where the filters settle.
-fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
+pub fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
     let cut = (2.0 * rate_hz) as usize;
     let inner = if signal.len() > 4 * cut { &signal[cut..signal.len() - cut] } else { signal };
     inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
@@ -268,7 +339,6 @@ fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
 
 /// Share of white noise that a zero-phase filter of this gain passes.
 fn share(gain: impl Fn(f64) -> f64, rate_hz: f64) -> f64 {
-    const POINTS: usize = 4000;
     (0..POINTS).map(|k| gain((k as f64 + 0.5) / POINTS as f64 * 0.5 * rate_hz).powi(2)).sum::<f64>() / POINTS as f64
 }
 
@@ -283,7 +353,15 @@ fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
     }
     let motion = Log::motion_of(q, 1.0 / rate)?;
     let block = ((BLOCK_S * rate).round() as usize).max(1);
-    Ok(Log { time: recording.time.clone(), motion, period: 1.0 / rate, low_pass, block })
+    Ok(Log {
+        time: recording.time.clone(),
+        motion,
+        torque: recording.tau.clone(),
+        period: 1.0 / rate,
+        low_pass,
+        passed: None,
+        block,
+    })
 }
 
 /// Whether all joints rest at the start and at the end of a log.

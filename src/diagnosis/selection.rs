@@ -2,13 +2,15 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::beside::{beside, happens_anywhere};
+use super::beside::beside;
 use super::candidates::{self, Candidate, Family, Slot};
 use super::column::rms;
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
 use super::held_out::Gains;
+use super::impacts::Play;
 use super::judging::Judged;
+use super::play::rattling_gears;
 use super::roles::is_level;
 use super::score::{Projection, family_wise};
 use super::session::{Member, Noise, Session};
@@ -52,7 +54,7 @@ const WORTH_A_NAME: f64 = 0.05;
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
 
-/// Candidates that held-out logs may refuse before the search ends.
+/// Candidates that may be refused one after the other before the search ends.
 const REFUSALS: usize = 12;
 
 /// An effect that was found.
@@ -70,6 +72,8 @@ pub struct Found {
     pub rms: [Vec<f64>; 2],
     /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
     pub verdict: Verdict,
+    /// What its impacts say, where these are what shows it.
+    pub impacts: Option<Play>,
 }
 
 /// What the search came to.
@@ -103,17 +107,22 @@ struct Round {
 /// If a log is too short to differentiate.
 pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
-    let mut refused: Vec<Slot> = Vec::new();
+    let mut refused: Vec<(Slot, Vec<usize>)> = Vec::new();
+    let mut in_a_row = 0;
     let mut round = look(session, &mut found, options)?;
+    found.extend(rattling_gears(session, &round.whitener, options)?);
+    if !found.is_empty() {
+        round = look(session, &mut found, options)?;
+    }
     let first_whitener = round.whitener.clone();
     let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
-    while found.len() < options.max_findings && refused.len() < REFUSALS {
+    while found.len() < options.max_findings && in_a_row < REFUSALS {
         progress(found.len());
         let taken: Vec<Slot> = found.iter().map(|found| found.member.candidate.slot()).collect();
         let open = |candidate: &Candidate| {
             let slot = candidate.slot();
-            !refused.contains(&slot)
+            !refused.iter().any(|(other, _)| *other == slot)
                 && !taken.iter().any(|(family, log)| *family == slot.0 && (*log == slot.1 || log.is_none()))
         };
         let mut best = round.scan.best_per_family();
@@ -146,16 +155,31 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
         }
         let stands = level <= limit
-            && (happens_anywhere(&winner.candidate)
+            && (is_level(winner.candidate.placed.effect)
                 || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln());
         let accepted = if stands { accepted(session, &members, &winner, level)? } else { None };
         match accepted {
             Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
-                found.push(Found { member, alternatives, family_wise_p: level, gain_lower_bound, rms, verdict });
+                // What was refused where this acts was seen in a noise that did not know it.
+                let joints = member.candidate.joints();
+                refused.retain(|(_, others)| !others.iter().any(|joint| joints.contains(joint)));
+                in_a_row = 0;
+                found.push(Found {
+                    member,
+                    alternatives,
+                    family_wise_p: level,
+                    gain_lower_bound,
+                    rms,
+                    verdict,
+                    impacts: None,
+                });
                 round = look(session, &mut found, options)?;
             }
-            None => refused.push(winner.candidate.slot()),
+            None => {
+                refused.push((winner.candidate.slot(), winner.candidate.joints()));
+                in_a_row += 1;
+            }
         }
     }
     if drop_superfluous(session, &mut found)? {
@@ -277,7 +301,7 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
         let all = members(found);
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &all)?);
         let mut least = (f64::NEG_INFINITY, 0);
-        for index in 0..all.len() {
+        for index in (0..all.len()).filter(|&index| !all[index].held) {
             let others: Vec<Member> =
                 all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, member)| member.clone()).collect();
             let fit = whitener.fit(&session.all_columns(&session.train, &others)?, &session.train.torque);

@@ -4,11 +4,12 @@ use super::arm::Arm;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
 use super::known::Known;
+use super::passband::{self, LowPass};
 use super::roles::{is_level, linear, shapes};
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::Projection;
 use super::solution::solve;
-use super::whitening::Whitener;
+use super::whitening::{Whitener, rich};
 use crate::effects::{Parameter, Placed};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -58,6 +59,8 @@ pub struct Session<'a> {
     pub test: Side,
     /// Cut-off of the positions' low-pass, Hz.
     pub cutoff_hz: f64,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
 }
 
 /// An effect in the model, with what it takes there.
@@ -71,6 +74,8 @@ pub struct Member {
     pub candidate: Candidate,
     /// Factors of the columns.
     pub factors: Vec<f64>,
+    /// Whether its parameters are told by something else than the rows: it has no columns in the model.
+    pub held: bool,
 }
 
 /// The noise under a model and the model's fit in its units.
@@ -105,9 +110,9 @@ impl<'a> Session<'a> {
         let arm = known.arm.clone();
         let before = known.reference.len();
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
-        let (train, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
-        let side = |logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
-            let mut rows = Rows::new(logs, cutoff_hz, fewest)?;
+        let (train_logs, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
+        let side = |through, logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
+            let mut rows = Rows::logged_through(through, logs, cutoff_hz, fewest)?;
             rows.before = before;
             let mut torque = Column::new(rows.torque.iter().cloned());
             torque.add(-1.0, &arm.believed(&rows));
@@ -116,27 +121,52 @@ impl<'a> Session<'a> {
             baseline.extend(known.derivatives(&rows)?);
             Ok(Side { baseline, torque, rows, training: fewest == FEWEST_ROWS })
         };
+        let both = |through, hz: f64| -> Result<[Side; 2]> {
+            Ok([side(through, train_logs, before, hz, FEWEST_ROWS)?, side(through, test, 0, hz, FEWEST_TEST_ROWS)?])
+        };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
-        let both = |hz: f64| -> Result<[Side; 2]> {
-            Ok([side(train, before, hz, FEWEST_ROWS)?, side(test, 0, hz, FEWEST_TEST_ROWS)?])
+        let cutoffs = cutoffs_up_to(cutoff(&all)?);
+        let best_of = |through: Option<LowPass>| -> Option<(f64, [Side; 2])> {
+            let mut best: Option<(f64, f64, [Side; 2])> = None;
+            for &hz in &cutoffs {
+                let Ok(sides) = both(through, hz) else { continue };
+                let [Side { rows, torque, baseline, .. }, _] = &sides;
+                let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
+                tracing::debug!(hz, unexpected, "cut-off");
+                if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
+                    best = Some((unexpected, hz, sides));
+                }
+            }
+            best.map(|(_, hz, sides)| (hz, sides))
         };
-        let mut best: Option<(f64, f64, [Side; 2])> = None;
-        for hz in cutoffs_up_to(cutoff(&all)?) {
-            let Ok(sides) = both(hz) else { continue };
-            let [Side { rows, torque, baseline, .. }, _] = &sides;
-            let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
-            tracing::debug!(hz, unexpected, "cut-off");
-            if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
-                best = Some((unexpected, hz, sides));
+        let (mut cutoff_hz, [mut train, mut test]) = match best_of(None) {
+            Some(best) => best,
+            // No cut-off leaves enough rows; the widest tells best why.
+            None => (WIDEST_HZ, both(None, WIDEST_HZ)?),
+        };
+        let mut passband = None;
+        if let Some(edge_hz) = passband::edge(&all)? {
+            let narrow = |hz: f64| side(Some(LowPass { order: 1, hz }), train_logs, before, cutoff_hz, FEWEST_ROWS);
+            if let Ok(Side { rows: Rows { valid, .. }, .. }) = narrow(passband::lowest(edge_hz)) {
+                let left = |through| {
+                    // All are seen on the same rows.
+                    let Side { mut rows, torque, baseline, .. } =
+                        side(through, train_logs, before, cutoff_hz, FEWEST_ROWS).ok()?;
+                    rows.valid.clone_from(&valid);
+                    let rich = (0..rows.dof())
+                        .flat_map(|joint| rich(&rows, joint).into_iter().map(move |signal| Column::on(joint, signal)));
+                    let columns: Vec<Column> = baseline.into_iter().chain(rich).collect();
+                    Some(passband::left(&rows, &torque, &columns))
+                };
+                if let Some(found) = passband::best(edge_hz, left)
+                    && let Some((hz, sides)) = best_of(Some(found))
+                {
+                    (passband, cutoff_hz, [train, test]) = (Some(found), hz, sides);
+                }
             }
         }
-        let (cutoff_hz, [train, test]) = match best {
-            Some((_, hz, sides)) => (hz, sides),
-            // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, both(WIDEST_HZ)?),
-        };
-        let mut session = Session { model, trust, known, arm, train, test, cutoff_hz };
+        let mut session = Session { model, trust, known, arm, train, test, cutoff_hz, passband };
         session.leave_out_distorted()?;
         Ok(session)
     }
@@ -173,7 +203,7 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub fn all_columns(&self, side: &Side, members: &[Member]) -> Result<Vec<Column>> {
         let mut all = side.baseline.clone();
-        for member in members {
+        for member in members.iter().filter(|member| !member.held) {
             if side.training || member.candidate.log.is_none() {
                 let Candidate { placed, log, .. } = &member.candidate;
                 all.extend(columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed))?.concat());
@@ -246,7 +276,7 @@ impl<'a> Session<'a> {
         let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
         self.arm.take(self.model, &solved.values);
         let mut place = self.train.baseline.len();
-        for member in members {
+        for member in members.iter_mut().filter(|member| !member.held) {
             let effect = member.placed.effect;
             for (k, index) in linear(effect).into_iter().enumerate() {
                 member.factors[k] = solved.values[place];
@@ -291,6 +321,9 @@ impl<'a> Session<'a> {
 impl Member {
     /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
     pub fn columns(&self) -> usize {
+        if self.held {
+            return 0;
+        }
         linear(self.placed.effect).len() + shapes(self.placed.effect).len()
     }
 
@@ -302,6 +335,7 @@ impl Member {
             factors: factors.to_vec(),
             candidate: candidate.clone(),
             placed,
+            held: false,
         }
     }
 }

@@ -10,12 +10,15 @@ use std::ops::Range;
 /// Rows in a stretch (one second): longer than the memory of noise and filters.
 pub const STRETCH: usize = 50;
 
+/// The same for an event, which may last no longer than that: a tenth of a second.
+const MOMENT: usize = 5;
+
 /// Stretches that an effect must be seen without.
 const WITHOUT: usize = 2;
 
-/// The stretch with the largest sum.
-pub fn best_stretch(of_rows: &[f64]) -> Range<usize> {
-    let width = STRETCH.min(of_rows.len());
+/// The stretch of so many rows with the largest sum.
+pub fn best_stretch(of_rows: &[f64], width: usize) -> Range<usize> {
+    let width = width.min(of_rows.len());
     let mut sum: f64 = of_rows[..width].iter().sum();
     let mut best = (sum, 0);
     for end in width..of_rows.len() {
@@ -53,6 +56,7 @@ pub fn without_best_stretches(
     let present = session.all_columns(&session.train, members)?;
     let mut rows = session.train.rows.clone();
     let mut whitener = whitener.clone();
+    let width = if winner.candidate.log.is_some() { MOMENT } else { STRETCH };
     for _ in 0..WITHOUT {
         let fit = whitener.fit(&present, &session.train.torque);
         let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
@@ -60,12 +64,14 @@ pub fn without_best_stretches(
         for (place, before, after) in row_by_row(&whitener, &fit.residual, &with.residual) {
             gains[place] += before * before - after * after;
         }
-        let best = best_stretch(&gains);
+        let best = best_stretch(&gains, width);
         rows.valid.iter_mut().for_each(|valid| valid[best.clone()].fill(false));
         whitener = whitener.on(&rows);
     }
     let fit = whitener.fit(&present, &session.train.torque);
-    Ok(session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p()))
+    let log_p = session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p());
+    tracing::debug!(log_p, "without the best stretches");
+    Ok(log_p)
 }
 
 #[cfg(test)]
@@ -77,9 +83,10 @@ mod tests {
         let mut rows = vec![0.1; 400];
         rows[120] = 30.0;
         rows[165] = 20.0;
-        let best = best_stretch(&rows);
+        let best = best_stretch(&rows, STRETCH);
         assert_eq!(best.len(), STRETCH);
         assert!(best.contains(&120) && best.contains(&165));
-        assert_eq!(best_stretch(&[1.0, 2.0]), 0..2);
+        assert_eq!(best_stretch(&rows, MOMENT), 116..121);
+        assert_eq!(best_stretch(&[1.0, 2.0], STRETCH), 0..2);
     }
 }

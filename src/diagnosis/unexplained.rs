@@ -116,6 +116,7 @@ impl<'a> Fitted<'a> {
             let Some(found) = self.fit.test(&whitened) else { continue };
             let log_p = against_slow_noise(&train.rows, self.whitener, &self.fit, &whitened, &found);
             let family_wise_p = (tests * log_p.exp()).min(1.0);
+            tracing::debug!(joint, structure = block.structure, family_wise_p, plain = found.log_p(), "structure");
             if family_wise_p >= best.as_ref().map_or(self.level, |best| best.family_wise_p.min(self.level)) {
                 continue;
             }
@@ -145,7 +146,9 @@ impl<'a> Fitted<'a> {
             after.add(-value, column);
         }
         let gains = Gains::new(&self.unseen, &self.before, &after, &[joint], test.rows.len());
-        gains.lower_bound() > 0.0 && gains.without_best_stretch() > 0.0
+        let [bound, elsewhere] = [gains.lower_bound(), gains.without_best_stretch()];
+        tracing::debug!(joint, structure = block.structure, bound, elsewhere, "structure on held-out rows");
+        bound > 0.0 && elsewhere > 0.0
     }
 
     /// Members on this joint alone that add nothing to a block.

@@ -5,6 +5,7 @@ use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
 use super::evidence::Evidence;
+use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
 use super::selection::{Found, Gain};
 use super::session::Session;
@@ -55,8 +56,12 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Level of false alarms.
     pub alpha: f64,
+    /// Names of the effects that were looked for; all of the library where empty.
+    pub candidates: Vec<String>,
     /// Cut-off of the positions' low-pass, Hz.
     pub cutoff_hz: f64,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
     /// Whether the last part of the training logs was held out for want of test logs.
     pub held_out_from_training: bool,
     /// Number of independent tests that the scan is worth.

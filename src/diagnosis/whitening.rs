@@ -23,6 +23,9 @@ const BIAS_DRAWS: u64 = 12;
 /// Largest share of a step that the next may keep: beyond it the rows do not tell how much was taken.
 const SLOWEST_STEPS: f64 = 0.75;
 
+/// Share of the rows' directions that the regression is taken to have left, at least: beyond it the rows do not tell.
+const LEAST_FREE: f64 = 0.25;
+
 /// Share of a column's norm that must be left for it to count as independent of those before.
 const INDEPENDENT: f64 = 1e-6;
 
@@ -45,6 +48,7 @@ struct JointWhitener {
 impl Whitener {
     /// From what `torque` has beyond the columns in `present` (the baseline, effects) and the rich ones.
     pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+        let share = rows.share_as_logged();
         let joints = (0..rows.dof())
             .into_par_iter()
             .map(|joint| {
@@ -52,7 +56,7 @@ impl Whitener {
                     present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
                 columns.extend(rich(rows, joint));
                 let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
-                JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint)
+                JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint, share)
             })
             .collect();
         Whitener { joints }
@@ -129,7 +133,7 @@ impl Whitener {
 }
 
 impl JointWhitener {
-    fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize) -> Self {
+    fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize, share: f64) -> Self {
         let masked = |signal: &[f64]| -> Vec<f64> {
             signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect()
         };
@@ -141,7 +145,7 @@ impl JointWhitener {
         // round make this a fixed point of a smooth map, and where most of the noise is taken its steps shrink slowly: every
         // other step goes on to where they would end.
         let corrected = |covariance: &[f64]| -> Vec<f64> {
-            let noise = AutoregressiveNoise::from_autocovariance(covariance);
+            let noise = AutoregressiveNoise::from_autocovariance(&before_low_pass(covariance.to_vec(), share));
             let mut corrected = observed.clone();
             for draw in 0..BIAS_DRAWS {
                 let mut source = random::stream(0, &format!("noise bias of joint {joint}"), draw);
@@ -159,13 +163,15 @@ impl JointWhitener {
             let second = corrected(&first);
             covariance = extrapolated(&covariance, &first, &second);
         }
-        let mut noise = AutoregressiveNoise::from_autocovariance(&corrected(&covariance));
+        let mut noise = AutoregressiveNoise::from_autocovariance(&before_low_pass(corrected(&covariance), share));
         noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
         let mut filter = InnovationsFilter::new(noise, valid, starts);
         // The scale once more from what is white: the autocovariances alone carry the error of the correction.
         let white = orthonormal(columns.iter().map(|column| filter.apply(column)).collect());
         let rest = residual(&white, filter.apply(torque));
-        let freedom = rest.len().saturating_sub(white.len()).max(1) as f64;
+        // Noise that went through a low-pass has fewer directions than rows.
+        let count = rest.len() as f64;
+        let freedom = (count - white.len() as f64 / share).max(LEAST_FREE * count).max(1.0);
         let scale = (rest.iter().map(|x| x * x).sum::<f64>() / freedom).sqrt();
         if scale > 0.0 {
             filter.scale_noise(scale);
@@ -178,6 +184,18 @@ impl JointWhitener {
         white.iter_mut().for_each(|x| *x /= self.misfit);
         white
     }
+}
+
+/// Autocovariances of noise before it went through a low-pass that passes `share` of white noise: taken for white, since the
+/// pass-band holds too few directions to tell a colour.
+///
+/// The noise that is left has next to nothing above the pass-band. Made white, that nothing would outweigh all that the logs
+/// hold: what counted would be the error of the filter that is taken for the one that was used.
+fn before_low_pass(mut covariance: Vec<f64>, share: f64) -> Vec<f64> {
+    if share < 1.0 {
+        covariance[1..].fill(0.0);
+    }
+    covariance
 }
 
 /// Where the steps from `start` over `first` to `second` would end (Aitken).
@@ -272,7 +290,7 @@ mod tests {
         let runs = 20;
         for run in 0..runs {
             let noise = truth.simulate(samples, &mut random::stream(3, "whitening", run));
-            let found = JointWhitener::new(&valid, &[0, samples], &noise, columns.clone(), 0);
+            let found = JointWhitener::new(&valid, &[0, samples], &noise, columns.clone(), 0, 1.0);
             let lag = AutoregressiveNoise::from_autocovariance(&lags(&noise, &valid));
             first += (found.filter.noise().coefficients[0] - lag.coefficients[0]) / runs as f64;
             scale += found.filter.noise().std() / runs as f64;
@@ -280,5 +298,31 @@ mod tests {
         let stationary = 2.0 / (1.0f64 - 0.85 * 0.85).sqrt();
         assert!(first.abs() < 0.03, "{first}");
         assert!((scale / stationary - 1.0).abs() < 0.1, "{scale} against {stationary}");
+    }
+
+    /// Noise that went through a low-pass under columns that went through it too: they take many of the few directions that it
+    /// has, and its strength is found all the same.
+    #[test]
+    fn noise_of_filtered_torque_is_not_taken_for_what_the_columns_leave() {
+        let (samples, share) = (1200, 0.1);
+        // White noise and columns in the lowest tenth of all frequencies.
+        let cosine = |k: usize, t: usize| (std::f64::consts::PI * k as f64 * (t as f64 + 0.5) / samples as f64).cos();
+        let columns: Vec<Vec<f64>> =
+            (0..120).step_by(2).map(|k| (0..samples).map(|t| cosine(k, t)).collect()).collect();
+        let white = AutoregressiveNoise { coefficients: vec![], innovation_std: 1.0 };
+        let (mut found, mut left) = (0.0, 0.0);
+        let runs = 10;
+        for run in 0..runs {
+            let size = white.simulate(120, &mut random::stream(5, "filtered noise", run));
+            let noise: Vec<f64> =
+                (0..samples).map(|t| size.iter().enumerate().map(|(k, s)| s * cosine(k, t)).sum()).collect();
+            let rms = norm(&noise) / (samples as f64).sqrt();
+            let whitener = JointWhitener::new(&vec![true; samples], &[0, samples], &noise, columns.clone(), 0, share);
+            found += whitener.filter.noise().std() / rms / runs as f64;
+            let rest = residual(&orthonormal(columns.clone()), noise);
+            left += norm(&rest) / (samples as f64).sqrt() / rms / runs as f64;
+        }
+        assert!((found - 1.0).abs() < 0.15, "{found}");
+        assert!(left < 0.8, "{left}");
     }
 }

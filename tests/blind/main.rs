@@ -9,7 +9,7 @@ use tauscope::identification::effect_model::Trust;
 use tauscope::scenario::Setup;
 use tauscope::study::blind::fault::Fault;
 use tauscope::study::blind::outside::OUTSIDE;
-use tauscope::study::blind::{ArmKind, BlindRun, Case, Class, MotionKind, Outcome, run};
+use tauscope::study::blind::{ArmKind, BlindRun, Case, Class, MotionKind, Outcome, Plan, run};
 
 const SEED: u64 = 41;
 
@@ -85,4 +85,36 @@ fn faults_of_the_data_are_named_and_nothing_else() {
         assert_eq!(run.judgement.outcome, Outcome::Named, "{fault:?}: {:?}", run.faults);
         assert!(run.diagnosis.is_none(), "{fault:?}");
     }
+}
+
+/// A run of the full study.
+fn of_study(seed: u64, index: usize, hidden: (&str, usize)) -> BlindRun {
+    let case = Plan::FULL.cases(seed, SETUP.known.dof()).swap_remove(index);
+    assert_eq!((case.hidden[0].effect.about().name, case.hidden[0].joint), hidden);
+    blind(&case)
+}
+
+#[test]
+fn play_is_named_by_its_impacts() {
+    let run = of_study(5100, 145, ("backlash", 0));
+    assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
+    let diagnosis = run.diagnosis.unwrap();
+    let play = diagnosis.found[0].impacts.as_ref().unwrap();
+    assert!(play.impacts * 2 > play.changes, "{play:?}");
+    let error = (play.half_gap - run.hidden[0].parameters[0]) / play.std;
+    assert!(error.abs() < 3.0 && play.std < 0.5 * play.half_gap, "{play:?}");
+}
+
+#[test]
+fn a_soft_gear_is_no_eccentric_encoder() {
+    // It swings at 4 Hz: a column of first order in the compliance had the wrong sign.
+    let run = of_study(4100, 130, ("joint_elasticity", 1));
+    assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
+    assert!(run.judgement.errors.iter().all(|error| error.abs() < 3.0), "{:?}", run.judgement);
+}
+
+#[test]
+fn a_row_at_the_end_of_a_log_is_no_contact() {
+    let run = of_study(5100, 136, ("position_dependent_friction", 3));
+    assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
 }

@@ -2,7 +2,7 @@
 
 mod text;
 
-pub use text::{lines, mend, place, stopped_lines};
+pub use text::{impacts, lines, mend, place, stopped_lines};
 
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
@@ -37,6 +37,9 @@ pub struct DiagnosisResult {
     alpha: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     position_cutoff_hz: Option<f64>,
+    /// Cut-off of the low-pass that torque went through before it was logged; absent where there was none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    torque_cutoff_hz: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     effective_tests: Option<f64>,
     noise_floor_nm: Vec<f64>,
@@ -201,6 +204,7 @@ pub fn result(
         joints: robot.joint_names(),
         alpha: diagnosis.alpha,
         position_cutoff_hz: Some(diagnosis.cutoff_hz),
+        torque_cutoff_hz: diagnosis.passband.map(|low_pass| low_pass.hz),
         effective_tests: Some(diagnosis.effective_tests),
         noise_floor_nm: diagnosis.noise_floor.clone(),
         test_torque_rms_nm: diagnosis.test_torque_rms.clone(),

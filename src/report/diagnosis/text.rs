@@ -4,6 +4,7 @@ use super::{EXTENDED_SCENARIO, finding, findings, joints};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::gap::Share;
+use crate::diagnosis::impacts::Play;
 use crate::diagnosis::screening::{Consequence, DataFault};
 use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
@@ -32,6 +33,12 @@ pub fn lines(
     if diagnosis.held_out_from_training {
         lines.push("No test log was given: the last part of every training log was held out.".into());
     }
+    lines.extend(diagnosis.passband.map(|low_pass| {
+        format!(
+            "The torque went through a low-pass of {:.2} Hz before it was logged; the model is seen through the same.",
+            low_pass.hz
+        )
+    }));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
         lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
@@ -49,8 +56,9 @@ pub fn lines(
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
         lines.push(format!(
-            "- {joint}: {percent:.0} % of what is left {}, and no effect of the library does so",
-            left.structure
+            "- {joint}: {percent:.0} % of what is left {}, and {} does so",
+            left.structure,
+            none(diagnosis)
         ));
     }
     lines.extend(where_it_lives(robot, diagnosis));
@@ -96,15 +104,26 @@ pub fn mend(faults: &[DataFault]) -> String {
     }
 }
 
+/// What explains nothing: all that was tried.
+fn none(diagnosis: &Diagnosis) -> String {
+    match diagnosis.candidates.as_slice() {
+        [] => "no effect of the library".into(),
+        tried => format!("none of the effects tried ({})", tried.join(", ")),
+    }
+}
+
 fn headline(diagnosis: &Diagnosis) -> String {
     let changed = diagnosis.against_reference;
+    let none = none(diagnosis);
+    let unexplained =
+        [format!("something changed that {none} explains"), format!("the model misses something that {none} explains")];
     let answer = match diagnosis.verdict {
         Verdict::Named if changed => "something changed, and the logs name it",
         Verdict::Named => "the logs name what the model misses",
         Verdict::OneOf if changed => "something changed, and the logs leave a choice of what",
         Verdict::OneOf => "the logs leave a choice of what the model misses",
-        Verdict::Unexplained if changed => "something changed that no effect of the library explains",
-        Verdict::Unexplained => "the model misses something that no effect of the library explains",
+        Verdict::Unexplained if changed => &unexplained[0],
+        Verdict::Unexplained => &unexplained[1],
         Verdict::None if changed => "nothing changed beyond the noise",
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
@@ -144,16 +163,28 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     if found.verdict == Verdict::Unexplained {
         names = format!("something like {names} (much stays unexplained there)");
     }
+    let chance =
+        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
+    if let Some(play) = &found.impacts {
+        return format!("{names}: {} (chance of a false alarm {chance}).", impacts(play));
+    }
     let torque = diagnosis.test_torque_rms[joint];
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
     format!(
-        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {}).",
+        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {chance}).",
         robot.joints[joint].name,
         significant(before[joint]),
         significant(after[joint]),
-        significant(diagnosis.noise_floor[joint]),
-        if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) }
+        significant(diagnosis.noise_floor[joint])
+    )
+}
+
+/// What shows a gear's play.
+pub fn impacts(play: &Play) -> String {
+    format!(
+        "the torque jumps within milliseconds of {} of {} changes of sign of the gear's load, which averages over 20 ms do not show",
+        play.impacts, play.changes
     )
 }
 

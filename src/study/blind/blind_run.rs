@@ -1,10 +1,10 @@
 //! A blind run: the arm is simulated with what is hidden in it, and the logs are screened and diagnosed like anybody's.
 
 use super::arm::random_setup;
-use super::case::{ArmKind, Case};
+use super::case::{ArmKind, Case, Class};
 use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
-use super::sizing::sized;
+use super::sizing::{noise_at_size, sized};
 use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
 use crate::diagnosis::{Diagnosis, Options, diagnose};
 use crate::effects::{Placed, Site};
@@ -37,16 +37,50 @@ pub struct BlindRun {
     pub seconds: f64,
 }
 
-/// Makes a blind run on the arm of `setup`, or on one drawn in its place.
+/// Times that a run which cannot be simulated is drawn again.
+const REDRAWS: u64 = 5;
+
+/// Makes a blind run on the arm of `setup`, or on one drawn in its place. What cannot be simulated is drawn again, unless it was
+/// asked for.
 ///
 /// # Errors
 /// If the hidden effect does not show on the arm, the simulation runs away under it, or those of the diagnosis.
 pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
+    let mut attempt = 0;
+    let (case, made) = loop {
+        let drawn = case.again(attempt, setup.known.dof());
+        match simulated(setup, &drawn) {
+            Ok(made) => break (drawn, made),
+            Err(problem) if case.class == Class::Asked || attempt == REDRAWS => return Err(problem),
+            Err(problem) => tracing::debug!(run = case.index, attempt, %problem, "drawn again"),
+        }
+        attempt += 1;
+    };
+    let Simulated { setup, hidden, logs } = made;
+    let started = Instant::now();
+    let (faults, diagnosis) = answer(&setup.known, logs.clone(), &case)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let judgement = judge(&case, &hidden, &faults, diagnosis.as_ref());
+    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, judgement, seconds })
+}
+
+/// An arm with what is hidden in it, and its logs.
+struct Simulated {
+    setup: Setup,
+    hidden: Vec<Placed>,
+    logs: Vec<Recording>,
+}
+
+fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
     let mut setup = match case.arm {
         ArmKind::Scenario => setup.clone(),
         ArmKind::Random(dof) => random_setup(setup, dof, case.seed),
     };
     let motions = motions(case, &setup)?;
+    for placed in &case.hidden {
+        let factor = noise_at_size(&setup, placed, case, &motions)?;
+        setup.sensors.iter_mut().for_each(|sensor| sensor.torque_noise *= factor);
+    }
     let hidden: Vec<Placed> =
         case.hidden.iter().map(|placed| sized(&setup, placed, case, &motions)).collect::<Result<_>>()?;
     setup.scenario.seed = case.seed;
@@ -73,11 +107,7 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
     if let Some(fault) = case.fault {
         fault.put_into(&mut logs, case.seed);
     }
-    let started = Instant::now();
-    let (faults, diagnosis) = answer(&setup.known, logs.clone(), case)?;
-    let seconds = started.elapsed().as_secs_f64();
-    let judgement = judge(case, &hidden, &faults, diagnosis.as_ref());
-    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, judgement, seconds })
+    Ok(Simulated { setup, hidden, logs })
 }
 
 /// What one who has the arm's description and the logs alone is told.

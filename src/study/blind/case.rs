@@ -99,6 +99,23 @@ impl Case {
     }
 }
 
+impl Case {
+    /// The same once more with another seed, and what it hides at other places with other shapes: what was drawn cannot be
+    /// simulated. The first attempt is the case itself.
+    pub fn again(&self, attempt: u64, own_dof: usize) -> Self {
+        if attempt == 0 {
+            return self.clone();
+        }
+        let mut source = random::stream(self.seed, "drawn again", attempt);
+        let dof = match self.arm {
+            ArmKind::Scenario => own_dof,
+            ArmKind::Random(dof) => dof,
+        };
+        let hidden = self.hidden.iter().map(|placed| drawn(placed.effect, dof, &mut source)).collect();
+        Case { seed: source.random(), hidden, ..self.clone() }
+    }
+}
+
 /// A case on the scenario's own arm: any effect of the library that `trust` lets one see, at any of its places.
 pub fn draw(setup: &Setup, seed: u64, severity: f64, correlation_s: f64, trust: Trust) -> Case {
     let mut source = random::stream(seed, "blind case", 0);

@@ -20,51 +20,33 @@ const SIZINGS: usize = 4;
 const HALVINGS: usize = 20;
 
 /// The effect at the size at which what it adds beyond the baseline along the training references, root mean square on its
-/// worst joint, is the case's severity times the torque noise.
+/// worst joint, is the case's severity times the torque noise. An effect of the integrator stays as it is: its step must
+/// divide the time between samples.
 ///
 /// # Errors
 /// If it does not show on this arm at all.
 pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<Placed> {
     if placed.effect.about().site == Site::Integrator {
-        // The step must divide the time between samples, so it cannot be sized.
         return Ok(placed.clone());
     }
-    let logs: Vec<Recording> = motions[..TRAIN].iter().map(|motion| reference_log(case, setup, motion)).collect();
-    let logs: Vec<&Recording> = logs.iter().collect();
     let model = Model::new(&setup.known);
-    let mut session = Session::new(&model, case.trust, &logs, &logs)?;
-    session.believe(&setup.known);
-    let severity = |placed: &Placed| -> Result<f64> {
-        let added = session.arm.added(std::slice::from_ref(placed), &session.train.rows)?.swap_remove(0);
-        // Parameters that joints share must not carry what is little on a strong joint to a weak one, where it is much.
-        let in_noise = |column: &Column| {
-            let mut column = column.masked(&session.train.rows.valid);
-            for (joint, values) in &mut column.parts {
-                values.iter_mut().for_each(|value| *value /= setup.sensors[*joint].torque_noise);
-            }
-            column
-        };
-        let baseline: Vec<_> = session.train.baseline.iter().map(in_noise).collect();
-        let left = Projection::new(&baseline, &in_noise(&added)).residual;
-        Ok(rms(&session.train.rows.valid, &left).into_iter().fold(0.0, f64::max))
-    };
+    let logs = references(setup, case, motions);
+    let session = session(setup, &model, &logs, case)?;
     let mut placed = placed.clone();
     if roles::is_level(placed.effect) {
         let largest = session.largest_torque(placed.joint);
         let (mut low, mut high) = (0.1 * largest, largest);
         for _ in 0..HALVINGS {
             placed.parameters[0] = 0.5 * (low + high);
-            if severity(&placed)? > case.severity { low = placed.parameters[0] } else { high = placed.parameters[0] }
+            match severity(setup, &session, &placed)? > case.severity {
+                true => low = placed.parameters[0],
+                false => high = placed.parameters[0],
+            }
         }
         return Ok(placed);
     }
     for _ in 0..SIZINGS {
-        let now = severity(&placed)?;
-        if !(now > 0.0 && now.is_finite()) {
-            let problem = format!("`{}` does not show on this arm beyond the baseline", placed.effect.about().name);
-            return Err(Error::request("blind run", problem));
-        }
-        let factor = case.severity / now;
+        let factor = case.severity / shown(setup, &session, &placed)?;
         for (parameter, value) in placed.effect.parameters().iter().zip(&mut placed.parameters) {
             if matches!(parameter.role, Role::Amplitude | Role::Departure) {
                 *value = (*value * factor).clamp(parameter.lower, parameter.upper);
@@ -72,4 +54,53 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
         }
     }
     Ok(placed)
+}
+
+/// Factor on the torque noise at which an effect that cannot be sized has the case's severity; one for all others.
+///
+/// # Errors
+/// If it does not show on this arm at all.
+pub fn noise_at_size(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<f64> {
+    if placed.effect.about().site != Site::Integrator {
+        return Ok(1.0);
+    }
+    let model = Model::new(&setup.known);
+    let logs = references(setup, case, motions);
+    Ok(shown(setup, &session(setup, &model, &logs, case)?, placed)? / case.severity)
+}
+
+fn references(setup: &Setup, case: &Case, motions: &[Motion]) -> Vec<Recording> {
+    motions[..TRAIN].iter().map(|motion| reference_log(case, setup, motion)).collect()
+}
+
+fn session<'a>(setup: &Setup, model: &'a Model, logs: &[Recording], case: &Case) -> Result<Session<'a>> {
+    let logs: Vec<&Recording> = logs.iter().collect();
+    let mut session = Session::new(model, case.trust, &logs, &logs)?;
+    session.believe(&setup.known);
+    Ok(session)
+}
+
+/// What an effect adds beyond the baseline on its worst joint over the torque noise, root mean squares.
+fn severity(setup: &Setup, session: &Session, placed: &Placed) -> Result<f64> {
+    let added = session.arm.added(std::slice::from_ref(placed), &session.train.rows)?.swap_remove(0);
+    // Parameters that joints share must not carry what is little on a strong joint to a weak one, where it is much.
+    let in_noise = |column: &Column| {
+        let mut column = column.masked(&session.train.rows.valid);
+        for (joint, values) in &mut column.parts {
+            values.iter_mut().for_each(|value| *value /= setup.sensors[*joint].torque_noise);
+        }
+        column
+    };
+    let baseline: Vec<_> = session.train.baseline.iter().map(in_noise).collect();
+    let left = Projection::new(&baseline, &in_noise(&added)).residual;
+    Ok(rms(&session.train.rows.valid, &left).into_iter().fold(0.0, f64::max))
+}
+
+fn shown(setup: &Setup, session: &Session, placed: &Placed) -> Result<f64> {
+    let now = severity(setup, session, placed)?;
+    if !(now > 0.0 && now.is_finite()) {
+        let problem = format!("`{}` does not show on this arm beyond the baseline", placed.effect.about().name);
+        return Err(Error::request("blind run", problem));
+    }
+    Ok(now)
 }

@@ -5,6 +5,7 @@ use crate::diagnosis::Diagnosis;
 use crate::diagnosis::selection::Found;
 use crate::effects::{About, Role};
 use crate::report::console::significant;
+use crate::report::diagnosis::impacts;
 use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 
@@ -41,12 +42,19 @@ pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
                 significant(value + NORMAL_95 * std),
             ]
         });
+        let gain = 100.0 * found.gain_lower_bound;
+        let shown = match &found.impacts {
+            Some(play) => sentence(&format!(
+                "{}; these hold at least {gain:.0} % of what is new in the held-out torque from sample to sample",
+                impacts(play)
+            )),
+            None => format!("It takes at least {gain:.0} % of the held-out sum of squares (84 % sure)."),
+        };
         blocks.push(Block::text(format!(
-            "{}: {} Chance of a false alarm: {}. It takes at least {:.0} % of the held-out sum of squares (84 % sure).",
+            "{}: {} Chance of a false alarm: {}. {shown}",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
             sentence(about.explanation),
             probability(found.family_wise_p.log10()),
-            100.0 * found.gain_lower_bound
         )));
         blocks.push(Block::table(["parameter", "value", "unit", "std", "95 % from", "to"], rows.collect()));
         blocks.push(Block::text(format!("Law: {}. Reference: {}", about.equation, sentence(about.reference))));

@@ -14,6 +14,7 @@ use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::Role;
 use crate::recording::Recording;
 use crate::report::console::significant;
+use crate::report::diagnosis::impacts;
 use crate::report::diagnosis::joints;
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
@@ -120,15 +121,21 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let gain = |joint: &usize| before[*joint] / after[*joint];
         let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
+        let shown = match &found.impacts {
+            Some(play) => sentence(&impacts(play)),
+            None => format!(
+                "With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+                joint.name,
+                significant(before[most]),
+                significant(after[most]),
+                significant(diagnosis.noise_floor[most]),
+            ),
+        };
         lead.push(format!(
-            "{}, {}. {} With it the held-out residual of {} falls from {} to {} {unit}; the noise is {} {unit}.",
+            "{}, {}. {} {shown}",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
             values(found).join(", "),
             about.explanation,
-            joint.name,
-            significant(before[most]),
-            significant(after[most]),
-            significant(diagnosis.noise_floor[most]),
         ));
     }
     for left in &diagnosis.unexplained {
@@ -177,7 +184,7 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
         let floor = diagnosis.noise_floor[j];
         let last =
             if diagnosis.found.is_empty() { diagnosis.baseline_rms[1][j] } else { diagnosis.extended_test_rms[j] };
-        let torque = evidence::rms(&diagnosis.evidence.torque[j]);
+        let torque = diagnosis.test_torque_rms[j];
         let mut row = vec![
             format!("{}, {}", joint.name, joint.effort_unit()),
             significant(torque),
@@ -247,6 +254,14 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
             "No test log was given: the last part of every training log was held out. A log of another motion is a harder \
              test.",
         ));
+    }
+    if let Some(low_pass) = diagnosis.passband {
+        blocks.push(Block::text(format!(
+            "The torque ends at a frequency at which no step of friction does: it went through a low-pass before it was logged. \
+             All of the model is seen through the zero-phase Butterworth low-pass of {} Hz (order {}) under which it leaves least.",
+            significant(low_pass.hz),
+            low_pass.order
+        )));
     }
     blocks.push(Block::text(format!(
         "Positions were smoothed at {} Hz, the cut-off that served the torque best. Of the held-out logs:",

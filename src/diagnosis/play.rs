@@ -1,0 +1,108 @@
+//! Gears with play, named by their impacts.
+
+use super::Options;
+use super::candidates::{Candidate, Family, is_candidate};
+use super::column::rms;
+use super::contest::Alternative;
+use super::impacts::{Play, Traces};
+use super::score::{family_wise, log_survival};
+use super::selection::Found;
+use super::session::{Member, Session};
+use super::verdict::Verdict;
+use super::whitening::Whitener;
+use crate::effects::{Effect, Placed, find};
+use crate::error::Result;
+
+/// Share of the level at which impacts are believed, and the same where the held-out logs have no change of sign.
+const IMPACTS: f64 = 0.02;
+const UNCONFIRMED: f64 = 1e-6;
+
+/// What training and held-out logs must each say for themselves.
+const EACH: f64 = 0.05;
+
+/// What is left of a gear's impacts without those moments at which another gear's load changes sign too, from which on the
+/// other is not an alternative.
+const OWN: f64 = 0.01;
+
+/// Name of the effect.
+const NAME: &str = "backlash";
+
+/// Gears with play that impacts in the logs show, the surest first. Rows that impacts disturb are left out of the session.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Options) -> Result<Vec<Found>> {
+    let effect = find(NAME)?;
+    if !is_candidate(effect, options.trust, &options.candidates) {
+        return Ok(Vec::new());
+    }
+    let dof = session.model.dof();
+    let known: Vec<usize> =
+        session.known.effects.iter().filter(|placed| placed.effect.about().name == NAME).map(|one| one.joint).collect();
+    let train = Traces::new(&session.arm, &session.train.rows);
+    let test = Traces::new(&session.arm, &session.test.rows);
+    let mut rattling: Vec<usize> = Vec::new();
+    let mut found = Vec::new();
+    while found.len() < options.max_findings {
+        let open = (0..dof).filter(|joint| !known.contains(joint) && !rattling.contains(joint));
+        // Nothing was fitted to the moments, so that those of all logs count.
+        let log_p = |joint: usize, without: &[usize]| -> f64 {
+            let each = [&train, &test].map(|traces| traces.log_p(joint, without));
+            log_survival(-2.0 * (each[0] + each[1]), 4)
+        };
+        let mut all: Vec<(usize, f64)> = open.map(|joint| (joint, log_p(joint, &rattling))).collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(&(joint, best)) = all.first() else { break };
+        let level = family_wise(best, dof as f64);
+        let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
+        tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
+        let both = each.iter().all(|log_p| *log_p < EACH.ln());
+        let told = both || test.changes(joint) == 0;
+        let limit = options.alpha * if both { IMPACTS } else { UNCONFIRMED };
+        if level > limit || !told {
+            break;
+        }
+        let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
+        let rivals: Vec<usize> = all[1..]
+            .iter()
+            .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
+            .map(|(other, _)| *other)
+            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > OWN.ln())
+            .collect();
+        rattling.push(joint);
+        rattling.extend(&rivals);
+        found.push(named(session, whitener, effect, (joint, &rivals), &play, (level, test.share(joint)))?);
+    }
+    for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
+        train.leave_out(joint, &mut session.train.rows);
+        test.leave_out(joint, &mut session.test.rows);
+    }
+    Ok(found)
+}
+
+fn named(
+    session: &Session,
+    whitener: &Whitener,
+    effect: &'static dyn Effect,
+    (joint, rivals): (usize, &[usize]),
+    play: &Play,
+    (level, share): (f64, f64),
+) -> Result<Found> {
+    let placed = Placed { parameters: vec![play.half_gap], ..Placed::typical(effect, joint) };
+    let candidate = Candidate { placed: placed.clone(), log: None, columns: Vec::new() };
+    let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true };
+    let left = rms(&session.test.rows.valid, &session.held_out_residual(&[], whitener)?);
+    let alternatives: Vec<Alternative> = rivals
+        .iter()
+        .map(|&joint| Alternative { family: Family { effect: NAME, joint }, relative_likelihood: 1.0 })
+        .collect();
+    Ok(Found {
+        verdict: if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },
+        member,
+        alternatives,
+        family_wise_p: level,
+        gain_lower_bound: share,
+        rms: [left.clone(), left],
+        impacts: Some(play.clone()),
+    })
+}

@@ -179,7 +179,8 @@ fn trial(times: &mut Times) -> Result<()> {
     let smoothing = Smoothing::SavitzkyGolay { window: 31, order: 4, decimation: 1 };
     let fast = || {
         let run = || -> Result<()> {
-            let prepared = prepare::measured(&drawn()?, smoothing, 0.0)?;
+            let recording = drawn()?;
+            let prepared = prepare::measured(&recording, smoothing, 0.0)?;
             let log = Log { motion: &prepared.motion, torque: &prepared.torque, valid: None };
             black_box(fused::weighted_least_squares(&model, log)?);
             Ok(())

@@ -19,6 +19,7 @@
 
 use super::information::{Information, SINGULAR};
 use crate::error::{Error, Result};
+use crate::identification::spectrum::Spectrum;
 
 /// Weight of ln kappa beside D in the compromise, unless another is asked for.
 pub const KAPPA_WEIGHT: f64 = 0.15;
@@ -106,8 +107,7 @@ impl Criterion {
 
 /// kappa, from the eigenvalues of the normalised information matrix.
 pub fn condition_number(information: &Information) -> f64 {
-    let values = information.normalised_eigenvalues();
-    ratio_of_ends(&values)
+    ratio_of_ends(&information.normalised_spectrum())
 }
 
 /// D in nats a parameter.
@@ -135,21 +135,19 @@ pub fn sizes(beta: &[f64], units: &[&str]) -> Vec<f64> {
     beta.iter().zip(units).map(|(value, unit)| value.abs().max(SMALL * largest(unit))).collect()
 }
 
-/// D and kappa from one set of eigenvalues.
+/// D and kappa from one spectrum.
 fn both(information: &Information) -> (f64, f64) {
-    let values = information.normalised_eigenvalues();
-    let kappa = ratio_of_ends(&values);
+    let spectrum = information.normalised_spectrum();
+    let kappa = ratio_of_ends(&spectrum);
     if kappa.is_infinite() {
         return (f64::INFINITY, f64::INFINITY);
     }
-    let logarithm = values.iter().map(|v| v.ln()).sum::<f64>() + information.log_diagonal();
+    let logarithm = spectrum.log_determinant() + information.log_diagonal();
     (-logarithm / (2.0 * information.parameters() as f64), kappa)
 }
 
 /// Square root of the largest over the smallest eigenvalue; infinite when the smallest is zero to rounding.
-fn ratio_of_ends(ascending: &[f64]) -> f64 {
-    match (ascending.first(), ascending.last()) {
-        (Some(least), Some(most)) if *least > SINGULAR * most => (most / least).sqrt(),
-        _ => f64::INFINITY,
-    }
+fn ratio_of_ends(spectrum: &Spectrum) -> f64 {
+    let [least, most] = spectrum.ends();
+    if least > SINGULAR * most { (most / least).sqrt() } else { f64::INFINITY }
 }

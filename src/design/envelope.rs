@@ -6,7 +6,7 @@
 
 use super::information::Samples;
 use crate::channels::Channels;
-use crate::dynamics::{Chain, inverse_dynamics_at};
+use crate::dynamics::{Chain, Point, coordinates, inverse_dynamics_at};
 use crate::effects::direction;
 use crate::error::{Error, Result};
 use crate::excitation::{JointLimits, Reference, limits};
@@ -55,7 +55,7 @@ impl Workspace {
 
     /// Distance of a point to the column (by the nearer of side and top), m; negative inside.
     fn outside_column(&self, point: &Vector3<f64>) -> f64 {
-        (point.x.hypot(point.y) - self.column_radius_m).max(point.z - self.column_top_m)
+        ((point.x * point.x + point.y * point.y).sqrt() - self.column_radius_m).max(point.z - self.column_top_m)
     }
 }
 
@@ -101,6 +101,8 @@ pub struct Envelope {
     inertial: Vec<f64>,
     joints: Vec<JointLimits>,
     workspace: Option<Workspace>,
+    /// The points watched, those of [`Envelope::watched`].
+    points: Vec<Point>,
 }
 
 impl Envelope {
@@ -115,6 +117,7 @@ impl Envelope {
             inertial: robot.inertial_parameters(),
             joints: joints.to_vec(),
             workspace,
+            points: points(robot),
         };
         for (limits, joint) in joints.iter().zip(&robot.joints) {
             limits.validate(&joint.name)?;
@@ -154,12 +157,14 @@ impl Envelope {
     }
 
     fn violation_of(&self, workspace: &Workspace, q: &Channels, sum: &mut Violation) {
-        for sample in 0..q.samples() {
-            let frames = self.robot.frames(&q.at(sample));
-            for frame in self.watched(&frames) {
-                let depth = |clearance: f64| (SEARCH_MARGIN_M - clearance).max(0.0);
-                sum.floor += depth(workspace.above_floor(&frame.translation));
-                sum.column += depth(workspace.outside_column(&frame.translation));
+        let places = coordinates(&self.chain, q, &self.points);
+        let depth = |clearance: f64| (SEARCH_MARGIN_M - clearance).max(0.0);
+        for point in 0..self.points.len() {
+            let [x, y, z] = [0, 1, 2].map(|axis| places.channel(3 * point + axis));
+            for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
+                let place = Vector3::new(x, y, z);
+                sum.floor += depth(workspace.above_floor(&place));
+                sum.column += depth(workspace.outside_column(&place));
             }
         }
     }
@@ -269,6 +274,13 @@ impl Envelope {
         }
         tau
     }
+}
+
+/// Origins of the frames of the joints watched, and the flange.
+fn points(robot: &Robot) -> Vec<Point> {
+    let origins = (FIRST_WATCHED..robot.dof()).map(|link| Point { link, place: [0.0; 3] });
+    let flange = Point { link: robot.dof() - 1, place: robot.flange.translation.into() };
+    origins.chain([flange]).collect()
 }
 
 /// A limit passed.

@@ -15,7 +15,9 @@ use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::identification::gram::Gram;
 use crate::identification::model::Model;
-use crate::lane::Lanes;
+use crate::identification::sequences::combine_into;
+use crate::identification::spectrum::Spectrum;
+use crate::lane::{Aligned, Lanes};
 use crate::robot::Robot;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -68,22 +70,20 @@ impl Information {
         self.matrix.diagonal().iter().map(|d| d.ln()).sum()
     }
 
-    /// Eigenvalues of G scaled to a unit diagonal, ascending: the squared singular values of the weighted regressor with
-    /// columns of unit length. A column of zeros counts as an eigenvalue of zero.
-    pub fn normalised_eigenvalues(&self) -> Vec<f64> {
+    /// Spectrum of G scaled to a unit diagonal: the squared singular values of the weighted regressor with columns of unit
+    /// length. A column of zeros counts as an eigenvalue of zero.
+    pub fn normalised_spectrum(&self) -> Spectrum {
         let scale = self.matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
         let unit =
             DMatrix::from_fn(self.parameters(), self.parameters(), |r, c| self.matrix[(r, c)] * scale[r] * scale[c]);
-        let mut values: Vec<f64> = unit.symmetric_eigenvalues().iter().copied().collect();
-        values.sort_by(f64::total_cmp);
-        values
+        Spectrum::of(&unit)
     }
 
     /// Number of base parameters, or combinations of them, that the rows tell apart.
     pub fn rank(&self) -> usize {
-        let values = self.normalised_eigenvalues();
-        let largest = values.last().copied().unwrap_or(0.0);
-        values.iter().filter(|&&value| value > SINGULAR * largest).count()
+        let spectrum = self.normalised_spectrum();
+        let [_, largest] = spectrum.ends();
+        if largest.is_nan() { 0 } else { self.parameters() - spectrum.below(SINGULAR * largest) }
     }
 
     /// ln det G; minus infinity when a parameter is not excited.
@@ -188,7 +188,9 @@ impl Experiment {
         let total = (motion.duration_s() * grid_hz + 1e-9).floor() as usize + 1;
         let (columns, dof) = (self.model.base_columns(), self.sigma.len());
         let mut grams: Vec<Gram> = (0..dof).map(|joint| Gram::new(columns.parameters(joint).len())).collect();
-        let mut table = vec![0.0; columns.places() * BLOCK];
+        let beta = |joint| columns.parameters(joint).iter().map(|&parameter| self.beta[parameter]).collect();
+        let weights: Vec<Vec<f64>> = (0..dof).map(beta).collect();
+        let mut table = Aligned::zeros(columns.places() * BLOCK);
         for first in (0..total).step_by(BLOCK) {
             let mut samples = self.sample(motion, first..total.min(first + BLOCK), grid_hz);
             let rows = samples.time.len();
@@ -201,11 +203,7 @@ impl Experiment {
                 if visit.is_none() {
                     continue;
                 }
-                let torque = samples.torque.channel_mut(joint);
-                for (column, &parameter) in own.chunks(rows).zip(columns.parameters(joint)) {
-                    let beta = self.beta[parameter];
-                    torque.iter_mut().zip(column).for_each(|(tau, y)| *tau += beta * y);
-                }
+                combine_into(own, &weights[joint], samples.torque.channel_mut(joint));
             }
             if let Some(visit) = &mut visit {
                 visit(&samples);
@@ -217,14 +215,8 @@ impl Experiment {
     fn sample(&self, motion: &dyn Reference, range: std::ops::Range<usize>, grid_hz: f64) -> Samples {
         let dof = self.sigma.len();
         let mut block = Motion::zeros(dof, range.len());
-        let [mut q, mut qd, mut qdd] = [(); 3].map(|()| vec![0.0; dof]);
         let time: Vec<f64> = range.map(|k| k as f64 / grid_hz).collect();
-        for (sample, &t) in time.iter().enumerate() {
-            motion.at(t, &mut q, &mut qd, &mut qdd);
-            block.q.set(sample, &q);
-            block.qd.set(sample, &qd);
-            block.qdd.set(sample, &qdd);
-        }
+        motion.along(&time, [&mut block.q, &mut block.qd, &mut block.qdd]);
         let torque = Channels::zeros(dof, time.len());
         Samples { time, motion: block, torque }
     }
@@ -235,13 +227,10 @@ impl Experiment {
         information.rows = samples * scale * self.sigma.len() as f64;
         for ((joint, gram), sigma) in grams.iter().enumerate().zip(&self.sigma) {
             let weight = scale / (sigma * sigma);
-            let gram = gram.matrix();
             let parameters = self.model.base_columns().parameters(joint);
-            for (c, &column) in parameters.iter().enumerate() {
-                for (r, &row) in parameters.iter().enumerate().skip(c) {
-                    information.matrix[(row, column)] += weight * gram[(r, c)];
-                }
-            }
+            gram.each_entry(|row, column, sum| {
+                information.matrix[(parameters[row], parameters[column])] += weight * sum;
+            });
         }
         information.matrix.fill_upper_triangle_with_lower_triangle();
         information

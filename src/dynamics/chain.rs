@@ -85,10 +85,12 @@ impl Chain {
         self
     }
 
+    #[inline(always)]
     pub(super) fn is_revolute(&self, joint: usize) -> bool {
         self.joints[joint].kind == JointKind::Revolute
     }
 
+    #[inline(always)]
     pub(super) fn axis<L: Lane>(&self, joint: usize) -> Vec3<L> {
         splat3(&self.joints[joint].axis)
     }
@@ -107,16 +109,14 @@ impl Chain {
         }
     }
 
-    /// State of link `joint` from that of the link before it.
+    /// Rotation from the frame of link `joint` to the frame before it, and its origin there.
     #[inline(always)]
-    pub(super) fn next<L: Lane>(&self, joint: usize, before: &LinkState<L>, q: L, qd: L, qdd: L) -> LinkState<L> {
+    pub(super) fn placement<L: Lane>(&self, joint: usize, q: L) -> (Mat3<L>, Vec3<L>) {
         let geometry = &self.joints[joint];
-        let axis: Vec3<L> = splat3(&geometry.axis);
         let mut translation: Vec3<L> = splat3(&geometry.translation);
         let mut rotation: Mat3<L> =
             [splat3(&geometry.constant[0]), splat3(&geometry.constant[1]), splat3(&geometry.constant[2])];
-        let revolute = geometry.kind == JointKind::Revolute;
-        if revolute {
+        if geometry.kind == JointKind::Revolute {
             let (sine, cosine) = q.sin_cos();
             for (row, (s, c)) in rotation.iter_mut().zip(geometry.with_sine.iter().zip(&geometry.with_cosine)) {
                 *row = std::array::from_fn(|k| row[k] + L::splat(c[k]).mul_add(cosine, L::splat(s[k]) * sine));
@@ -124,6 +124,15 @@ impl Chain {
         } else {
             translation = add(translation, scale(splat3(&geometry.slide), q));
         }
+        (rotation, translation)
+    }
+
+    /// State of link `joint` from that of the link before it.
+    #[inline(always)]
+    pub(super) fn next<L: Lane>(&self, joint: usize, before: &LinkState<L>, q: L, qd: L, qdd: L) -> LinkState<L> {
+        let (rotation, translation) = self.placement(joint, q);
+        let axis: Vec3<L> = self.axis(joint);
+        let revolute = self.is_revolute(joint);
         let mut omega = transpose_times(&rotation, before.omega);
         let mut alpha = transpose_times(&rotation, before.alpha);
         let swing = add(cross(before.alpha, translation), cross(before.omega, cross(before.omega, translation)));

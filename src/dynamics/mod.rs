@@ -7,6 +7,7 @@
 mod base_parameters;
 mod chain;
 mod forward;
+mod kinematics;
 mod regressor;
 mod rnea;
 mod spatial;
@@ -15,6 +16,7 @@ pub use crate::lane::{Lane, Lanes};
 pub use base_parameters::{BaseParameters, Grouping};
 pub use chain::Chain;
 pub use forward::{EquationsOfMotion, forward_dynamics};
+pub use kinematics::{Point, coordinates};
 pub use regressor::{Entries, block_row, regressor, regressor_in};
 pub use rnea::{inverse_dynamics, inverse_dynamics_at, inverse_dynamics_in, inverse_dynamics_into, mass_matrix};
 

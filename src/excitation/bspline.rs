@@ -9,9 +9,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::batch::fill_along;
 use super::peaks::Peaks;
 use super::piecewise::PiecewisePolynomial;
 use super::{Reference, fill, timing};
+use crate::channels::Channels;
 use crate::error::{Error, Result};
 
 /// Degree that motions have unless another is asked for: continuous up to the fourth derivative.
@@ -136,6 +138,10 @@ impl Reference for Bspline {
 
     fn at(&self, t_s: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         fill(self, t_s, [q, qd, qdd], |joint, t| self.curves[joint].at(t));
+    }
+
+    fn along(&self, times_s: &[f64], signals: [&mut Channels; 3]) {
+        fill_along(self, times_s, signals, |joint, sheet| self.curves[joint].along(sheet));
     }
 
     /// Exact, from the roots of the derivatives.

@@ -20,9 +20,12 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
+use super::batch::{Law, fill_along};
 use super::peaks::Peaks;
 use super::{Reference, fill, timing};
+use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::lane::{Lane, Lanes};
 
 /// Samples per period of the highest harmonic from which peaks are bounded; the bounds are then 1e-4 too wide at most.
 const SAMPLES_PER_HARMONIC: usize = 256;
@@ -100,14 +103,30 @@ impl FourierSeries {
     }
 
     fn joint_state(&self, joint: usize, t_s: f64) -> [f64; 3] {
-        let Harmonics { a, b } = &self.constrained[joint];
-        let base = TAU / self.data.period_s;
-        let (sin1, cos1) = (base * t_s).sin_cos();
+        self.series(joint).at(t_s)
+    }
+
+    fn series(&self, joint: usize) -> Series<'_> {
+        Series { harmonics: &self.constrained[joint], base: TAU / self.data.period_s }
+    }
+}
+
+/// The series of one joint with its base frequency, rad/s.
+struct Series<'a> {
+    harmonics: &'a Harmonics,
+    base: f64,
+}
+
+impl Law for Series<'_> {
+    #[inline(always)]
+    fn at<L: Lane>(&self, t: L) -> [L; 3] {
+        let (sin1, cos1) = (L::splat(self.base) * t).sin_cos();
         let (mut sin, mut cos) = (sin1, cos1);
-        let mut state = [0.0; 3];
-        for (l, (a, b)) in a.iter().zip(b).enumerate() {
-            let frequency = (l + 1) as f64 * base;
-            state[0] += (a * sin + b * (1.0 - cos)) / frequency;
+        let mut state = [L::splat(0.0); 3];
+        for (l, (&a, &b)) in self.harmonics.a.iter().zip(&self.harmonics.b).enumerate() {
+            let (a, b) = (L::splat(a), L::splat(b));
+            let frequency = L::splat((l + 1) as f64 * self.base);
+            state[0] += (a * sin + b * (L::splat(1.0) - cos)) / frequency;
             state[1] += a * cos + b * sin;
             state[2] += (b * cos - a * sin) * frequency;
             (sin, cos) = (sin * cos1 + cos * sin1, cos * cos1 - sin * sin1);
@@ -127,6 +146,11 @@ impl Reference for FourierSeries {
 
     fn at(&self, t_s: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         fill(self, t_s, [q, qd, qdd], |joint, t| self.joint_state(joint, t));
+    }
+
+    fn along(&self, times_s: &[f64], signals: [&mut Channels; 3]) {
+        let lanes = Lanes::best().for_angles_to(TAU * f64::from(self.data.periods));
+        fill_along(self, times_s, signals, |joint, sheet| sheet.write(lanes, &self.series(joint)));
     }
 
     /// Bounds no more than 1e-4 of the peak too wide, from samples: near a peak P a trigonometric polynomial of degree N

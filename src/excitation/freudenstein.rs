@@ -25,9 +25,12 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
+use super::batch::{Law, fill_along};
 use super::peaks::Peaks;
 use super::{Reference, fill, timing};
+use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::lane::Lane;
 
 /// The factor alpha that makes the velocity at both ends exactly zero; the paper prints 0.9438.
 pub const ALPHA: f64 = 1125.0 / 1192.0;
@@ -54,19 +57,37 @@ pub struct Move {
 impl Move {
     /// [position rad, velocity rad/s, acceleration rad/s^2] at `t_s`, which lies within the move: (13), (14), (15).
     pub fn at(&self, t_s: f64) -> [f64; 3] {
+        Law::at(self, t_s)
+    }
+}
+
+impl Law for Move {
+    #[inline(always)]
+    fn at<L: Lane>(&self, t_s: L) -> [L; 3] {
+        let number = |value: f64| L::splat(value);
         let h = self.to - self.from;
-        let share = (t_s - self.start_s) / self.duration_s;
-        let (sin, cos) = (TAU * share).sin_cos();
+        let share = over(t_s - number(self.start_s), self.duration_s);
+        let (sin, cos) = (number(TAU) * share).sin_cos();
         // Multiple angles from sin x and cos x: a simulation calls this millions of times.
         let (sin2, cos2) = (sin * sin, cos * cos);
-        let (sin3, sin5) = (sin * (3.0 - 4.0 * sin2), sin * (5.0 - sin2 * (20.0 - 16.0 * sin2)));
-        let (cos3, cos5) = (cos * (4.0 * cos2 - 3.0), cos * (5.0 - cos2 * (20.0 - 16.0 * cos2)));
+        let fifth = |square: L| number(5.0) - square * (number(20.0) - number(16.0) * square);
+        let (sin3, sin5) = (sin * (number(3.0) - number(4.0) * sin2), sin * fifth(sin2));
+        let (cos3, cos5) = (cos * (number(4.0) * cos2 - number(3.0)), cos * fifth(cos2));
+        let swing = sin + over(sin3, 54.0) + over(sin5, 1250.0);
+        let slope = cos + over(cos3, 18.0) + over(cos5, 250.0);
+        let bend = sin + over(sin3, 6.0) + over(sin5, 50.0);
         [
-            self.from + h * (share - ALPHA / TAU * (sin + sin3 / 54.0 + sin5 / 1250.0)),
-            h / self.duration_s * (1.0 - ALPHA * (cos + cos3 / 18.0 + cos5 / 250.0)),
-            h / (self.duration_s * self.duration_s) * TAU * ALPHA * (sin + sin3 / 6.0 + sin5 / 50.0),
+            number(self.from) + number(h) * (share - number(ALPHA / TAU) * swing),
+            number(h / self.duration_s) * (number(1.0) - number(ALPHA) * slope),
+            number(h / (self.duration_s * self.duration_s) * TAU * ALPHA) * bend,
         ]
     }
+}
+
+/// A quotient; several side by side as a product, since divisions in lanes would take longer than all else.
+#[inline(always)]
+fn over<L: Lane>(value: L, divisor: f64) -> L {
+    if L::WIDTH == 1 { value / L::splat(divisor) } else { value * L::splat(1.0 / divisor) }
 }
 
 /// The moves of one joint; it starts and ends at zero, so n durations go with n - 1 via points between them. Two equal
@@ -156,6 +177,12 @@ impl Reference for FreudensteinSequence {
 
     fn at(&self, t_s: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         fill(self, t_s, [q, qd, qdd], |joint, t| self.joint_state(joint, t));
+    }
+
+    fn along(&self, times_s: &[f64], signals: [&mut Channels; 3]) {
+        fill_along(self, times_s, signals, |joint, sheet| {
+            sheet.write_segments(&self.knots[joint], |k| self.nth_move(joint, k));
+        });
     }
 
     /// Exact: positions peak at via points, velocities at half time, accelerations at a quarter of each move.

@@ -17,6 +17,7 @@
 //!
 //! Angles in rad, times in s, one entry per joint from the base outwards.
 
+mod batch;
 pub mod bspline;
 pub mod encoding;
 pub mod fourier;
@@ -31,6 +32,7 @@ pub mod quintic;
 pub mod random_sequence;
 mod timing;
 
+use crate::channels::Channels;
 use serde::{Deserialize, Serialize};
 
 pub use bspline::Bspline;
@@ -57,6 +59,22 @@ pub trait Reference: Send + Sync {
     /// # Panics
     /// When a slice is shorter than the number of joints.
     fn at(&self, t_s: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]);
+
+    /// What [`Reference::at`] says, to rounding, at times in ascending order: position, velocity and acceleration of all
+    /// joints, each `[joint][time]`.
+    ///
+    /// # Panics
+    /// When a table has fewer channels than joints or another number of samples than there are times.
+    fn along(&self, times_s: &[f64], [q, qd, qdd]: [&mut Channels; 3]) {
+        let mut state = [(); 3].map(|()| vec![0.0; self.joints()]);
+        for (sample, &t) in times_s.iter().enumerate() {
+            let [position, velocity, acceleration] = &mut state;
+            self.at(t, position, velocity, acceleration);
+            q.set(sample, position);
+            qd.set(sample, velocity);
+            qdd.set(sample, acceleration);
+        }
+    }
 
     /// Bounds on the motion of `joint` that hold at all times; `None` where only samples can tell.
     fn peaks(&self, joint: usize) -> Option<Peaks> {
@@ -115,6 +133,10 @@ impl Reference for Motion {
 
     fn at(&self, t_s: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         self.reference().at(t_s, q, qd, qdd);
+    }
+
+    fn along(&self, times_s: &[f64], signals: [&mut Channels; 3]) {
+        self.reference().along(times_s, signals);
     }
 
     fn peaks(&self, joint: usize) -> Option<Peaks> {

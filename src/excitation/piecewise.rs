@@ -1,7 +1,9 @@
 //! A piecewise polynomial: what both the quintic sequence and the B-spline are once their coefficients are known.
 
+use super::batch::{Law, Sheet};
 use super::peaks::Peaks;
 use super::{polynomial, timing};
+use crate::lane::Lane;
 
 /// One joint's motion as polynomials between knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,24 +17,20 @@ pub struct PiecewisePolynomial {
 impl PiecewisePolynomial {
     /// Position, velocity and acceleration at `t_s`.
     pub fn at(&self, t_s: f64) -> [f64; 3] {
-        let k = timing::segment(&self.knots, t_s);
-        self.on_segment(k, (t_s - self.knots[k]) / self.length(k))
+        self.piece(timing::segment(&self.knots, t_s)).at(t_s)
+    }
+
+    /// Writes position, velocity and acceleration at many times.
+    pub fn along(&self, sheet: &mut Sheet) {
+        sheet.write_segments(&self.knots, |k| self.piece(k));
+    }
+
+    fn piece(&self, k: usize) -> Piece<'_> {
+        Piece { coefficients: &self.segments[k], start: self.knots[k], length: self.length(k) }
     }
 
     fn length(&self, k: usize) -> f64 {
         self.knots[k + 1] - self.knots[k]
-    }
-
-    /// Horner's rule for the value and its first two derivatives at once.
-    fn on_segment(&self, k: usize, s: f64) -> [f64; 3] {
-        let [mut value, mut first, mut half_second] = [0.0; 3];
-        for c in self.segments[k].iter().rev() {
-            half_second = half_second * s + first;
-            first = first * s + value;
-            value = value * s + c;
-        }
-        let length = self.length(k);
-        [value, first / length, 2.0 * half_second / (length * length)]
     }
 
     /// Exact peaks: extremes lie at knots or where the next derivative changes sign.
@@ -46,10 +44,39 @@ impl PiecewisePolynomial {
                 derivative = polynomial::derivative(&derivative);
             }
             for s in candidates {
-                peaks.include(self.knots[k] + s * self.length(k), self.on_segment(k, s));
+                peaks.include(self.knots[k] + s * self.length(k), self.piece(k).on_share(s));
             }
         }
         peaks
+    }
+}
+
+/// One polynomial.
+struct Piece<'a> {
+    coefficients: &'a [f64],
+    start: f64,
+    length: f64,
+}
+
+impl Piece<'_> {
+    /// Horner's rule for the value and its first two derivatives at once.
+    #[inline(always)]
+    fn on_share<L: Lane>(&self, s: L) -> [L; 3] {
+        let [mut value, mut first, mut half_second] = [L::splat(0.0); 3];
+        for &c in self.coefficients.iter().rev() {
+            half_second = half_second * s + first;
+            first = first * s + value;
+            value = value * s + L::splat(c);
+        }
+        let length = self.length;
+        [value, first / L::splat(length), L::splat(2.0) * half_second / L::splat(length * length)]
+    }
+}
+
+impl Law for Piece<'_> {
+    #[inline(always)]
+    fn at<L: Lane>(&self, t: L) -> [L; 3] {
+        self.on_share((t - L::splat(self.start)) / L::splat(self.length))
     }
 }
 

@@ -7,7 +7,7 @@ use super::model::STANDARD;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Entries, Motion};
 use crate::effects::direction;
-use crate::lane::Lanes;
+use crate::lane::{Aligned, Lanes};
 use crate::robot::PARAMETERS;
 use std::ops::Range;
 
@@ -132,7 +132,7 @@ impl BaseColumns {
         let samples = motions[0].samples();
         let mut tables: Vec<Channels> =
             self.shares.iter().map(|share| Channels::zeros(share.parameters.len(), samples)).collect();
-        let mut block = vec![0.0; self.places * BLOCK.min(samples)];
+        let mut block = Aligned::zeros(self.places * BLOCK.min(samples));
         for start in (0..samples).step_by(BLOCK) {
             let here = start..samples.min(start + BLOCK);
             let rows = here.len();

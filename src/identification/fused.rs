@@ -12,16 +12,16 @@ use super::tsqr::Triangle;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
-use crate::lane::Lanes;
+use crate::lane::{Aligned, Lanes};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples of a stretch that one thread does.
-const STRETCH: usize = 8192;
-
 /// Samples in the cache at once.
 const BLOCK: usize = super::base_columns::BLOCK;
+
+/// Samples of a stretch that one thread does: many of them to a log, so that threads are done at about the same time.
+const STRETCH: usize = 25 * BLOCK;
 
 /// A motion with the torque it took.
 #[derive(Debug, Clone, Copy)]
@@ -96,6 +96,7 @@ pub fn joint_sums(lanes: Lanes, model: &Model, log: Log) -> Vec<JointSums> {
     let sizes: Vec<usize> = (0..model.dof()).map(|joint| columns.parameters(joint).len() + 1).collect();
     let stretches: Vec<Vec<DMatrix<f64>>> = stretches(log)
         .into_par_iter()
+        .with_max_len(1)
         .map(|stretch| {
             let mut grams: Vec<Gram> = sizes.iter().map(|&size| Gram::new_in(lanes, size)).collect();
             blocks(lanes, model, log, stretch, |joint, table, rows| grams[joint].add(table, rows));
@@ -123,6 +124,7 @@ pub fn triangles(model: &Model, log: Log) -> Vec<DMatrix<f64>> {
     };
     let stretches: Vec<Vec<DMatrix<f64>>> = stretches(log)
         .into_par_iter()
+        .with_max_len(1)
         .map(|stretch| {
             let mut triangles = new();
             blocks(Lanes::best(), model, log, stretch, |joint, table, rows| triangles[joint].add(table, rows));
@@ -147,7 +149,7 @@ fn stretches(log: Log) -> Vec<Range<usize>> {
 /// zero.
 fn blocks(lanes: Lanes, model: &Model, log: Log, stretch: Range<usize>, mut visit: impl FnMut(usize, &[f64], usize)) {
     let columns = model.base_columns();
-    let mut table = vec![0.0; columns.places() * BLOCK];
+    let mut table = Aligned::zeros(columns.places() * BLOCK);
     for start in stretch.clone().step_by(BLOCK) {
         let here = start..stretch.end.min(start + BLOCK);
         let rows = here.len();

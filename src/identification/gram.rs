@@ -5,16 +5,19 @@
 //! end.
 
 use crate::channels::Channels;
-use crate::lane::{Kernel, Lane, Lanes};
+use crate::lane::{Aligned, Kernel, Lane, Lanes};
 use nalgebra::DMatrix;
 
 /// Rows of a block: its columns then stay in the cache while the tiles pass over them; no power of two, or they would crowd
 /// into few places of it.
 pub const BLOCK: usize = 120;
 
-/// Height and breadth of a tile.
+/// Height and breadth of a tile: its sums, a row's share of its breadth and one more value fill the registers.
 const TALL: usize = 4;
 const BROAD: usize = 3;
+
+/// Breadth with twice the registers, which come with the widest lanes.
+const BROADER: usize = 4;
 
 /// The lower triangle of X'X over the rows seen so far.
 #[derive(Debug, Clone)]
@@ -22,7 +25,7 @@ pub struct Gram {
     lanes: Lanes,
     columns: usize,
     /// Tile after tile, row by row; one partial sum per lane for every entry.
-    sums: Vec<f64>,
+    sums: Aligned,
 }
 
 impl Gram {
@@ -33,7 +36,8 @@ impl Gram {
 
     /// [`Gram::new`] in lanes of one kind.
     pub fn new_in(lanes: Lanes, columns: usize) -> Self {
-        Gram { lanes, columns, sums: vec![0.0; tiles(columns).count() * TALL * BROAD * lanes.width()] }
+        let broad = breadth(lanes.width());
+        Gram { lanes, columns, sums: Aligned::zeros(tiles(columns, broad).count() * TALL * broad * lanes.width()) }
     }
 
     /// Adds `rows` rows given as `[column][row]`.
@@ -52,54 +56,62 @@ impl Gram {
     /// If the table has another number of columns.
     pub fn add_valid<'t>(&mut self, table: impl Iterator<Item = &'t [f64]> + Clone, valid: &[bool]) {
         assert_eq!(table.clone().count(), self.columns, "a table of all columns is wanted");
-        let mut block = Vec::with_capacity(self.columns * BLOCK);
+        let mut block = Aligned::zeros(self.columns * BLOCK.min(valid.len()));
         for (number, valid) in valid.chunks(BLOCK).enumerate() {
-            valid_block(table.clone(), number * BLOCK, valid, &mut block);
-            self.add(&block, valid.len());
+            let block = &mut block[..self.columns * valid.len()];
+            valid_block(table.clone(), number * BLOCK, valid, block);
+            self.add(block, valid.len());
         }
     }
 
     /// X'X.
     pub fn matrix(&self) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.columns, self.columns);
-        let width = self.lanes.width();
-        for ((top, left), tile) in tiles(self.columns).zip(self.sums.chunks_exact(TALL * BROAD * width)) {
-            for (place, parts) in tile.chunks_exact(width).enumerate() {
-                let (row, column) = (top + place / BROAD, left + place % BROAD);
-                if column <= row && row < self.columns {
-                    matrix[(row, column)] = parts.iter().sum();
-                }
-            }
-        }
+        self.each_entry(|row, column, sum| matrix[(row, column)] = sum);
         matrix.fill_upper_triangle_with_lower_triangle();
         matrix
     }
-}
 
-/// Fills `block` with the rows of a table from `first` on, one per entry of `valid`, zeros where that is false.
-pub(super) fn valid_block<'t>(
-    table: impl Iterator<Item = &'t [f64]>,
-    first: usize,
-    valid: &[bool],
-    block: &mut Vec<f64>,
-) {
-    block.clear();
-    let all = valid.iter().all(|&ok| ok);
-    for column in table {
-        let part = &column[first..][..valid.len()];
-        if all {
-            block.extend_from_slice(part);
-        } else {
-            block.extend(part.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }));
+    /// Tells row, column and value of the entries of X'X on and below the diagonal.
+    pub fn each_entry(&self, mut tell: impl FnMut(usize, usize, f64)) {
+        let width = self.lanes.width();
+        let broad = breadth(width);
+        for ((top, left), tile) in tiles(self.columns, broad).zip(self.sums.chunks_exact(TALL * broad * width)) {
+            for (row, entries) in (top..self.columns).zip(tile.chunks_exact(broad * width)) {
+                for (column, parts) in (left..=row).zip(entries.chunks_exact(width)) {
+                    tell(row, column, parts.iter().sum());
+                }
+            }
         }
     }
 }
 
+/// Fills `block`, `[column][row]`, with the rows of a table from `first` on, one per entry of `valid`, zeros where that is
+/// false.
+pub(super) fn valid_block<'t>(table: impl Iterator<Item = &'t [f64]>, first: usize, valid: &[bool], block: &mut [f64]) {
+    let all = valid.iter().all(|&ok| ok);
+    for (column, target) in table.zip(block.chunks_exact_mut(valid.len())) {
+        let part = &column[first..][..valid.len()];
+        if all {
+            target.copy_from_slice(part);
+        } else {
+            for ((target, &x), &ok) in target.iter_mut().zip(part).zip(valid) {
+                *target = if ok { x } else { 0.0 };
+            }
+        }
+    }
+}
+
+/// Breadth of a tile in lanes of so many numbers.
+const fn breadth(width: usize) -> usize {
+    if width >= 8 { BROADER } else { BROAD }
+}
+
 /// First row and column of the tiles that cover the lower triangle.
-fn tiles(columns: usize) -> impl Iterator<Item = (usize, usize)> {
+fn tiles(columns: usize, broad: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..columns)
         .step_by(TALL)
-        .flat_map(move |top| (0..columns.min(top + TALL)).step_by(BROAD).map(move |left| (top, left)))
+        .flat_map(move |top| (0..columns.min(top + TALL)).step_by(broad).map(move |left| (top, left)))
 }
 
 struct Adding<'a> {
@@ -114,6 +126,13 @@ impl Kernel for Adding<'_> {
 
     #[inline(always)]
     fn run<L: Lane>(self) {
+        if breadth(L::WIDTH) == BROADER { self.tile_by_tile::<L, BROADER>() } else { self.tile_by_tile::<L, BROAD>() }
+    }
+}
+
+impl Adding<'_> {
+    #[inline(always)]
+    fn tile_by_tile<L: Lane, const BROAD: usize>(self) {
         let rows = self.rows;
         let mut tile = self.sums.chunks_exact_mut(TALL * BROAD * L::WIDTH);
         let last = self.columns.saturating_sub(1);
@@ -123,9 +142,14 @@ impl Kernel for Adding<'_> {
             while left < self.columns.min(top + TALL) {
                 let Some(sums) = tile.next() else { return };
                 // A tile that sticks out repeats the last column; what it gathers there is not read.
-                let tall = [0, 1, 2, 3].map(|k| &self.table[last.min(top + k) * rows..][..rows]);
-                let broad = [0, 1, 2].map(|k| &self.table[last.min(left + k) * rows..][..rows]);
-                add_tile::<L>(tall, broad, rows, sums);
+                let (mut tall, mut broad): ([&[f64]; TALL], [&[f64]; BROAD]) = ([&[]; TALL], [&[]; BROAD]);
+                for (k, column) in tall.iter_mut().enumerate() {
+                    *column = &self.table[last.min(top + k) * rows..][..rows];
+                }
+                for (k, column) in broad.iter_mut().enumerate() {
+                    *column = &self.table[last.min(left + k) * rows..][..rows];
+                }
+                add_tile::<L, BROAD>(tall, broad, rows, sums);
                 left += BROAD;
             }
             top += TALL;
@@ -134,19 +158,18 @@ impl Kernel for Adding<'_> {
 }
 
 #[inline(always)]
-fn add_tile<L: Lane>(tall: [&[f64]; TALL], broad: [&[f64]; BROAD], rows: usize, sums: &mut [f64]) {
+fn add_tile<L: Lane, const BROAD: usize>(tall: [&[f64]; TALL], broad: [&[f64]; BROAD], rows: usize, sums: &mut [f64]) {
     let mut entries = [[L::splat(0.0); BROAD]; TALL];
     for (place, sum) in entries.as_flattened_mut().iter_mut().enumerate() {
         *sum = L::load(&sums[place * L::WIDTH..]);
     }
     let mut row = 0;
     while row + L::WIDTH <= rows {
-        // Written out: a closure that hands on loads may be left out of line, compiled for the oldest machines.
-        let x = [
-            L::load(&broad[0][row..row + L::WIDTH]),
-            L::load(&broad[1][row..row + L::WIDTH]),
-            L::load(&broad[2][row..row + L::WIDTH]),
-        ];
+        // Loops instead of closures: one that hands on loads may be left out of line, compiled for the oldest machines.
+        let mut x = [L::splat(0.0); BROAD];
+        for (x, signal) in x.iter_mut().zip(broad) {
+            *x = L::load(&signal[row..row + L::WIDTH]);
+        }
         for (signal, entries) in tall.iter().zip(&mut entries) {
             let y = L::load(&signal[row..row + L::WIDTH]);
             for (entry, x) in entries.iter_mut().zip(x) {

@@ -3,12 +3,16 @@
 use super::gram::{BLOCK, Gram, products, valid_block};
 use super::joint_sums::{JointSums, Sums};
 use super::linear_problem::LinearProblem;
-use super::noise::{AutoregressiveNoise, autocovariance};
+use super::noise::{AutoregressiveNoise, autocovariance, simulate_together};
 use super::sequences::combined;
+use super::spectrum::Spectrum;
 use super::tsqr::Triangle;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
 use crate::random;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::inverse::{inverse as llt_inverse, inverse_scratch};
+use faer::{MatMut, MatRef, Par};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
 /// Order of the noise model behind the standard deviations.
@@ -153,11 +157,12 @@ impl JointRegression {
     /// The triangle of columns and torque over the rows that count.
     fn triangle(&self) -> DMatrix<f64> {
         let mut triangle = Triangle::new(self.parameters.len() + 1);
-        let mut block = Vec::new();
+        let mut block = vec![0.0; (self.parameters.len() + 1) * BLOCK];
         for (number, valid) in self.valid.chunks(BLOCK).enumerate() {
+            let block = &mut block[..(self.parameters.len() + 1) * valid.len()];
             let table = self.columns.iter().chain([self.torque.as_slice()]);
-            valid_block(table, number * BLOCK, valid, &mut block);
-            triangle.add(&block, valid.len());
+            valid_block(table, number * BLOCK, valid, block);
+            triangle.add(block, valid.len());
         }
         triangle.factor()
     }
@@ -359,17 +364,14 @@ fn residual_noise(
     };
     let residuals: Vec<Vec<f64>> = joints.iter().map(|joint| joint.residual(beta)).collect();
     let observed = lags(&residuals);
+    let rows = joints.iter().map(|joint| joint.torque.len()).max().unwrap_or(0);
     let mut noises: Vec<AutoregressiveNoise> =
         observed.iter().map(|covariance| AutoregressiveNoise::from_autocovariance(covariance)).collect();
     for round in 0..BIAS_ROUNDS {
         let mut corrected = observed.clone();
         for draw in 0..BIAS_DRAWS {
             let mut source = random::stream(0, "noise bias", round * BIAS_DRAWS + draw);
-            let drawn: Vec<Vec<f64>> = joints
-                .iter()
-                .zip(&noises)
-                .map(|(joint, noise)| noise.simulate(joint.torque.len(), &mut source))
-                .collect();
+            let drawn = simulate_together(&noises, rows, &mut source);
             let swallowed = normal.solve(&problem.right(&drawn));
             let left: Vec<Vec<f64>> = joints
                 .iter()
@@ -410,9 +412,9 @@ impl ScaledNormal {
         let scale = unit_scale(normal.diagonal(), names)?;
         let mut unit = DMatrix::from_fn(normal.nrows(), normal.ncols(), |r, c| normal[(r, c)] * scale[r] * scale[c]);
         unit.fill_upper_triangle_with_lower_triangle();
-        let eigen = SymmetricEigen::new(unit.clone());
-        let (low, high) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
+        let [low, high] = Spectrum::of(&unit).ends();
         if low < SINGULAR * high {
+            let eigen = SymmetricEigen::new(unit);
             return Err(tied(eigen.eigenvectors.column(eigen.eigenvalues.imin()).as_slice(), names));
         }
         let factor = Cholesky::new(unit)
@@ -441,8 +443,20 @@ impl ScaledNormal {
         self.factor.solve(&right.component_mul(&self.scale)).component_mul(&self.scale)
     }
 
+    /// Inverse of the matrix with unit diagonal; faer takes a sixth of the time that unit vectors solved one by one take.
+    fn inverse_of_unit(&self) -> DMatrix<f64> {
+        let size = self.scale.len();
+        let mut inverse = DMatrix::zeros(size, size);
+        let factor = MatRef::from_column_major_slice(self.factor.l_dirty().as_slice(), size, size);
+        let target = MatMut::from_column_major_slice_mut(inverse.as_mut_slice(), size, size);
+        let mut memory = MemBuffer::new(inverse_scratch::<f64>(size, Par::Seq));
+        llt_inverse(target, factor, Par::Seq, MemStack::new(&mut memory));
+        inverse.fill_upper_triangle_with_lower_triangle();
+        inverse
+    }
+
     pub(super) fn inverse(&self) -> DMatrix<f64> {
-        let unit = self.factor.inverse();
+        let unit = self.inverse_of_unit();
         DMatrix::from_fn(unit.nrows(), unit.ncols(), |r, c| unit[(r, c)] * self.scale[r] * self.scale[c])
     }
 }

@@ -18,6 +18,7 @@ pub mod noise;
 pub mod paper78;
 pub mod prepare;
 pub mod separable;
-mod sequences;
+pub(crate) mod sequences;
+pub mod spectrum;
 mod streamed;
 pub mod tsqr;

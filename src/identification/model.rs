@@ -2,11 +2,13 @@
 
 use super::base_columns::{BLOCK, BaseColumns};
 use super::linear_model::LinearModel;
+use super::sequences::combine_into;
 use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
 use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
 use crate::error::Result;
+use crate::lane::Aligned;
 use crate::random;
 use crate::robot::{JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
 use crate::signal::Filter;
@@ -164,17 +166,18 @@ impl LinearModel for Model {
 
     fn torque(&self, motion: &Motion, _: &[f64], beta: &[f64]) -> Channels {
         let mut torque = Channels::zeros(motion.joints(), motion.samples());
-        let mut table = Vec::new();
+        let of = |joint| self.columns.parameters(joint).iter().map(|&parameter| beta[parameter]).collect();
+        let weights: Vec<Vec<f64>> = (0..self.dof()).map(of).collect();
+        let mut table = Aligned::zeros(self.columns.places() * BLOCK.min(motion.samples()));
         for start in (0..motion.samples()).step_by(BLOCK) {
             let here = start..motion.samples().min(start + BLOCK);
-            table.resize(self.columns.places() * here.len(), 0.0);
-            self.columns.write(Lanes::best(), &self.chain, [motion; 2], 0.0, here.clone(), &mut table);
-            for joint in 0..self.dof() {
-                let columns = table.chunks_exact(here.len()).skip(self.columns.of(joint).start);
-                let target = &mut torque.channel_mut(joint)[here.clone()];
-                for (&parameter, column) in self.columns.parameters(joint).iter().zip(columns) {
-                    target.iter_mut().zip(column).for_each(|(value, x)| *value += x * beta[parameter]);
-                }
+            let rows = here.len();
+            let table = &mut table[..self.columns.places() * rows];
+            self.columns.write(Lanes::best(), &self.chain, [motion; 2], 0.0, here.clone(), table);
+            for (joint, weights) in weights.iter().enumerate() {
+                let share = self.columns.of(joint);
+                let own = &table[share.start * rows..share.end * rows];
+                combine_into(own, weights, &mut torque.channel_mut(joint)[here.clone()]);
             }
         }
         torque

@@ -1,6 +1,6 @@
 //! Autoregressive model of residual noise: what makes standard deviations right when noise has a colour.
 
-use super::sequences::{lagged_products, recur_backward};
+use super::sequences::{Law, lagged_products, recur_backward, recur_forward};
 use crate::channels::Channels;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -8,13 +8,10 @@ use rand_distr::{Distribution, StandardNormal};
 /// Samples after which simulated noise has forgotten that it started from rest.
 const RUN_IN: usize = 300;
 
-/// Highest order of the noise.
-pub const MOST: usize = 16;
-
 /// Noise e(t) = sum_k a_k e(t - k) + w(t), with w white of a given standard deviation.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct AutoregressiveNoise {
-    /// a_1 .. a_p, at most [`MOST`] of them.
+    /// a_1 .. a_p.
     pub coefficients: Vec<f64>,
     /// Standard deviation of w.
     pub innovation_std: f64,
@@ -57,22 +54,7 @@ impl AutoregressiveNoise {
 
     /// A stretch of this noise.
     pub fn simulate(&self, samples: usize, source: &mut impl Rng) -> Vec<f64> {
-        // What the past adds to the samples to come: unlike a sum over the past, it does not wait for itself.
-        let mut ahead = [0.0; MOST + 1];
-        let mut coefficients = [0.0; MOST];
-        coefficients[..self.coefficients.len()].copy_from_slice(&self.coefficients);
-        let mut noise = Vec::with_capacity(samples);
-        for t in 0..RUN_IN + samples {
-            let white: f64 = StandardNormal.sample(source);
-            let value = ahead[0] + self.innovation_std * white;
-            for k in 0..MOST {
-                ahead[k] = ahead[k + 1] + coefficients[k] * value;
-            }
-            if t >= RUN_IN {
-                noise.push(value);
-            }
-        }
-        noise
+        simulate_together(std::slice::from_ref(self), samples, source).pop().unwrap_or_default()
     }
 
     /// Turns every signal of `table` into L' signal, where L is the filter that makes this noise from unit white noise: the
@@ -80,6 +62,16 @@ impl AutoregressiveNoise {
     pub fn color_backward(&self, table: &mut Channels) {
         recur_backward(table, self.innovation_std, &self.coefficients);
     }
+}
+
+/// A stretch of each of several noises, one after the other from the same source.
+pub fn simulate_together(noises: &[AutoregressiveNoise], samples: usize, source: &mut impl Rng) -> Vec<Vec<f64>> {
+    let mut table = Channels::zeros(noises.len(), RUN_IN + samples);
+    table.as_mut_slice().fill_with(|| StandardNormal.sample(source));
+    let laws: Vec<Law> =
+        noises.iter().map(|noise| Law { gain: noise.innovation_std, coefficients: &noise.coefficients }).collect();
+    recur_forward(&mut table, &laws);
+    table.iter().map(|noise| noise[RUN_IN..].to_vec()).collect()
 }
 
 /// Autocovariance at lags 0..=`most` of the samples where `valid`, divided by their number at every lag, which keeps it

@@ -11,6 +11,7 @@ use crate::recording::{Recording, Signals};
 use crate::signal::{
     Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative, white_noise,
 };
+use std::borrow::Cow;
 
 /// How measured signals are smoothed before they enter the regression.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,17 +45,18 @@ const POSITION_MARGIN: f64 = 4.0;
 /// Order of the low-pass of [`Smoothing::LowPass`], in each direction.
 const LOW_PASS_ORDER: usize = 4;
 
-/// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count.
+/// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count. What it takes
+/// over as it is stays in the recording.
 #[derive(Debug, Clone)]
-pub struct Prepared {
+pub struct Prepared<'a> {
     /// Names of the joints.
     joints: Vec<String>,
     /// Time, s.
-    pub time: Vec<f64>,
+    pub time: Cow<'a, [f64]>,
     /// The motion as the model sees it, at the rate of the log.
     pub motion: Motion,
     /// Torque, unfiltered.
-    pub torque: Channels,
+    pub torque: Cow<'a, Channels>,
     filter: Filter,
     /// The filter that positions went through.
     position_filter: Filter,
@@ -69,7 +71,7 @@ pub struct Prepared {
 ///
 /// # Errors
 /// If the log is too short for the filter or the window is impossible.
-pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Result<Prepared> {
+pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Result<Prepared<'_>> {
     let period = 1.0 / recording.rate_hz();
     let (q, joints) = (&recording.q, &recording.joints);
     let (motion, filter, position_filter, decimation, reach) = match smoothing {
@@ -110,12 +112,11 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
         }
     };
-    let (time, torque) = (recording.time.clone(), recording.tau.clone());
     Ok(Prepared {
         joints: recording.joints.clone(),
-        time,
+        time: Cow::Borrowed(&recording.time),
         motion,
-        torque,
+        torque: Cow::Borrowed(&recording.tau),
         filter,
         position_filter,
         decimation,
@@ -125,13 +126,13 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
 }
 
 /// Makes exact signals ready: what identification could do with perfect sensors.
-pub fn exact(time: &[f64], signals: &Signals, band: f64) -> Prepared {
-    let Signals { q, qd, qdd, tau } = signals.clone();
+pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'a> {
+    let Signals { q, qd, qdd, tau } = signals;
     Prepared {
         joints: (1..=q.channels()).map(|joint| format!("joint {joint}")).collect(),
-        time: time.to_vec(),
-        motion: Motion { q, qd, qdd },
-        torque: tau,
+        time: Cow::Borrowed(time),
+        motion: Motion { q: q.clone(), qd: qd.clone(), qdd: qdd.clone() },
+        torque: Cow::Borrowed(tau),
         filter: Filter::None,
         position_filter: Filter::None,
         decimation: 1,
@@ -140,19 +141,19 @@ pub fn exact(time: &[f64], signals: &Signals, band: f64) -> Prepared {
     }
 }
 
-impl Prepared {
+impl<'a> Prepared<'a> {
     /// The same torque and filter along another motion over the same times, as a simulation gives it: its columns, and the
     /// rows that count, are those of that motion.
     ///
     /// # Panics
     /// If the motion has another number of samples.
-    pub fn along(&self, motion: Motion) -> Prepared {
+    pub fn along(&self, motion: Motion) -> Prepared<'a> {
         assert_eq!(motion.samples(), self.time.len(), "the motion must be over the same times");
         Prepared { motion, ..self.clone() }
     }
 
     /// The same with only every n-th row used; 0 counts as 1.
-    pub fn every(self, decimation: usize) -> Prepared {
+    pub fn every(self, decimation: usize) -> Self {
         Prepared { decimation: decimation.max(1), ..self }
     }
 

@@ -17,12 +17,21 @@ pub fn combined(table: &Channels, weights: &[f64]) -> Vec<f64> {
 fn combined_in(lanes: Lanes, table: &Channels, weights: &[f64]) -> Vec<f64> {
     assert_eq!(weights.len(), table.channels(), "one weight per column is wanted");
     let mut out = vec![0.0; table.samples()];
-    lanes.run(Combined { table, weights, out: &mut out });
+    lanes.run(Combined { table: table.as_slice(), weights, out: &mut out });
     out
 }
 
+/// [`combined`] of a table as long as `out` in every column, written there.
+///
+/// # Panics
+/// If the table has another size.
+pub fn combine_into(table: &[f64], weights: &[f64], out: &mut [f64]) {
+    assert_eq!(table.len(), weights.len() * out.len(), "one weight per column is wanted");
+    Lanes::best().run(Combined { table, weights, out });
+}
+
 struct Combined<'a> {
-    table: &'a Channels,
+    table: &'a [f64],
     weights: &'a [f64],
     out: &'a mut [f64],
 }
@@ -33,7 +42,7 @@ impl Kernel for Combined<'_> {
     #[inline(always)]
     fn run<L: Lane>(self) {
         let rows = self.out.len();
-        let table = self.table.as_slice();
+        let table = self.table;
         let mut row = 0;
         while row + TOGETHER * L::WIDTH <= rows {
             let mut sums = [L::splat(0.0); TOGETHER];
@@ -170,6 +179,92 @@ impl Kernel for Recursion<'_> {
     }
 }
 
+/// y(t) = gain x(t) + sum_k coefficients_k y(t - k - 1), one law for every signal.
+#[derive(Debug, Clone, Copy)]
+pub struct Law<'a> {
+    /// Factor of what comes in.
+    pub gain: f64,
+    /// Factors of what came out before, the latest first.
+    pub coefficients: &'a [f64],
+}
+
+/// Runs every signal of a table forward through its law, several signals side by side.
+///
+/// # Panics
+/// If there is not one law per signal.
+pub fn recur_forward(table: &mut Channels, laws: &[Law]) {
+    recur_forward_in(Lanes::best(), table, laws);
+}
+
+fn recur_forward_in(lanes: Lanes, table: &mut Channels, laws: &[Law]) {
+    assert_eq!(laws.len(), table.channels(), "one law per signal is wanted");
+    let samples = table.samples();
+    if samples > 0 {
+        lanes.run(Forward { table: table.as_mut_slice(), samples, laws });
+    }
+}
+
+struct Forward<'a> {
+    table: &'a mut [f64],
+    samples: usize,
+    laws: &'a [Law<'a>],
+}
+
+impl Kernel for Forward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        let Forward { table, samples, laws } = self;
+        let order = laws.iter().map(|law| law.coefficients.len()).max().unwrap_or(0);
+        // Side by side, `[sample][signal]`: what came out before a stretch, and behind it the stretch.
+        let mut rows = vec![0.0; (order + STRETCH) * L::WIDTH];
+        let mut weights = vec![0.0; (order + 1) * L::WIDTH];
+        for (signals, laws) in table.chunks_mut(samples * L::WIDTH).zip(laws.chunks(L::WIDTH)) {
+            rows.fill(0.0);
+            weights.fill(0.0);
+            for (lane, law) in laws.iter().enumerate() {
+                weights[lane] = law.gain;
+                for (k, &a) in law.coefficients.iter().enumerate() {
+                    weights[(k + 1) * L::WIDTH + lane] = a;
+                }
+            }
+            let gain = L::load(&weights);
+            let mut start = 0;
+            while start < samples {
+                let end = samples.min(start + STRETCH);
+                for (lane, signal) in signals.chunks_exact(samples).enumerate() {
+                    for (row, &x) in signal[start..end].iter().enumerate() {
+                        rows[(order + row) * L::WIDTH + lane] = x;
+                    }
+                }
+                for t in order..order + end - start {
+                    let mut even = L::load(&rows[t * L::WIDTH..]) * gain;
+                    let mut odd = L::splat(0.0);
+                    for k in 0..order {
+                        let before = L::load(&rows[(t - k - 1) * L::WIDTH..]);
+                        let weight = L::load(&weights[(k + 1) * L::WIDTH..]);
+                        if k % 2 == 0 {
+                            odd = before.mul_add(weight, odd);
+                        } else {
+                            even = before.mul_add(weight, even);
+                        }
+                    }
+                    (even + odd).store(&mut rows[t * L::WIDTH..]);
+                }
+                for (lane, signal) in signals.chunks_exact_mut(samples).enumerate() {
+                    for (row, y) in signal[start..end].iter_mut().enumerate() {
+                        *y = rows[(order + row) * L::WIDTH + lane];
+                    }
+                }
+                let done = end - start;
+                rows.copy_within(done * L::WIDTH..(done + order) * L::WIDTH, 0);
+                start = end;
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,6 +293,28 @@ mod tests {
             for (lag, value) in lagged_products(signal, 12).into_iter().enumerate() {
                 let plain: f64 = signal.iter().zip(signal.iter().skip(lag)).map(|(a, b)| a * b).sum();
                 assert!((value - plain).abs() < 1e-12, "lag {lag}: {value} {plain}");
+            }
+        }
+    }
+
+    #[test]
+    fn forward_recursions_side_by_side_are_those_of_each_signal() {
+        let coefficients = [0.5, -0.3, 0.2, 0.1, -0.05];
+        for (channels, samples) in [(1, 1), (2, 3), (9, 255), (8, 256), (19, 257), (3, 1030)] {
+            let given = table(channels, samples);
+            let of = |k: usize| Law { gain: 1.0 + k as f64, coefficients: &coefficients[..k % 6] };
+            let laws: Vec<Law> = (0..channels).map(of).collect();
+            for lanes in Lanes::available() {
+                let mut made = given.clone();
+                recur_forward_in(lanes, &mut made, &laws);
+                for ((x, y), law) in given.iter().zip(made.iter()).zip(&laws) {
+                    let mut plain = vec![0.0; samples];
+                    for t in 0..samples {
+                        let before = |(k, a): (usize, &f64)| if k < t { a * plain[t - k - 1] } else { 0.0 };
+                        plain[t] = law.gain * x[t] + law.coefficients.iter().enumerate().map(before).sum::<f64>();
+                        assert!((plain[t] - y[t]).abs() < 1e-11, "{lanes:?}, {samples} samples: {} {}", plain[t], y[t]);
+                    }
+                }
             }
         }
     }

@@ -79,8 +79,14 @@ impl Lanes {
 
     /// These lanes, or scalar ones where a position is too large for the reduction of [`Lane::sin_cos`].
     pub(crate) fn for_positions(self, q: &Channels, samples: Range<usize>) -> Self {
-        let far = |signal: &[f64]| signal.iter().fold(0.0f64, |largest, v| largest.max(v.abs())) > LARGEST_ANGLE;
-        if q.iter().any(|signal| far(&signal[samples.clone()])) { Lanes(Kind::Scalar) } else { self }
+        let largest = |signal: &[f64]| signal.iter().fold(0.0f64, |largest, v| largest.max(v.abs()));
+        self.for_angles_to(q.iter().map(|signal| largest(&signal[samples.clone()])).fold(0.0, f64::max))
+    }
+
+    /// These lanes, or scalar ones for angles up to `largest` where that is too large for the reduction of
+    /// [`Lane::sin_cos`].
+    pub(crate) fn for_angles_to(self, largest: f64) -> Self {
+        if largest > LARGEST_ANGLE { Lanes(Kind::Scalar) } else { self }
     }
 
     /// Samples side by side.

@@ -1,5 +1,6 @@
 //! The number type of the kernels: one sample, or several side by side.
 
+mod aligned;
 mod dispatch;
 #[cfg(target_arch = "aarch64")]
 mod neon;
@@ -8,6 +9,7 @@ mod sin_cos;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub(crate) use aligned::Aligned;
 pub use dispatch::Lanes;
 pub(crate) use dispatch::{Kernel, WIDEST};
 

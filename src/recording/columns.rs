@@ -5,6 +5,7 @@ use crate::channels::Channels;
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Prefixes that a column's name may have, the ones that are written first, with the suffixes of the other style.
 const POSITION: Quantity = Quantity { name: "position", prefixes: &["q"], suffixes: &["_position"] };
@@ -202,11 +203,8 @@ impl Layout {
         let qd = self.qd.as_deref().map(&mut take);
         let qdd = self.qdd.as_deref().map(&mut take);
         let tau = take(&self.tau);
-        let truth = self.truth.map(|[q, qd, qdd, tau]| Signals {
-            q: take(&q),
-            qd: take(&qd),
-            qdd: take(&qdd),
-            tau: take(&tau),
+        let truth = self.truth.map(|[q, qd, qdd, tau]| {
+            Arc::new(Signals { q: take(&q), qd: take(&qd), qdd: take(&qdd), tau: take(&tau) })
         });
         let time = std::mem::take(&mut columns[self.time]);
         Recording { joints: self.joints, time, q, qd, qdd, tau, truth, ..Default::default() }

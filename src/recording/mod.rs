@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeBounds};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Positions (rad), velocities (rad/s), accelerations (rad/s²) and torques (N m) of all joints over time.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -49,8 +50,8 @@ pub struct Recording {
     pub qdd: Option<Channels>,
     /// Measured torques, N m.
     pub tau: Channels,
-    /// The signals without noise; simulated logs only.
-    pub truth: Option<Signals>,
+    /// The signals without noise; simulated logs only. Logs of one simulation under different noise share them.
+    pub truth: Option<Arc<Signals>>,
     /// Where the log comes from: seed, versions, what measured the velocity.
     pub provenance: BTreeMap<String, String>,
 }
@@ -111,7 +112,7 @@ impl Recording {
             qd: self.qd.as_ref().map(|table| cut(table, &range)),
             qdd: self.qdd.as_ref().map(|table| cut(table, &range)),
             tau: cut(&self.tau, &range),
-            truth: self.truth.as_ref().map(|signals| signals.slice(range)),
+            truth: self.truth.as_ref().map(|signals| Arc::new(signals.slice(range))),
             provenance: self.provenance.clone(),
         }
     }

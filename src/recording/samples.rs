@@ -4,6 +4,7 @@ use super::{Recording, Signals};
 use crate::channels::Channels;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A recording with every field set; no two values are alike.
 pub fn full(joints: usize, samples: usize) -> Recording {
@@ -22,7 +23,7 @@ pub fn full(joints: usize, samples: usize) -> Recording {
         qd: Some(table(100.0)),
         qdd: Some(table(200.0)),
         tau: table(300.0),
-        truth: Some(Signals { q: table(400.0), qd: table(500.0), qdd: table(600.0), tau: table(700.0) }),
+        truth: Some(Arc::new(Signals { q: table(400.0), qd: table(500.0), qdd: table(600.0), tau: table(700.0) })),
         provenance: BTreeMap::from([("seed".into(), "7".into()), ("qd".into(), "tachometer".into())]),
     }
 }
@@ -87,7 +88,7 @@ pub fn any_recording() -> impl Strategy<Value = Recording> {
                 qd,
                 qdd,
                 tau,
-                truth,
+                truth: truth.map(Arc::new),
                 provenance,
             })
     })

@@ -22,7 +22,9 @@ use controller::ComputedTorque;
 use engine::EngineKind;
 use integrator::Run;
 use plant::Plant;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Speed (rad/s or m/s) that no joint reaches unless the simulation runs away.
 const RUNAWAY_SPEED: f64 = 1e4;
@@ -33,7 +35,7 @@ pub struct Truth {
     /// Time, s.
     pub time: Vec<f64>,
     /// Positions, velocities, accelerations and motor torques.
-    pub signals: Signals,
+    pub signals: Arc<Signals>,
     /// Torque taken by friction, that of sticking joints included.
     pub friction: Channels,
 }
@@ -70,20 +72,18 @@ pub fn simulate_with(
     let start = plant.resting(start_position(reference));
     let mut run = Run::new(&mut plant, &controller, start);
     let zeros = || Channels::zeros(dof, samples);
-    let mut truth = Truth {
-        time: Vec::with_capacity(samples),
-        signals: Signals { q: zeros(), qd: zeros(), qdd: zeros(), tau: zeros() },
-        friction: zeros(),
-    };
+    let mut time = Vec::with_capacity(samples);
+    let mut signals = Signals { q: zeros(), qd: zeros(), qdd: zeros(), tau: zeros() };
+    let mut friction = zeros();
     for sample in 0..samples {
         let first_step = sample * per_sample;
         let mut response = run.response();
-        truth.time.push(first_step as f64 * scenario.plant.step_s);
-        truth.signals.q.set(sample, &run.state().q);
-        truth.signals.qd.set(sample, &run.state().qd);
-        truth.signals.qdd.set(sample, &response.qdd);
-        truth.signals.tau.set(sample, &response.tau);
-        truth.friction.set(sample, &response.friction);
+        time.push(first_step as f64 * scenario.plant.step_s);
+        signals.q.set(sample, &run.state().q);
+        signals.qd.set(sample, &run.state().qd);
+        signals.qdd.set(sample, &response.qdd);
+        signals.tau.set(sample, &response.tau);
+        friction.set(sample, &response.friction);
         let sane = |j: usize| {
             let numbers = [run.state().q[j], response.qdd[j], response.tau[j]];
             numbers.iter().all(|v| v.is_finite()) && run.state().qd[j].abs() < RUNAWAY_SPEED
@@ -91,7 +91,7 @@ pub fn simulate_with(
         if let Some(joint) = (0..dof).find(|&j| !sane(j)) {
             let problem = format!(
                 "the simulation ran away at t = {:.3} s; lower controller.bandwidth_hz or plant.step_s",
-                truth.time[sample]
+                time[sample]
             );
             return Err(Error::request(&setup.plant.joints[joint].name, problem));
         }
@@ -106,7 +106,7 @@ pub fn simulate_with(
             run.advance(scenario.plant.integrator, &response, (step + 1) as f64 * scenario.plant.step_s);
         }
     }
-    Ok(truth)
+    Ok(Truth { time, signals: Arc::new(signals), friction })
 }
 
 /// Where a motion starts, from rest.
@@ -118,14 +118,14 @@ fn start_position(reference: &dyn Reference) -> Vec<f64> {
 }
 
 /// Positions and torques as the effects in the sensors leave them, before noise.
-fn distorted(setup: &Setup, truth: &Truth, period: f64) -> (Channels, Channels) {
-    let (mut q, mut tau) = (truth.signals.q.clone(), truth.signals.tau.clone());
+fn distorted<'a>(setup: &Setup, truth: &'a Truth, period: f64) -> (Cow<'a, Channels>, Cow<'a, Channels>) {
+    let (mut q, mut tau) = (Cow::Borrowed(&truth.signals.q), Cow::Borrowed(&truth.signals.tau));
     for placed in &setup.effects {
         let joints =
             if placed.effect.about().scope == Scope::Arm { (0..q.channels()).collect() } else { placed.joints() };
         for joint in joints {
-            placed.effect.distort_position(&placed.parameters, q.channel_mut(joint));
-            placed.effect.distort_torque(&placed.parameters, tau.channel_mut(joint), period);
+            placed.effect.distort_position(&placed.parameters, q.to_mut().channel_mut(joint));
+            placed.effect.distort_torque(&placed.parameters, tau.to_mut().channel_mut(joint), period);
         }
     }
     (q, tau)

@@ -1,6 +1,7 @@
 //! Sensors: encoders with resolution and noise, tachometers, torque measurement with white or correlated noise.
 
 use crate::channels::Channels;
+use crate::lane::{Kernel, Lane, Lanes};
 use crate::random;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -23,21 +24,35 @@ pub struct JointSensors {
 
 /// Position as the encoders of the joints tell it. `seed` and `run` choose the noise; every joint has a stream of its own.
 pub fn encoders(q: &Channels, sensors: &[JointSensors], seed: u64, run: u64) -> Channels {
-    q.map(|joint, signal| {
+    let mut out = q.clone();
+    assert!(sensors.len() >= q.channels(), "every joint has its sensors");
+    for (joint, sensor) in sensors.iter().enumerate().take(q.channels()) {
         let mut noise = stream(seed, "encoder", run, joint);
-        let JointSensors { encoder_noise, encoder_resolution, .. } = sensors[joint];
-        signal
-            .iter()
-            .map(|&value| {
-                let disturbed = value + encoder_noise * normal(&mut noise);
-                if encoder_resolution > 0.0 {
-                    (disturbed / encoder_resolution).round() * encoder_resolution
-                } else {
-                    disturbed
-                }
-            })
-            .collect()
-    })
+        let signal = out.channel_mut(joint);
+        signal.iter_mut().for_each(|value| *value += sensor.encoder_noise * normal(&mut noise));
+        if sensor.encoder_resolution > 0.0 {
+            Lanes::best().run(Rounding { signal, step: sensor.encoder_resolution });
+        }
+    }
+    out
+}
+
+/// Rounds a signal to whole steps.
+struct Rounding<'a> {
+    signal: &'a mut [f64],
+    step: f64,
+}
+
+impl Kernel for Rounding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        let step = L::splat(self.step);
+        for part in self.signal.chunks_mut(L::WIDTH) {
+            ((L::load_part(part) / step).round() * step).store_part(part);
+        }
+    }
 }
 
 /// Velocity of one joint as its tachometer tells it.
@@ -48,24 +63,23 @@ pub fn tachometer(qd: &[f64], noise_std: f64, seed: u64, run: u64, joint: usize)
 
 /// Torque as measured, sampled every `period_s`.
 pub fn torque(tau: &Channels, sensors: &[JointSensors], period_s: f64, seed: u64, run: u64) -> Channels {
-    tau.map(|joint, signal| {
+    let mut out = tau.clone();
+    assert!(sensors.len() >= tau.channels(), "every joint has its sensors");
+    for (joint, sensor) in sensors.iter().enumerate().take(tau.channels()) {
         let mut source = stream(seed, "torque", run, joint);
-        let JointSensors { torque_noise, torque_correlation_s, .. } = sensors[joint];
+        let JointSensors { torque_noise, torque_correlation_s, .. } = *sensor;
         let memory = if torque_correlation_s > 0.0 { (-period_s / torque_correlation_s).exp() } else { 0.0 };
         let renewal = (1.0 - memory * memory).sqrt();
         // Started from its stationary distribution, so that the first samples are like all others.
         let mut state = normal(&mut source);
-        signal
-            .iter()
-            .enumerate()
-            .map(|(sample, &value)| {
-                if sample > 0 {
-                    state = memory * state + renewal * normal(&mut source);
-                }
-                value + torque_noise * state
-            })
-            .collect()
-    })
+        for (sample, value) in out.channel_mut(joint).iter_mut().enumerate() {
+            if sample > 0 {
+                state = memory * state + renewal * normal(&mut source);
+            }
+            *value += torque_noise * state;
+        }
+    }
+    out
 }
 
 /// The noise stream of one sensor: runs and joints never share numbers.

@@ -8,12 +8,13 @@ use crate::identification::estimators::SimulatedRows;
 use crate::identification::least_squares::JointRegression;
 use crate::identification::model::{Model, STANDARD};
 use crate::identification::prepare::Prepared;
+use crate::recording::Signals;
 use crate::robot::{Inertia, PARAMETERS, Robot};
 use crate::scenario::{Setup, drive_friction};
 use crate::simulation::engine::EngineKind;
 use crate::simulation::integrator::Integrator;
 use crate::simulation::simulate_with;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Instants of the reference at which the mass matrix is tried.
 const TRIED: usize = 20;
@@ -60,7 +61,8 @@ impl<'a> ClosedLoop<'a> {
         self.require_mass_matrix(&robot)?;
         let setup = Setup { effects: drive_friction(&robot), plant: robot, ..self.setup.clone() };
         let truth = simulate_with(EngineKind::Recursive, &setup, self.reference, &mut |_| ())?;
-        Ok(Motion { q: truth.signals.q, qd: truth.signals.qd, qdd: truth.signals.qdd })
+        let Signals { q, qd, qdd, .. } = Arc::unwrap_or_clone(truth.signals);
+        Ok(Motion { q, qd, qdd })
     }
 
     fn require_mass_matrix(&self, robot: &Robot) -> Result<()> {
@@ -107,7 +109,7 @@ pub struct Beside<'a> {
     /// The simulated arm.
     pub arm: &'a ClosedLoop<'a>,
     /// The log, with its filter and torque.
-    pub prepared: &'a Prepared,
+    pub prepared: &'a Prepared<'a>,
 }
 
 impl SimulatedRows for Beside<'_> {

@@ -121,7 +121,7 @@ pub fn at_effort_limit(setup: &Setup, run: &Run) -> Vec<f64> {
 }
 
 /// The signals of a run as a variant sees them.
-pub fn prepared(setup: &Setup, run: &Run, variant: Variant) -> Result<Prepared> {
+pub fn prepared<'a>(setup: &Setup, run: &'a Run, variant: Variant) -> Result<Prepared<'a>> {
     let spec = &setup.scenario.identification;
     let band = spec.reversal_band_rad_s;
     match variant {

@@ -53,7 +53,7 @@ pub struct Preparation {
 pub struct EffectModel<'a> {
     model: &'a Model,
     trust: Trust,
-    logs: Vec<(&'a Recording, Prepared)>,
+    logs: Vec<(&'a Recording, Prepared<'a>)>,
     preparation: Preparation,
     placed: Vec<Placed>,
     /// The arm's own parameters that are fitted.
@@ -372,6 +372,9 @@ impl<'a> EffectModel<'a> {
 
     /// The recording with the encoders' errors taken out of its positions, if effects put any in.
     fn without_encoder_errors(&self, recording: &Recording) -> Option<Recording> {
+        if (0..self.model.dof()).all(|joint| self.sensors(joint).next().is_none()) {
+            return None;
+        }
         let mut q = recording.q.clone();
         for joint in 0..self.model.dof() {
             let distorted = |signal: &[f64]| -> Vec<f64> {

@@ -180,7 +180,7 @@ impl Study {
         rows
     }
 
-    fn prepared(&self, log: &Recording, window: usize) -> Result<Prepared> {
+    fn prepared<'b>(&self, log: &'b Recording, window: usize) -> Result<Prepared<'b>> {
         let spec = &self.setup.scenario.identification;
         let band = spec.reversal_band_rad_s;
         if window == 0 {

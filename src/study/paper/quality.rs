@@ -14,9 +14,9 @@ pub struct Seen<'a> {
     /// Raw or smoothed.
     pub signals: testbed::Variant,
     /// The motion that is identified from.
-    pub training: (&'a Run, Prepared),
+    pub training: (&'a Run, Prepared<'a>),
     /// The motion on which the result is judged.
-    pub held_out: (&'a Run, Prepared),
+    pub held_out: (&'a Run, Prepared<'a>),
 }
 
 impl<'a> Seen<'a> {

@@ -42,6 +42,7 @@ impl<'a> Along<'a> {
 
 /// Direction of motion along a measured velocity: tanh(v / width), the sign smoothed over the width in which noise
 /// makes it unreliable; a width of zero gives the plain sign.
+#[inline]
 pub fn direction(velocity: f64, width: f64) -> f64 {
     if width > 0.0 {
         (velocity / width).tanh()

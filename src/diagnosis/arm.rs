@@ -19,7 +19,7 @@ const BATCH: usize = 12;
 const GEAR_ROUNDS: usize = 3;
 
 /// Share of the frequency at which a link swings on its gear up to which the twist is followed, and the order of the filter;
-/// the slowest swing that is, Hz; and the places of the motion that tell the inertia.
+/// the slowest filter that still passes motions of arms, Hz; and the places of the motion that tell the inertia.
 const BELOW_SWING: f64 = 0.6;
 const SWING_ORDER: usize = 4;
 const SLOWEST_SWING_HZ: f64 = 1.5;

@@ -1,6 +1,6 @@
 //! Grids of the parameters that are not linear: where shapes and departures of an effect are looked for on a joint.
 
-use super::roles::{SIZES, bends, is_level, shapes};
+use super::roles::{bends, is_level, shapes, sizes};
 use super::rows::Rows;
 use crate::effects::{Effect, Parameter, Placed, Role};
 
@@ -69,11 +69,10 @@ fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> V
     if !bends(effect, index) {
         return vec![parameter.typical];
     }
-    let sizes = SIZES.iter().map(|size| size * parameter.typical);
-    sizes
-        .clone()
-        .map(|size| -size)
-        .chain(sizes)
+    let sizes = sizes(effect, index);
+    let negative = sizes.iter().map(|size| -size);
+    negative
+        .chain(sizes.iter().copied())
         .filter(|size| (parameter.lower..=parameter.upper).contains(size))
         .collect()
 }

@@ -8,8 +8,11 @@ const LEVELS: [&str; 1] = ["torque_saturation"];
 /// Effects that come from outside.
 const EVENTS: [&str; 1] = ["external_contact"];
 
-/// Sizes of departures of which the torque is not linear, as multiples of the typical one.
-pub const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+/// Sizes of departures of which the torque is not linear, as multiples of the typical one: of times, and of the compliance of
+/// gears, which reaches from those of the base to those of a hand.
+const TIMES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+const COMPLIANCES: [f64; 6] = [0.25, 1.0, 4.0, 16.0, 64.0, 250.0];
+const COMPLIANCE: &str = "rad/(N m)";
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
 pub fn linear(effect: &dyn Effect) -> Vec<usize> {
@@ -31,12 +34,19 @@ pub fn is_level(effect: &dyn Effect) -> bool {
 /// which links swing.
 pub fn bends(effect: &dyn Effect, index: usize) -> bool {
     let parameter = &effect.parameters()[index];
-    parameter.role == Role::Departure && ["s", "rad/(N m)"].contains(&parameter.unit)
+    parameter.role == Role::Departure && ["s", COMPLIANCE].contains(&parameter.unit)
+}
+
+/// Sizes at which the columns of a departure that bends are taken, without signs.
+pub fn sizes(effect: &dyn Effect, index: usize) -> Vec<f64> {
+    let parameter = &effect.parameters()[index];
+    let multiples = if parameter.unit == COMPLIANCE { COMPLIANCES.as_slice() } else { TIMES.as_slice() };
+    multiples.iter().map(|multiple| multiple * parameter.typical.abs()).collect()
 }
 
 /// Size below which the torque of a departure that bends is as good as straight in it.
 pub fn straight_below(effect: &dyn Effect, index: usize) -> f64 {
-    SIZES[0] * effect.parameters()[index].typical.abs()
+    sizes(effect, index)[0]
 }
 
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {

@@ -19,12 +19,15 @@ const SIZINGS: usize = 4;
 /// Halvings of the range of a level.
 const HALVINGS: usize = 20;
 
+/// Share of the wanted severity that an effect must reach within the bounds of its parameters.
+const REACHED: f64 = 0.8;
+
 /// The effect at the size at which what it adds beyond the baseline along the training references, root mean square on its
 /// worst joint, is the case's severity times the torque noise. An effect of the integrator stays as it is: its step must
 /// divide the time between samples.
 ///
 /// # Errors
-/// If it does not show on this arm at all.
+/// If it cannot be as large as that on this arm: not within the bounds of its parameters, or not at all.
 pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<Placed> {
     if placed.effect.about().site == Site::Integrator {
         return Ok(placed.clone());
@@ -43,7 +46,7 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
                 false => high = placed.parameters[0],
             }
         }
-        return Ok(placed);
+        return reached(setup, &session, placed, case);
     }
     for _ in 0..SIZINGS {
         let factor = case.severity / shown(setup, &session, &placed)?;
@@ -52,6 +55,20 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
                 *value = (*value * factor).clamp(parameter.lower, parameter.upper);
             }
         }
+    }
+    reached(setup, &session, placed, case)
+}
+
+/// The effect if it is as large as is wanted.
+fn reached(setup: &Setup, session: &Session, placed: Placed, case: &Case) -> Result<Placed> {
+    let severity = severity(setup, session, &placed)?;
+    if severity < REACHED * case.severity {
+        let problem = format!(
+            "`{}` reaches {severity:.2} of the noise within the bounds of its parameters, not {}",
+            placed.effect.about().name,
+            case.severity
+        );
+        return Err(Error::request("blind run", problem));
     }
     Ok(placed)
 }

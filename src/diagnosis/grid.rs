@@ -71,10 +71,7 @@ fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> V
     }
     let sizes = sizes(effect, index);
     let negative = sizes.iter().map(|size| -size);
-    negative
-        .chain(sizes.iter().copied())
-        .filter(|size| (parameter.lower..=parameter.upper).contains(size))
-        .collect()
+    negative.chain(sizes.iter().copied()).filter(|size| (parameter.lower..=parameter.upper).contains(size)).collect()
 }
 
 /// Bounds of a shape on a joint as it moves in these logs: what is called a transition at low speed must lie at low speed, and

@@ -2,6 +2,7 @@
 
 use super::column::Column;
 use super::judging::Judged;
+use super::roles::is_event;
 use super::session::{Member, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -56,7 +57,7 @@ pub fn without_best_stretches(
     let present = session.all_columns(&session.train, members)?;
     let mut rows = session.train.rows.clone();
     let mut whitener = whitener.clone();
-    let width = if winner.candidate.log.is_some() { MOMENT } else { STRETCH };
+    let width = if is_event(winner.candidate.placed.effect) { MOMENT } else { STRETCH };
     for _ in 0..WITHOUT {
         let fit = whitener.fit(&present, &session.train.torque);
         let with = fit.with(&whitener.apply_all(&winner.candidate.columns));

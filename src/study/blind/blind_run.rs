@@ -38,7 +38,7 @@ pub struct BlindRun {
 }
 
 /// Times that a run which cannot be simulated is drawn again.
-const REDRAWS: u64 = 5;
+const REDRAWS: u64 = 20;
 
 /// Makes a blind run on the arm of `setup`, or on one drawn in its place. What cannot be simulated is drawn again, unless it was
 /// asked for.

@@ -1,7 +1,7 @@
 //! Gears with play, named by their impacts.
 
 use super::Options;
-use super::candidates::{Candidate, Family, is_candidate};
+use super::candidates::{Candidate, Family, columns, is_candidate};
 use super::column::rms;
 use super::contest::Alternative;
 use super::impacts::{Play, Traces};
@@ -27,7 +27,8 @@ const OWN: f64 = 0.01;
 /// Name of the effect.
 const NAME: &str = "backlash";
 
-/// Gears with play that impacts in the logs show, the surest first. Rows that impacts disturb are left out of the session.
+/// Gears with play that impacts in the logs show, the surest first. Their steady torque joins the session's
+/// baseline, and the rows that impacts disturb are left out.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -72,6 +73,14 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
         rattling.push(joint);
         rattling.extend(&rivals);
         found.push(named(session, whitener, effect, (joint, &rivals), &play, (level, test.share(joint)))?);
+    }
+    // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
+    let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
+    let fitted = session.known.fitted().len();
+    for side in [&mut session.train, &mut session.test] {
+        let place = side.baseline.len() - fitted;
+        let steady = columns(&session.arm, &side.rows, &placed)?.concat();
+        side.baseline.splice(place..place, steady);
     }
     for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
         train.leave_out(joint, &mut session.train.rows);

@@ -184,7 +184,6 @@ impl Trace {
     fn new(arm: &Arm, rows: &Rows, index: usize) -> Option<Self> {
         let log = &rows.logs[index];
         let period = log.period;
-        let samples = |seconds: f64| ((seconds / period).round() as usize).max(1);
         let torque = arm.torque(&log.motion, &log.motion);
         let (count, dof) = (log.time.len(), torque.channels());
         let left = log.torque.map(|joint, measured| {
@@ -198,14 +197,14 @@ impl Trace {
                 *sum += value * value / dof as f64;
             }
         }
-        let mut permitted = moving(log, samples);
+        let mut permitted = moving(log);
         permitted.iter_mut().zip(&known).for_each(|(ok, known)| *ok &= known);
         Self::ranked(index, period, new, &permitted, [arm.load(&log.motion), left])
     }
 
     /// From what is new in the torque of a log, with the samples that play a part; None where these are too few.
     fn ranked(log: usize, period: f64, new: Vec<f64>, permitted: &[bool], [load, left]: [Channels; 2]) -> Option<Self> {
-        let samples = |seconds: f64| ((seconds / period).round() as usize).max(1);
+        let samples = |seconds| samples_in(seconds, period);
         let (count, window, length) = (new.len(), samples(AFTER_S + BEFORE_S), samples(IMPACT_S));
         let permitted: Vec<bool> =
             (0..count).map(|k| k + window <= count && permitted[k..k + window].iter().all(|&ok| ok)).collect();
@@ -221,7 +220,7 @@ impl Trace {
     }
 
     fn samples(&self, seconds: f64) -> usize {
-        ((seconds / self.period).round() as usize).max(1)
+        samples_in(seconds, self.period)
     }
 
     /// First samples of the windows in which the load of a gear changes its sign.
@@ -276,6 +275,11 @@ impl Trace {
     }
 }
 
+/// Samples in a time, at least one.
+fn samples_in(seconds: f64, period: f64) -> usize {
+    ((seconds / period).round() as usize).max(1)
+}
+
 /// What is new from sample to sample, in units of its noise; zero where it is not known.
 fn innovations(left: &[f64]) -> Vec<f64> {
     let known: Vec<bool> = left.iter().map(|value| value.is_finite()).collect();
@@ -309,7 +313,8 @@ fn innovations(left: &[f64]) -> Vec<f64> {
 }
 
 /// Samples away from reversals of any joint, from standstill, and from the ends of a log.
-fn moving(log: &Log, samples: impl Fn(f64) -> usize) -> Vec<bool> {
+fn moving(log: &Log) -> Vec<bool> {
+    let samples = |seconds| samples_in(seconds, log.period);
     let count = log.time.len();
     let mut permitted = vec![true; count];
     let mut exclude = |middle: usize, reach: usize| {

@@ -5,12 +5,13 @@ use rand::RngExt;
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 use tauscope::channels::Channels;
 use tauscope::design::criterion::Criterion;
 use tauscope::design::information::Experiment;
 use tauscope::dynamics::{Chain, Entries, Motion, block_row, forward_dynamics, inverse_dynamics_into};
-use tauscope::error::Result;
+use tauscope::error::{Error, Result};
 use tauscope::excitation::Reference;
 use tauscope::identification::fused::{self, Log};
 use tauscope::identification::least_squares::weighted_least_squares;
@@ -24,6 +25,10 @@ use tauscope::scenario::Setup;
 use tauscope::signal::{Edge, SavitzkyGolay};
 use tauscope::simulation::engine::EngineKind;
 use tauscope::simulation::{measure, simulate_with};
+
+/// The allocator of the command, so that times are those of the product.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Samples in a batch of the kernels: regressor and columns stay in the cache, as where the product streams them.
 const BATCH: usize = 120;
@@ -95,6 +100,12 @@ fn kernels(robot: &Robot, times: &mut Times) {
     }
 }
 
+/// Threads of their own, so that no waiting of others is counted.
+fn threads(count: usize) -> Result<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+    pool.map_err(|e| Error::request("threads", e.to_string()))
+}
+
 fn identification(robot: &Robot, times: &mut Times) -> Result<()> {
     let model = Model::new(robot);
     let motion = states(robot, LONG);
@@ -103,11 +114,7 @@ fn identification(robot: &Robot, times: &mut Times) -> Result<()> {
     draw(&mut noise, 1.0, "noise");
     torque.as_mut_slice().iter_mut().zip(noise.as_slice()).for_each(|(tau, e)| *tau += e);
     let log = Log { motion: &motion, torque: &torque, valid: None };
-    let threads = |count: usize| rayon::ThreadPoolBuilder::new().num_threads(count).build();
-    let (one, two) = match (threads(1), threads(2)) {
-        (Ok(one), Ok(two)) => (one, two),
-        _ => return Ok(()),
-    };
+    let (one, two) = (threads(1)?, threads(2)?);
     let solve = || drop(black_box(fused::weighted_least_squares(&model, log)));
     times.insert("identify 60k, ms".to_owned(), one.install(|| cpu(7, solve)) / 1e6);
     let columns = model.base_columns();
@@ -125,7 +132,7 @@ fn identification(robot: &Robot, times: &mut Times) -> Result<()> {
     times.insert("structured TSQR of 60k, ms".to_owned(), one.install(|| cpu(5, triangles)) / 1e6);
     // Wall times in turns, so that both see the same machine.
     let mut walls = [f64::INFINITY; 2];
-    for _ in 0..15 {
+    for _ in 0..41 {
         for (wall, pool) in walls.iter_mut().zip([&one, &two]) {
             let start = Instant::now();
             pool.install(solve);
@@ -169,13 +176,13 @@ fn trial(times: &mut Times) -> Result<()> {
     let truth = simulate_with(EngineKind::Recursive, &setup, &motion, &mut |_| ())?;
     let model = Model::new(&setup.known);
     let names: Vec<String> = model.base().groupings().iter().map(|grouping| grouping.name.clone()).collect();
-    let mut seed = 0;
-    let mut drawn = || {
-        seed += 1;
+    let seeds = AtomicU64::new(0);
+    let drawn = || {
         let mut setup = setup.clone();
-        setup.scenario.seed = seed;
+        setup.scenario.seed = seeds.fetch_add(1, Ordering::Relaxed);
         measure(&setup, &truth, 0)
     };
+    let one = threads(1)?;
     let smoothing = Smoothing::SavitzkyGolay { window: 31, order: 4, decimation: 1 };
     let fast = || {
         let run = || -> Result<()> {
@@ -185,20 +192,19 @@ fn trial(times: &mut Times) -> Result<()> {
             black_box(fused::weighted_least_squares(&model, log)?);
             Ok(())
         };
-        let mut run = run;
         black_box(run()).ok();
     };
-    times.insert("Monte Carlo trial, ms".to_owned(), cpu(15, fast) / 1e6);
-    times.insert("noise of a trial, ms".to_owned(), cpu(15, || drop(black_box(drawn()))) / 1e6);
+    times.insert("Monte Carlo trial, ms".to_owned(), one.install(|| cpu(31, fast)) / 1e6);
+    times.insert("noise of a trial, ms".to_owned(), one.install(|| cpu(31, || drop(black_box(drawn())))) / 1e6);
     for decimation in [1, 2] {
         let smoothing = Smoothing::SavitzkyGolay { window: 31, order: 4, decimation };
-        let mut run = || -> Result<()> {
+        let run = || -> Result<()> {
             let rows = prepare::measured(&drawn()?, smoothing, 0.03)?.regression(&model)?;
             black_box(weighted_least_squares(&rows, &names)?);
             Ok(())
         };
         let name = format!("Monte Carlo trial, filtered columns, coloured noise, every {decimation}, ms");
-        times.insert(name, cpu(7, || drop(black_box(run()))) / 1e6);
+        times.insert(name, one.install(|| cpu(7, || drop(black_box(run())))) / 1e6);
     }
     Ok(())
 }

@@ -4,8 +4,8 @@
 //! (seed, label, index), so adding a consumer never shifts the numbers of another, a study's run 731 replays alone,
 //! and the result does not depend on the order or number of threads.
 
+use chacha20::ChaCha8Rng;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 /// Name of the generator, as recorded in results.
 pub const GENERATOR: &str = "ChaCha8";

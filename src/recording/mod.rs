@@ -94,8 +94,10 @@ impl Recording {
         if steps.is_empty() {
             return f64::NAN;
         }
-        steps.sort_by(f64::total_cmp);
-        let (low, high) = (steps[(steps.len() - 1) / 2], steps[steps.len() / 2]);
+        let middle = steps.len() / 2;
+        let even = steps.len() % 2 == 0;
+        let (below, &mut high, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+        let low = if even { below.iter().copied().max_by(f64::total_cmp).unwrap_or(high) } else { high };
         1.0 / (low + 0.5 * (high - low))
     }
 

@@ -9,8 +9,8 @@ use crate::random;
 use crate::robot::Robot;
 use crate::simulation::integrator::Integrator;
 use crate::simulation::sensors::JointSensors;
+use chacha20::ChaCha8Rng;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
 /// Names of the copies of a scenario's inputs beside its results.

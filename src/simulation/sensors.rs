@@ -3,8 +3,8 @@
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::random;
+use chacha20::ChaCha8Rng;
 use rand::Rng;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// What measures one joint.

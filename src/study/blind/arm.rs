@@ -6,9 +6,9 @@ use crate::excitation::JointLimits;
 use crate::random;
 use crate::robot::{Drive, GRAVITY, Inertia, Joint, JointKind, Limits, Pose, Robot};
 use crate::scenario::{Setup, drive_friction, misjudged};
+use chacha20::ChaCha8Rng;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Axes of industrial arms, base to flange.

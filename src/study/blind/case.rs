@@ -6,8 +6,8 @@ use crate::effects::{Effect, LIBRARY, Placed, Role};
 use crate::identification::effect_model::Trust;
 use crate::random;
 use crate::scenario::Setup;
+use chacha20::ChaCha8Rng;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 /// Shapes are drawn within this factor of their typical size.
 const SHAPE_FACTOR: f64 = 1.4;

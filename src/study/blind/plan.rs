@@ -7,8 +7,8 @@ use crate::diagnosis::candidates;
 use crate::effects::Effect;
 use crate::identification::effect_model::Trust;
 use crate::random;
+use chacha20::ChaCha8Rng;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 /// Correlation times of the torque noise, s: white, and two that are slow.
 pub const CORRELATIONS_S: [f64; 3] = [0.0, 0.13, 0.5];

@@ -1,18 +1,19 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
 use super::Options;
+use super::acceptance::Gain;
 use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
 use super::estimates::Estimates;
 use super::evidence::Evidence;
 use super::extended::ExtendedModel;
-use super::gap::{Share, gain, gap_closed};
+use super::gap::{Residuals, Share};
 use super::inertias::all_inertias;
 use super::known::Known;
 use super::residual_structure::residual_structure;
 use super::resimulation::resimulate;
-use super::selection::{Found, Gain, Selection, select};
+use super::selection::{Found, Selection, select};
 use super::session::{Member, Session, Side};
 use super::unexplained::unexplained;
 use super::verdict::{Diagnosis, next_experiment, not_found, take_back, verdict};
@@ -54,11 +55,11 @@ pub struct Input<'a> {
 pub struct Conclusion<'a> {
     /// The answer.
     pub diagnosis: Diagnosis,
-    session: Session<'a>,
+    pub(super) session: Session<'a>,
     present: Vec<Placed>,
-    members: Vec<Member>,
-    whitener: Whitener,
-    first_whitener: Whitener,
+    pub(super) members: Vec<Member>,
+    pub(super) whitener: Whitener,
+    pub(super) first_whitener: Whitener,
     seed: u64,
 }
 
@@ -204,7 +205,9 @@ fn answer<'a>(
     let evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
-    let closed = gap_closed(&baseline, &extended, &test.valid, &noise_floor, options.seed);
+    let amiss: Vec<usize> = unexplained.iter().map(|left| left.joint).collect();
+    let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
+    let closed = residuals.gap_closed(&amiss, options.seed);
     let estimates = Estimates::new(&session, &members, &whitener)?;
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
@@ -280,8 +283,9 @@ impl Conclusion<'_> {
         let fitted = resimulate(&[&baseline, extended], rows)?;
         let (baseline, extended) = (&fitted[0], &fitted[1]);
         let noise = &self.diagnosis.noise_floor;
-        let shares = [gain, gap_closed]
-            .map(|share| share(&baseline.residual, &extended.residual, &baseline.valid, noise, self.seed));
+        let amiss: Vec<usize> = self.diagnosis.unexplained.iter().map(|left| left.joint).collect();
+        let (before, after) = (&baseline.residual, &extended.residual);
+        let residuals = Residuals { before, after, valid: &baseline.valid, noise };
         let extended_rms = rms(&extended.valid, &extended.residual);
         let fitted = &self.diagnosis.extended_test_rms;
         let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
@@ -295,8 +299,8 @@ impl Conclusion<'_> {
             described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
             baseline_rms: rms(&baseline.valid, &baseline.residual),
             extended_rms,
-            gain: shares[0],
-            gap_closed: shares[1],
+            gain: residuals.gain(self.seed),
+            gap_closed: residuals.gap_closed(&amiss, self.seed),
             positions: extended.positions.clone(),
         })
     }

@@ -10,6 +10,9 @@ const STRETCH: usize = 50;
 /// Draws of the bootstrap.
 const DRAWS: u64 = 1000;
 
+/// Mean square, in units of the noise, by which a model must change the torque of a joint to count there.
+const CHANGES: f64 = 0.1;
+
 /// A share with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Share {
@@ -23,17 +26,15 @@ pub struct Share {
 struct Stretches(Vec<[f64; 3]>);
 
 impl Stretches {
-    fn new(before: &Column, after: &Column, valid: &[Vec<bool>], noise: &[f64]) -> Self {
-        let rows = valid.first().map_or(0, Vec::len);
-        let mut sums = vec![[0.0; 3]; rows.div_ceil(STRETCH)];
-        for (joint, valid) in valid.iter().enumerate() {
-            let value = |column: &Column, row: usize| column.part(joint).map_or(0.0, |part| part[row] / noise[joint]);
-            for row in (0..rows).filter(|&row| valid[row]) {
-                let sum = &mut sums[row / STRETCH];
-                sum[0] += value(before, row).powi(2);
-                sum[1] += value(after, row).powi(2);
-                sum[2] += 1.0;
-            }
+    fn new(values: impl Iterator<Item = (usize, f64, f64)>) -> Self {
+        let mut sums: Vec<[f64; 3]> = Vec::new();
+        for (row, before, after) in values {
+            let stretch = row / STRETCH;
+            sums.resize(sums.len().max(stretch + 1), [0.0; 3]);
+            let sum = &mut sums[stretch];
+            sum[0] += before * before;
+            sum[1] += after * after;
+            sum[2] += 1.0;
         }
         sums.retain(|sum| sum[2] > 0.0);
         Stretches(sums)
@@ -61,18 +62,54 @@ impl Stretches {
     }
 }
 
-/// Share of the excess over the noise that is closed: 1 - (after - noise) / (before - noise) in sums of squares, the joints
-/// weighted by their noise; zero where there is no excess.
-pub fn gap_closed(before: &Column, after: &Column, valid: &[Vec<bool>], noise: &[f64], seed: u64) -> Share {
-    Stretches::new(before, after, valid, noise).share(seed, |[before, after, rows]| {
-        if before <= rows { 0.0 } else { (1.0 - (after - rows) / (before - rows)).clamp(-1.0, 1.0) }
-    })
+/// Residuals of the held-out rows before and after, `valid` where they count (`[joint][row]`), and the noise of each joint.
+#[derive(Debug, Clone, Copy)]
+pub struct Residuals<'a> {
+    /// What the one model leaves.
+    pub before: &'a Column,
+    /// What the other one leaves.
+    pub after: &'a Column,
+    /// Rows that count.
+    pub valid: &'a [Vec<bool>],
+    /// Standard deviation of the noise, N m.
+    pub noise: &'a [f64],
 }
 
-/// Share of the sum of squares that is gained: 1 - after / before.
-pub fn gain(before: &Column, after: &Column, valid: &[Vec<bool>], noise: &[f64], seed: u64) -> Share {
-    Stretches::new(before, after, valid, noise)
-        .share(seed, |[before, after, _]| if before > 0.0 { 1.0 - after / before } else { 0.0 })
+impl Residuals<'_> {
+    /// Values of a joint over its noise: row, before, after.
+    fn of(&self, joint: usize) -> Vec<(usize, f64, f64)> {
+        let value = |column: &Column, row: usize| column.part(joint).map_or(0.0, |part| part[row] / self.noise[joint]);
+        let valid = &self.valid[joint];
+        let rows = (0..valid.len()).filter(|&row| valid[row]);
+        rows.map(|row| (row, value(self.before, row), value(self.after, row))).collect()
+    }
+
+    /// Share of the excess over the noise that is closed: 1 - (after - noise) / (before - noise) in sums of squares, over the
+    /// joints in `amiss` and those on which the models differ; zero where there is no excess.
+    pub fn gap_closed(&self, amiss: &[usize], seed: u64) -> Share {
+        let mut sums = Stretches(Vec::new());
+        for joint in 0..self.valid.len() {
+            let rows = self.of(joint);
+            let changed: f64 = rows.iter().map(|(_, before, after)| (before - after).powi(2)).sum();
+            // The scatter of the noise of joints that have nothing to do with it would drown a small gap.
+            if changed > CHANGES * rows.len() as f64 || amiss.contains(&joint) {
+                sums.0.extend(Stretches::new(rows.into_iter()).0);
+            }
+        }
+        sums.share(
+            seed,
+            |[before, after, rows]| {
+                if before <= rows { 0.0 } else { (1.0 - (after - rows) / (before - rows)).clamp(-1.0, 1.0) }
+            },
+        )
+    }
+
+    /// Share of the sum of squares that is gained, the joints weighted by their noise: 1 - after / before.
+    pub fn gain(&self, seed: u64) -> Share {
+        let joints = 0..self.valid.len();
+        let sums = Stretches(joints.flat_map(|joint| Stretches::new(self.of(joint).into_iter()).0).collect());
+        sums.share(seed, |[before, after, _]| if before > 0.0 { 1.0 - after / before } else { 0.0 })
+    }
 }
 
 #[cfg(test)]
@@ -80,23 +117,52 @@ mod tests {
     use super::*;
     use rand_distr::{Distribution, StandardNormal};
 
+    /// Noise on two joints with waves of sizes on the first.
+    fn column(noise: &[f64], size: f64) -> Column {
+        let wave = |k: usize| size * (0.01 * k as f64).sin();
+        let first = noise.iter().enumerate().map(|(k, n)| n + wave(k)).collect();
+        Column::new([first, noise.to_vec()])
+    }
+
+    fn noise() -> Vec<f64> {
+        let mut source = random::stream(1, "gap", 0);
+        (0..5000).map(|_| 2.0 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut source)).collect()
+    }
+
     #[test]
     fn half_the_excess_is_half_the_gap() {
-        let mut source = random::stream(1, "gap", 0);
-        let noise: Vec<f64> = (0..5000)
-            .map(|_| 2.0 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut source))
-            .collect();
-        let with = |size: f64| {
-            let wave = |k: usize| size * (0.01 * k as f64).sin();
-            Column::on(0, noise.iter().enumerate().map(|(k, n)| n + wave(k)).collect())
+        let noise = noise();
+        let valid = vec![vec![true; 5000]; 2];
+        let closed = |after: f64, amiss: &[usize]| {
+            let (before, after) = (column(&noise, 10.0), column(&noise, after));
+            let residuals = Residuals { before: &before, after: &after, valid: &valid, noise: &[2.0, 2.0] };
+            residuals.gap_closed(amiss, 3)
         };
-        let valid = [vec![true; 5000]];
         // Excess in squares: 50 before, 25 after.
-        let closed = gap_closed(&with(10.0), &with(50f64.sqrt()), &valid, &[2.0], 3);
-        assert!((closed.value - 0.5).abs() < 0.03, "{closed:?}");
-        assert!(closed.interval[0] < 0.5 && closed.interval[1] > 0.5 && closed.interval[1] - closed.interval[0] < 0.1);
-        assert!(gap_closed(&with(10.0), &with(0.0), &valid, &[2.0], 3).value > 0.97);
-        let all = gain(&with(10.0), &with(0.0), &valid, &[2.0], 3);
+        let half = closed(50f64.sqrt(), &[]);
+        assert!((half.value - 0.5).abs() < 0.03, "{half:?}");
+        assert!(half.interval[0] < 0.5 && half.interval[1] > 0.5 && half.interval[1] - half.interval[0] < 0.1);
+        assert!(closed(0.0, &[]).value > 0.97);
+    }
+
+    #[test]
+    fn a_joint_counts_where_models_differ_or_something_is_left() {
+        let noise = noise();
+        let valid = vec![vec![true; 5000]; 2];
+        let (before, after) = (column(&noise, 10.0), column(&noise, 0.0));
+        // The noise of the second joint is taken for half of what it is: four times its variance is an excess.
+        let residuals = Residuals { before: &before, after: &after, valid: &valid, noise: &[2.0, 1.0] };
+        assert!(residuals.gap_closed(&[], 3).value > 0.97);
+        let with_second = 1.0 - 3.0 / (12.5 + 3.0);
+        assert!((residuals.gap_closed(&[1], 3).value - with_second).abs() < 0.03);
+    }
+
+    #[test]
+    fn the_gain_is_the_share_of_the_sum_of_squares() {
+        let noise = noise();
+        let valid = [vec![true; 5000], vec![false; 5000]];
+        let (before, after) = (column(&noise, 10.0), column(&noise, 0.0));
+        let all = Residuals { before: &before, after: &after, valid: &valid, noise: &[2.0, 2.0] }.gain(3);
         assert!((all.value - (1.0 - 4.0 / 54.0)).abs() < 0.02, "{all:?}");
     }
 }

@@ -1,8 +1,12 @@
 //! What an effect takes away on rows that it was not fitted to, with its chance.
 
 use super::column::Column;
+use super::generic::slow_cosines;
+use super::rows::Rows;
+use super::score::Projection;
 use super::stretches::{STRETCH, best_stretch, row_by_row};
 use super::whitening::Whitener;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
 /// training logs, and the held-out logs, often fewer, must not contradict it.
@@ -25,23 +29,47 @@ pub struct Gains {
     expected_std: f64,
     /// Sum of squares before.
     before: f64,
+    /// Probability that noise alone goes with what the effect predicts as well.
+    chance: f64,
 }
 
 impl Gains {
     /// From residuals before and after over `rows` rows of the logs.
     pub fn new(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> Self {
-        let [before, after] = [before, after].map(|residual| unseen.apply(&residual.only(joints)));
+        Self::of_white(unseen, [before, after].map(|residual| unseen.apply(&residual.only(joints))), rows)
+    }
+
+    /// The same beside a constant torque on every joint of every log: what reads wrong by a constant, as sensors do, hides what
+    /// an effect of motion gains.
+    pub fn beside_constants(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: &Rows) -> Self {
+        let constants: Vec<Column> = joints.iter().flat_map(|&joint| slow_cosines(rows, joint, 0..1)).collect();
+        let constants = unseen.apply_all(&constants);
+        let left = |residual: &Column| Projection::new(&constants, &unseen.apply(&residual.only(joints))).residual;
+        Self::of_white(unseen, [left(before), left(after)], rows.len())
+    }
+
+    fn of_white(unseen: &Whitener, [before, after]: [Column; 2], rows: usize) -> Self {
         let mut of_rows = vec![0.0; rows];
         let mut chance = vec![0.0; rows / STRETCH + 1];
+        let mut scores = vec![None; rows / STRETCH + 1];
         let mut predicted = 0.0;
         for (place, b, a) in row_by_row(unseen, &before, &after) {
             of_rows[place] += b * b - a * a;
             chance[place / STRETCH] += 2.0 * a * (b - a);
+            *scores[place / STRETCH].get_or_insert(0.0) += b * (b - a);
             predicted += (b - a).powi(2);
         }
+        let scores: Vec<f64> = scores.into_iter().flatten().collect();
         let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
         let expected_std = 2.0 * predicted.sqrt();
-        Gains { of_rows, std, expected_std, before: before.dot(&before).max(f64::MIN_POSITIVE) }
+        let before = before.dot(&before).max(f64::MIN_POSITIVE);
+        Gains { of_rows, std, expected_std, before, chance: chance_of(&scores, predicted) }
+    }
+
+    /// Probability that noise alone goes as well with the torque that the effect predicts, one-sided. The prediction knows
+    /// nothing of these rows, so that no choice among candidates enters.
+    pub fn chance(&self) -> f64 {
+        self.chance
     }
 
     /// The share of the sum of squares that is gained.
@@ -63,5 +91,50 @@ impl Gains {
     pub fn without_best_stretch(&self) -> f64 {
         let best: f64 = self.of_rows[best_stretch(&self.of_rows, STRETCH)].iter().sum();
         self.share() - best / self.before
+    }
+}
+
+/// Probability of the sum of `scores` without the effect: their variance as the noise has it, or as they scatter (Student),
+/// whichever is larger.
+fn chance_of(scores: &[f64], variance: f64) -> f64 {
+    let sum: f64 = scores.iter().sum();
+    let count = scores.len() as f64;
+    let (Ok(normal), Ok(student)) = (Normal::new(0.0, 1.0), StudentsT::new(0.0, 1.0, count - 1.0)) else { return 1.0 };
+    let scatter: f64 = scores.iter().map(|score| (score - sum / count).powi(2)).sum::<f64>() * count / (count - 1.0);
+    if !(variance > 0.0 && scatter > 0.0) {
+        return 1.0;
+    }
+    normal.sf(sum / variance.sqrt()).max(student.sf(sum / scatter.sqrt()))
+}
+
+/// Probability of two independent probabilities as small as these, of which the product counts (Fisher 1925).
+pub fn both(first: f64, second: f64) -> f64 {
+    let product = first * second;
+    if product > 0.0 { product * (1.0 - product.ln()) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_probabilities_by_hand() {
+        // The area under x y = 1/4 within the unit square: 1/4 + ln(4)/4.
+        assert!((both(0.5, 0.5) - 0.25 * (1.0 + 4f64.ln())).abs() < 1e-15);
+        assert_eq!(both(1.0, 1.0), 1.0);
+        assert_eq!(both(0.0, 0.3), 0.0);
+    }
+
+    #[test]
+    fn the_chance_of_scores_is_the_larger_of_two() {
+        // Sum 6 of variance 4: 3 standard deviations; scatter 2/3 of 4 scores around 1.5: Student's t of 6 / sqrt(20 / 3), 3 degrees.
+        let scores = [0.0, 1.0, 2.0, 3.0];
+        let t: f64 = 6.0 / (5.0 * 4.0 / 3.0f64).sqrt();
+        let expected = StudentsT::new(0.0, 1.0, 3.0).unwrap().sf(t);
+        assert!((chance_of(&scores, 4.0) - expected).abs() < 1e-15 && expected > 0.03);
+        // A variance that is larger than the scatter.
+        assert!((chance_of(&scores, 36.0) - 0.158_655_253_931_457).abs() < 1e-9);
+        assert!(chance_of(&[-1.0, -2.0, -1.5], 3.0) > 0.9);
+        assert_eq!(chance_of(&[1.0], 1.0), 1.0);
     }
 }

@@ -5,10 +5,11 @@
 //! surely better, and leaves less without a name, the inertias are what is wrong.
 
 use super::Options;
+use super::acceptance::Gain;
 use super::column::rms;
 use super::held_out::Gains;
 use super::known::Known;
-use super::selection::{Gain, Selection, select};
+use super::selection::{Selection, select};
 use super::session::{Member, Session};
 use super::unexplained::unexplained;
 use crate::effects::Site;

@@ -23,7 +23,9 @@
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
 
-pub mod arm;
+pub mod acceptance;
+pub mod accounted;
+mod arm;
 pub mod beside;
 pub mod bodies;
 pub mod candidates;

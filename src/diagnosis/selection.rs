@@ -2,19 +2,16 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::beside::beside;
+use super::acceptance::{Accepted, Trial, UNCONFIRMED};
 use super::candidates::{self, Candidate, Family, Slot};
-use super::column::rms;
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
 use super::held_out::Gains;
 use super::impacts::Play;
 use super::judging::Judged;
 use super::play::rattling_gears;
-use super::roles::is_level;
 use super::score::{Projection, family_wise};
 use super::session::{Member, Noise, Session};
-use super::stretches::without_best_stretches;
 use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -23,33 +20,9 @@ use std::collections::BTreeMap;
 /// Effects are dropped in the end when what they take is more likely than this without them.
 const KEPT: f64 = 1e-4;
 
-/// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
-const BEYOND_CHANCE: f64 = 1e-6;
-
-/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
-const SEEN_ELSEWHERE: f64 = 0.01;
-
-/// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
-const NOISE_IS_ESTIMATED: f64 = 0.2;
-
-/// The same for an event in one log.
-const ONCE: f64 = 1e-7;
-
-/// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
-const GEARS: f64 = 1e-7;
-
-/// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
-/// if the torque had been cut off.
-const EXTREMES: f64 = 1e-9;
-
 /// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
 /// parameter or of chance.
 const CLEARLY_BETTER: f64 = 0.02;
-
-/// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
-/// where much is wrong, all that is little fits a little.
-const MUCH_LEFT: f64 = 1.5;
-const WORTH_A_NAME: f64 = 0.05;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
@@ -139,27 +112,18 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                 "candidate"
             );
         }
-        if level > options.alpha {
+        // What the training logs alone do not show may show together with the held-out ones; it is tried once.
+        if level > UNCONFIRMED || (level > options.alpha && in_a_row > 0) {
             break;
         }
         let members = members(&found);
         let Contest { winner, alternatives, close } = contest(session, &members, &best, &round.all, &open)?;
         let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
-        // What is significant only in the noise model that does not know it is an error of that noise model.
-        let limit = options.alpha * strictness(&winner.candidate);
-        let mut level = level.max(family_wise(winner.test.log_p(), tests));
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
-        if level <= limit {
-            let beside = beside(session, &round.whitener, &round.fit, &winner)?;
-            level = level.max(family_wise(beside, tests));
-            tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
-        }
-        let stands = level <= limit
-            && (is_level(winner.candidate.placed.effect)
-                || without_best_stretches(session, &members, &round.whitener, &winner)? < SEEN_ELSEWHERE.ln());
-        let accepted = if stands { accepted(session, &members, &winner, level)? } else { None };
-        match accepted {
-            Some((member, Gain { lower_bound: gain_lower_bound, rms })) => {
+        let Round { whitener, fit, .. } = &round;
+        let trial = Trial { session, members: &members, whitener, fit, tests, alpha: options.alpha };
+        match trial.of(&winner, level)? {
+            Some(Accepted { member, gain, level }) => {
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
                 // What was refused where this acts was seen in a noise that did not know it.
                 let joints = member.candidate.joints();
@@ -169,8 +133,8 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                     member,
                     alternatives,
                     family_wise_p: level,
-                    gain_lower_bound,
-                    rms,
+                    gain_lower_bound: gain.lower_bound,
+                    rms: gain.rms,
                     verdict,
                     impacts: None,
                 });
@@ -207,20 +171,6 @@ fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
 }
 
-/// Share of the level at which a candidate is believed.
-fn strictness(candidate: &Candidate) -> f64 {
-    if candidate.log.is_some() {
-        // No other log can confirm what happened once.
-        ONCE
-    } else if is_level(candidate.placed.effect) {
-        EXTREMES
-    } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
-        GEARS
-    } else {
-        NOISE_IS_ESTIMATED
-    }
-}
-
 /// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
 /// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
 fn better_unseen(
@@ -255,46 +205,6 @@ fn better_unseen(
     alternatives.retain(|other| other.family != rival.candidate.family());
     alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
     Ok((rival.clone(), alternatives))
-}
-
-/// What held-out rows say of an effect.
-#[derive(Debug, Clone)]
-pub struct Gain {
-    /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away.
-    pub lower_bound: f64,
-    /// Root mean square of the residual before and after, `[joint]`, N m.
-    pub rms: [Vec<f64>; 2],
-}
-
-/// The winner as a member of the model with its gain on the held-out rows, if that is surely positive. An event of one
-/// training log shows in no other: its gain is that on the training rows.
-fn accepted(session: &Session, members: &[Member], winner: &Judged, level: f64) -> Result<Option<(Member, Gain)>> {
-    let member = winner.member();
-    let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
-    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
-    let before = session.held_out_residual(members, &whitener)?;
-    let after = session.held_out_residual(&with, &whitener)?;
-    let joints = winner.candidate.joints();
-    let gains = match winner.candidate.log {
-        None => Gains::new(&whitener.on(&session.test.rows), &before, &after, &joints, session.test.rows.len()),
-        Some(_) => {
-            let [before, after] =
-                [members, &with].map(|members| session.residual_on(&session.train, members, &whitener));
-            Gains::new(&whitener, &before?, &after?, &joints, session.train.rows.len())
-        }
-    };
-    let bound = gains.lower_bound();
-    let rms = [rms(&session.test.rows.valid, &before), rms(&session.test.rows.valid, &after)];
-    tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
-    let enough = match joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
-        true => bound > WORTH_A_NAME,
-        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
-        false if level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect)) => {
-            gains.share() > 0.0
-        }
-        false => bound > 0.0,
-    };
-    Ok(enough.then_some((member, Gain { lower_bound: bound, rms })))
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

@@ -1,13 +1,14 @@
 //! The answer: named, one of a few, unexplained, or none; with the evidence.
 
 use super::Options;
+use super::acceptance::Gain;
 use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
 use super::evidence::Evidence;
 use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
-use super::selection::{Found, Gain};
+use super::selection::Found;
 use super::session::Session;
 use super::unexplained::Unexplained;
 use crate::effects::LIBRARY;

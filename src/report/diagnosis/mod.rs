@@ -4,12 +4,13 @@ mod text;
 
 pub use text::{impacts, lines, mend, place, stopped_lines};
 
+use crate::diagnosis::acceptance::Gain;
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::gap::Share;
 use crate::diagnosis::residual_structure::ResidualStructure;
 use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::selection::{Found, Gain};
+use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::{self, Placed, Role, Scope};
 use crate::quality::Kind;

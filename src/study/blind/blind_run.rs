@@ -6,9 +6,10 @@ use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
 use super::sizing::{noise_at_size, sized};
 use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
-use crate::diagnosis::{Diagnosis, Options, diagnose};
+use crate::diagnosis::{Diagnosis, Input, Options, conclude};
 use crate::effects::{Placed, Site};
 use crate::error::Result;
+use crate::identification::model::Model;
 use crate::quality;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
@@ -31,6 +32,9 @@ pub struct BlindRun {
     pub faults: Vec<DataFault>,
     /// The answer; None where faults of the data forbid one.
     pub diagnosis: Option<Diagnosis>,
+    /// Share of what is hidden that the extended model adds to the held-out torque too; None where there is no answer, or
+    /// nothing is hidden.
+    pub accounted_for: Option<f64>,
     /// How it came out.
     pub judgement: Judgement,
     /// Time that screening and diagnosis took, s.
@@ -58,10 +62,21 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
     };
     let Simulated { setup, hidden, logs } = made;
     let started = Instant::now();
-    let (faults, diagnosis) = answer(&setup.known, logs.clone(), &case)?;
+    let (faults, logs_used) = screened(&setup.known, logs.clone())?;
+    let model = Model::new(&setup.known);
+    let options = Options { trust: case.trust, seed: case.seed, ..Options::default() };
+    let [train, test] = [&logs_used.train, &logs_used.test].map(|logs| logs.iter().collect());
+    let input = Input { train, test, ..Input::default() };
+    let stops = faults.iter().any(|fault| fault.consequence == Consequence::Stops);
+    let conclusion = if stops { None } else { Some(conclude(&model, &input, &options, &mut |_| ())?) };
     let seconds = started.elapsed().as_secs_f64();
+    let accounted_for = match &conclusion {
+        Some(conclusion) if !hidden.is_empty() => Some(conclusion.share_accounted_for(&hidden)?),
+        _ => None,
+    };
+    let diagnosis = conclusion.map(|conclusion| conclusion.diagnosis);
     let judgement = judge(&case, &hidden, &faults, diagnosis.as_ref());
-    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, judgement, seconds })
+    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, accounted_for, judgement, seconds })
 }
 
 /// An arm with what is hidden in it, and its logs.
@@ -110,8 +125,14 @@ fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
     Ok(Simulated { setup, hidden, logs })
 }
 
-/// What one who has the arm's description and the logs alone is told.
-fn answer(robot: &Robot, logs: Vec<Recording>, case: &Case) -> Result<(Vec<DataFault>, Option<Diagnosis>)> {
+/// Logs after their faults were looked for.
+struct Usable {
+    train: Vec<Recording>,
+    test: Vec<Recording>,
+}
+
+/// Faults of the data, and the pieces of the logs that can be used.
+fn screened(robot: &Robot, logs: Vec<Recording>) -> Result<(Vec<DataFault>, Usable)> {
     let mut screened: Vec<Screened> = Vec::new();
     let mut refused: Vec<DataFault> = Vec::new();
     for (index, log) in logs.into_iter().enumerate() {
@@ -130,13 +151,7 @@ fn answer(robot: &Robot, logs: Vec<Recording>, case: &Case) -> Result<(Vec<DataF
     }
     let (train, test) = screened.split_at(TRAIN.min(screened.len()));
     let faults: Vec<DataFault> = refused.into_iter().chain(all_faults(train, test, &[], robot)).collect();
-    if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
-        return Ok((faults, None));
-    }
-    let pieces = |logs: &'_ [Screened]| logs.iter().flat_map(|log| log.pieces.clone()).collect::<Vec<Recording>>();
-    let (train, test) = (pieces(train), pieces(test));
-    let options = Options { trust: case.trust, seed: case.seed, ..Options::default() };
-    let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
-    let diagnosis = diagnose(robot, &train, &test, &options, &mut |_| ())?;
-    Ok((faults, Some(diagnosis)))
+    let pieces = |logs: &'_ [Screened]| logs.iter().flat_map(|log| log.pieces.clone()).collect();
+    let usable = Usable { train: pieces(train), test: pieces(test) };
+    Ok((faults, usable))
 }

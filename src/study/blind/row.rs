@@ -50,8 +50,10 @@ pub struct Row {
     pub faults: Vec<String>,
     /// Errors of estimated parameters in their standard deviations.
     pub errors: Vec<f64>,
-    /// Share of the gap to the noise floor that the answer closes on the held-out log.
+    /// Share of the gap to the noise floor that the answer reports to close on the held-out log.
     pub gap_closed: Option<f64>,
+    /// Share of what is hidden that the extended model adds to the held-out torque too.
+    pub accounted_for: Option<f64>,
     /// Time of the diagnosis, s.
     pub seconds: f64,
     /// Why the run could not be made.
@@ -108,6 +110,7 @@ impl Row {
             faults: Vec::new(),
             errors: Vec::new(),
             gap_closed: None,
+            accounted_for: None,
             seconds: 0.0,
             error: None,
         };
@@ -131,6 +134,7 @@ impl Row {
             faults,
             errors: run.judgement.errors.clone(),
             gap_closed: diagnosis.map(|diagnosis| diagnosis.gap_closed),
+            accounted_for: run.accounted_for,
             seconds: run.seconds,
             ..self
         }

@@ -12,7 +12,7 @@ const NORMAL_95: f64 = 1.959_964;
 /// Standard deviations within which an estimate counts as right.
 const WITHIN: f64 = 3.0;
 
-/// Share of the gap to the noise floor that is to be closed.
+/// Share of the gap that what is hidden opens on held-out motions which is to be closed.
 const CLOSED: f64 = 0.9;
 
 /// A share of runs, with its 95 % interval (Wilson 1927).
@@ -73,7 +73,7 @@ pub struct ClassSummary {
     pub unexplained: Rate,
     /// Estimated parameters within three standard deviations of the truth.
     pub parameters: Rate,
-    /// Runs that close at least 90 % of the gap to the noise floor.
+    /// Runs that close at least 90 % of the gap that what is hidden opens on the held-out motion.
     pub gap_closed: Rate,
     /// Median time of a diagnosis, s.
     pub median_seconds: f64,
@@ -131,7 +131,7 @@ fn of_class(class: Class, rows: &[&Row]) -> ClassSummary {
         wrong_names: Rate::count(&made, |row| !row.wrong.is_empty()),
         unexplained: Rate::count(&made, |row| !row.unexplained.is_empty()),
         parameters: Rate::count(&errors, |error| error.abs() <= WITHIN),
-        gap_closed: Rate::count(&hiding, |row| row.gap_closed.is_some_and(|share| share >= CLOSED)),
+        gap_closed: Rate::count(&hiding, |row| row.accounted_for.is_some_and(|share| share >= CLOSED)),
         median_seconds: seconds.get(seconds.len() / 2).copied().unwrap_or(0.0),
         outcomes,
     }

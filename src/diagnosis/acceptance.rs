@@ -1,0 +1,196 @@
+//! Whether the winner of a contest is taken into the model: by what the training logs show beside all that is not physics, and
+//! by what it gains on the held-out logs.
+
+use super::beside::beside;
+use super::candidates::Candidate;
+use super::column::rms;
+use super::held_out::{Gains, both};
+use super::judging::Judged;
+use super::roles::is_level;
+use super::score::{Projection, family_wise};
+use super::session::{Member, Noise, Session};
+use super::stretches::without_best_stretches;
+use super::whitening::Whitener;
+use crate::error::Result;
+
+/// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
+const BEYOND_CHANCE: f64 = 1e-6;
+
+/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
+const SEEN_ELSEWHERE: f64 = 0.01;
+
+/// The same where held-out logs confirm it.
+const SEEN_ELSEWHERE_TOO: f64 = 0.05;
+
+/// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
+const NOISE_IS_ESTIMATED: f64 = 0.2;
+
+/// The same for an event in one log.
+const ONCE: f64 = 1e-7;
+
+/// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
+const GEARS: f64 = 1e-7;
+
+/// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
+/// if the torque had been cut off.
+const EXTREMES: f64 = 1e-9;
+
+/// Level of the training logs up to which held-out logs may confirm what is seen.
+pub const UNCONFIRMED: f64 = 0.5;
+
+/// Share of the level at which training and held-out logs together are believed: on held-out logs the scatter over stretches
+/// stands in for the noise.
+const CONFIRMED: f64 = 0.5;
+
+/// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
+/// where much is wrong, all that is little fits a little. Beside constants, the second look, it must be twice the share.
+const MUCH_LEFT: f64 = 1.5;
+const WORTH_A_NAME: f64 = 0.05;
+
+/// What held-out rows say of an effect.
+#[derive(Debug, Clone)]
+pub struct Gain {
+    /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away.
+    pub lower_bound: f64,
+    /// Root mean square of the residual before and after, `[joint]`, N m.
+    pub rms: [Vec<f64>; 2],
+}
+
+/// A candidate that is taken.
+#[derive(Debug)]
+pub struct Accepted {
+    /// As part of the model.
+    pub member: Member,
+    /// What the held-out rows say of it.
+    pub gain: Gain,
+    /// Probability of as good a best candidate without any effect.
+    pub level: f64,
+}
+
+/// What a candidate is tried against.
+#[derive(Debug, Clone, Copy)]
+pub struct Trial<'a> {
+    /// Logs and arm.
+    pub session: &'a Session<'a>,
+    /// What the model has already.
+    pub members: &'a [Member],
+    /// The noise as the model with these sees it.
+    pub whitener: &'a Whitener,
+    /// Their fit to the training logs.
+    pub fit: &'a Projection,
+    /// How many independent tests the scan was worth.
+    pub tests: f64,
+    /// Family-wise level.
+    pub alpha: f64,
+}
+
+/// What the training logs say of a candidate.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// Probability of as good a best candidate without any effect.
+    level: f64,
+    /// Whether they alone are believed.
+    alone: bool,
+    /// The level that is believed of training and held-out logs together.
+    together: f64,
+}
+
+impl Trial<'_> {
+    /// The winner of a contest as a member of the model, if it is to be one. `level` is the probability of as good a best
+    /// candidate in the noise that does not know it.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn of(&self, winner: &Judged, level: f64) -> Result<Option<Accepted>> {
+        let strictness = strictness(&winner.candidate);
+        let limit = self.alpha * strictness;
+        // What is taken for something else too easily no held-out log confirms: the same is wrong there.
+        let confirmable = strictness == NOISE_IS_ESTIMATED;
+        let highest = if confirmable { UNCONFIRMED } else { limit };
+        // What is significant only in the noise model that does not know it is an error of that noise model.
+        let mut level = level.max(family_wise(winner.test.log_p(), self.tests));
+        if level > highest {
+            return Ok(None);
+        }
+        let beside = beside(self.session, self.whitener, self.fit, winner)?;
+        level = level.max(family_wise(beside, self.tests));
+        tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
+        if level > highest {
+            return Ok(None);
+        }
+        let elsewhere = match is_level(winner.candidate.placed.effect) {
+            true => f64::NEG_INFINITY,
+            false => without_best_stretches(self.session, self.members, self.whitener, winner)?,
+        };
+        let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln();
+        self.unseen(
+            winner,
+            Seen {
+                level,
+                alone: level <= limit && elsewhere < SEEN_ELSEWHERE.ln(),
+                together: if believed { self.alpha * CONFIRMED } else { 0.0 },
+            },
+        )
+    }
+
+    /// The winner as a member of the model if the held-out rows agree. An event of one training log shows in no other: its gain
+    /// is that on the training rows. What the training logs leave open the held-out logs may confirm: the two are independent.
+    fn unseen(&self, winner: &Judged, seen: Seen) -> Result<Option<Accepted>> {
+        let Trial { session, members, .. } = *self;
+        let member = winner.member();
+        let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
+        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
+        let before = session.held_out_residual(members, &whitener)?;
+        let after = session.held_out_residual(&with, &whitener)?;
+        let joints = winner.candidate.joints();
+        let test = &session.test.rows;
+        let unseen = whitener.on(test);
+        let rms = [rms(&test.valid, &before), rms(&test.valid, &after)];
+        let gains = match winner.candidate.log {
+            None => Gains::new(&unseen, &before, &after, &joints, test.len()),
+            Some(_) => {
+                let [before, after] =
+                    [members, &with].map(|members| session.residual_on(&session.train, members, &whitener));
+                Gains::new(&whitener, &before?, &after?, &joints, session.train.rows.len())
+            }
+        };
+        let bound = gains.lower_bound();
+        tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
+        let taken = |lower_bound: f64, level: f64| {
+            let gain = Gain { lower_bound, rms: rms.clone() };
+            Some(Accepted { member: member.clone(), gain, level })
+        };
+        let Seen { level, alone, .. } = seen;
+        if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
+            if alone && bound > WORTH_A_NAME {
+                return Ok(taken(bound, level));
+            }
+            let bound = Gains::beside_constants(&unseen, &before, &after, &joints, test).lower_bound();
+            tracing::debug!(bound, "beside constants");
+            let enough = alone && winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
+            return Ok(if enough { taken(bound, level) } else { None });
+        }
+        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
+        let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect));
+        if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
+            return Ok(taken(bound, level));
+        }
+        let together = both(level, gains.chance());
+        tracing::debug!(together, chance = gains.chance(), "training and held-out logs together");
+        Ok(if together <= seen.together && gains.share() > 0.0 { taken(bound, together) } else { None })
+    }
+}
+
+/// Share of the level at which a candidate is believed.
+fn strictness(candidate: &Candidate) -> f64 {
+    if candidate.log.is_some() {
+        // No other log can confirm what happened once.
+        ONCE
+    } else if is_level(candidate.placed.effect) {
+        EXTREMES
+    } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
+        GEARS
+    } else {
+        NOISE_IS_ESTIMATED
+    }
+}

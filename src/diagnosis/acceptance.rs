@@ -162,6 +162,9 @@ impl Trial<'_> {
         };
         let Seen { level, alone, .. } = seen;
         if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
+            if session.turns_unphysical(&with, &whitener)? {
+                return Ok(None);
+            }
             if alone && bound > WORTH_A_NAME {
                 return Ok(taken(bound, level));
             }

@@ -116,6 +116,11 @@ pub fn both(first: f64, second: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::rows::FEWEST_ROWS;
+    use crate::random;
+    use crate::recording::Recording;
+    use rand_distr::{Distribution, StandardNormal};
 
     #[test]
     fn two_probabilities_by_hand() {
@@ -136,5 +141,32 @@ mod tests {
         assert!((chance_of(&scores, 36.0) - 0.158_655_253_931_457).abs() < 1e-9);
         assert!(chance_of(&[-1.0, -2.0, -1.5], 3.0) > 0.9);
         assert_eq!(chance_of(&[1.0], 1.0), 1.0);
+    }
+
+    #[test]
+    fn an_offset_hides_no_gain_beside_constants() {
+        let time: Vec<f64> = (0..10_000).map(|k| f64::from(k) / 500.0).collect();
+        let mut source = random::stream(1, "offset", 0);
+        let noise: Vec<f64> = (0..10_000).map(|_| StandardNormal.sample(&mut source)).collect();
+        let log = Recording {
+            joints: vec!["a".into()],
+            q: Channels::from_vectors(&[time.iter().map(|t| t.sin()).collect()]),
+            tau: Channels::from_vectors(&[noise]),
+            time,
+            ..Default::default()
+        };
+        let rows = Rows::new(&[&log], 10.0, FEWEST_ROWS).unwrap();
+        let left = Column::new(rows.torque.iter().cloned());
+        let unseen = Whitener::new(&rows, &left, &[]);
+        // An effect with a mean, all of which is there, and an offset against it.
+        let effect = Column::on(0, rows.signal(|log| log.time.iter().map(|t| 0.5 + (0.7 * t).sin()).collect()));
+        let mut after = left;
+        after.add(1.0, &Column::on(0, vec![-1.5; rows.len()]));
+        let mut before = after.clone();
+        before.add(1.0, &effect);
+        let plain = Gains::new(&unseen, &before, &after, &[0], rows.len());
+        let beside = Gains::beside_constants(&unseen, &before, &after, &[0], &rows);
+        assert!(plain.lower_bound() < 0.0, "{plain:?}");
+        assert!(beside.lower_bound() > 0.5, "{}", beside.lower_bound());
     }
 }

@@ -295,6 +295,25 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// Whether the last of `members` turns the sign of one found before that has one sign only: both then describe the same, and
+    /// the former with a law that cannot be.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn turns_unphysical(&self, members: &[Member], whitener: &Whitener) -> Result<bool> {
+        let columns = self.all_columns(&self.train, members)?;
+        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
+        let mut place = self.train.baseline.len();
+        for member in members[..members.len().saturating_sub(1)].iter().filter(|member| !member.held) {
+            if member.candidate.one_sided() && solved.values[place] < 0.0 && member.factors[0] > 0.0 {
+                tracing::debug!(family = ?member.candidate.family(), value = solved.values[place], "turns unphysical");
+                return Ok(true);
+            }
+            place += member.columns();
+        }
+        Ok(false)
+    }
+
     /// What the model leaves on the held-out rows when it is fitted to the training rows.
     ///
     /// # Errors

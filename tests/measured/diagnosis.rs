@@ -85,18 +85,17 @@ fn friction_of_the_ur10_is_no_stribeck_friction() {
         found.iter().any(|one| one["effect"] == effect && one["joints"].as_array().unwrap().iter().any(|j| j == joint))
     };
     assert!(named("load_dependent_friction", "j2"), "{}", told["findings"]);
-    let of_joint_3 = found.iter().find(|one| one["effect"] == "nonlinear_viscous_friction" && one["joints"][0] == "j3");
-    let power = &of_joint_3.unwrap_or_else(|| panic!("{}", told["findings"]))["parameters"][1];
-    assert!(power["name"] == "exponent" && power["value"].as_f64().unwrap() < 0.95, "{power}");
+    for joint in ["j1", "j3"] {
+        let bends = |one: &&Value| one["effect"] == "nonlinear_viscous_friction" && one["joints"][0] == joint;
+        let one = found.iter().find(bends).unwrap_or_else(|| panic!("{joint}: {}", told["findings"]));
+        let [coefficient, power] = [0, 1].map(|k| one["parameters"][k]["value"].as_f64().unwrap());
+        assert!(coefficient > 0.0 && power < 0.95, "{one}");
+    }
     assert!(!found.iter().any(|one| one["effect"] == "stribeck_friction"), "{}", told["findings"]);
     // The torque was filtered before it was published, and the model is seen through the same filter.
     let cutoff = told["torque_cutoff_hz"].as_f64().unwrap();
     assert!((1.7..2.0).contains(&cutoff), "{cutoff}");
     let (before, after) = (numbers(&told["baseline"]["test_rms_nm"]), numbers(&told["extended"]["test_rms_nm"]));
     println!("ur10: {before:.2?} -> {after:.2?}; unexplained: {}", told["unexplained"]);
-    assert!([1, 2, 4, 5].iter().all(|&joint| after[joint] < 0.5 * before[joint]), "{before:?} -> {after:?}");
-    // What bends friction of joint 1 over its speed is seen beside an offset of its sensor; neither is sure alone.
-    let open = told["unexplained"].as_array().unwrap();
-    let of_joint_1 = |left: &&Value| left["joint"] == "j1" && left["structure"].as_str().unwrap().contains("speed");
-    assert!(named("nonlinear_viscous_friction", "j1") || open.iter().any(|left| of_joint_1(&left)), "{told}");
+    assert!([0, 1, 2, 4, 5].iter().all(|&joint| after[joint] < 0.5 * before[joint]), "{before:?} -> {after:?}");
 }

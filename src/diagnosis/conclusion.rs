@@ -15,7 +15,7 @@ use super::residual_structure::residual_structure;
 use super::resimulation::resimulate;
 use super::selection::{Found, Selection, select};
 use super::session::{Member, Session, Side};
-use super::unexplained::unexplained;
+use super::unexplained::{Unexplained, unexplained};
 use super::verdict::{Diagnosis, next_experiment, not_found, take_back, verdict};
 use super::whitening::Whitener;
 use crate::channels::Channels;
@@ -205,9 +205,8 @@ fn answer<'a>(
     let evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
-    let amiss: Vec<usize> = unexplained.iter().map(|left| left.joint).collect();
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
-    let closed = residuals.gap_closed(&amiss, options.seed);
+    let closed = residuals.gap_closed(&amiss(&unexplained), options.seed);
     let estimates = Estimates::new(&session, &members, &whitener)?;
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
@@ -239,6 +238,11 @@ fn answer<'a>(
         evidence,
     };
     Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
+}
+
+/// Joints with something unexplained.
+fn amiss(unexplained: &[Unexplained]) -> Vec<usize> {
+    unexplained.iter().map(|left| left.joint).collect()
 }
 
 /// What the models leave of the held-out logs when the simulator runs them along their motions.
@@ -283,7 +287,6 @@ impl Conclusion<'_> {
         let fitted = resimulate(&[&baseline, extended], rows)?;
         let (baseline, extended) = (&fitted[0], &fitted[1]);
         let noise = &self.diagnosis.noise_floor;
-        let amiss: Vec<usize> = self.diagnosis.unexplained.iter().map(|left| left.joint).collect();
         let (before, after) = (&baseline.residual, &extended.residual);
         let residuals = Residuals { before, after, valid: &baseline.valid, noise };
         let extended_rms = rms(&extended.valid, &extended.residual);
@@ -300,7 +303,7 @@ impl Conclusion<'_> {
             baseline_rms: rms(&baseline.valid, &baseline.residual),
             extended_rms,
             gain: residuals.gain(self.seed),
-            gap_closed: residuals.gap_closed(&amiss, self.seed),
+            gap_closed: residuals.gap_closed(&amiss(&self.diagnosis.unexplained), self.seed),
             positions: extended.positions.clone(),
         })
     }

@@ -49,7 +49,10 @@ pub fn line(row: &Row) -> String {
 }
 
 fn answer(answer: &Answer) -> String {
-    let values = answer.parameters.iter().zip(&answer.std).map(|(value, std)| format!(" {value:.3e}+-{std:.0e}"));
+    let values = answer.parameters.iter().zip(&answer.std).map(|(value, std)| match std {
+        Some(std) => format!(" {value:.3e}+-{std:.0e}"),
+        None => " not told".to_owned(),
+    });
     let taken_back = if answer.verdict == "unexplained" { " (tentative)" } else { "" };
     format!("{}{}{taken_back} p {:.0e}", answer.names.join(" or "), values.collect::<String>(), answer.family_wise_p)
 }

@@ -192,7 +192,10 @@ pub fn impacts(play: &Play) -> String {
 fn values(parameters: &[super::Parameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
     let told = parameters[named..].iter().take(MENTIONED);
-    let each = told.map(|p| format!("{} {} +- {} {}", p.name, significant(p.value), significant(p.std), p.unit));
+    let each = told.map(|p| match p.std.is_finite() {
+        true => format!("{} {} +- {} {}", p.name, significant(p.value), significant(p.std), p.unit),
+        false => format!("{} not told by itself", p.name),
+    });
     each.collect::<Vec<String>>().join(", ")
 }
 

@@ -136,8 +136,11 @@ fn weigh(hidden: &[Placed], found: &[Found]) -> (Vec<Outcome>, Vec<usize>, Vec<f
         });
         if one.member.candidate.family() == family {
             let values = one.member.placed.parameters.iter().zip(&one.member.std).zip(&placed.parameters);
-            errors
-                .extend(values.filter(|((_, std), _)| **std > 0.0).map(|((value, std), truth)| (value - truth) / std));
+            errors.extend(
+                values
+                    .filter(|((_, std), _)| **std > 0.0 && std.is_finite())
+                    .map(|((value, std), truth)| (value - truth) / std),
+            );
         }
     }
     (each, used, errors)

@@ -80,8 +80,8 @@ pub struct Answer {
     pub names: Vec<String>,
     /// Parameters of the best.
     pub parameters: Vec<f64>,
-    /// Their standard deviations.
-    pub std: Vec<f64>,
+    /// Their standard deviations; None where the logs do not tell them.
+    pub std: Vec<Option<f64>>,
     /// Probability of as good a best candidate without any effect.
     pub family_wise_p: f64,
 }
@@ -184,7 +184,7 @@ fn answers(run: &BlindRun) -> Vec<Answer> {
                 verdict: verdict.to_owned(),
                 names: families.map(named).collect(),
                 parameters: found.member.placed.parameters.clone(),
-                std: found.member.std.clone(),
+                std: found.member.std.iter().map(|std| std.is_finite().then_some(*std)).collect(),
                 family_wise_p: found.family_wise_p,
             }
         })

@@ -33,6 +33,10 @@ pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         let about = placed.effect.about();
         let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
         let rows = all.filter(|(parameter, _)| parameter.role != Role::Held).map(|(parameter, (&value, &std))| {
+            if !std.is_finite() {
+                let untold = ["not told by itself", parameter.unit, "", "", ""].map(str::to_owned);
+                return [parameter.name.to_owned()].into_iter().chain(untold).collect();
+            }
             vec![
                 parameter.name.to_owned(),
                 significant(value),

@@ -164,6 +164,9 @@ fn values(found: &Found) -> Vec<String> {
     let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
     all.filter(|(parameter, _)| parameter.role != Role::Held)
         .map(|(parameter, (&value, &std))| {
+            if !std.is_finite() {
+                return format!("{} not told by itself", parameter.name);
+            }
             let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
             format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), parameter.unit)
         })

@@ -87,7 +87,7 @@ impl Projection {
     /// observation of zero is added for each.
     pub fn test_with_prior(&self, columns: &[Column], spread: &[f64]) -> Option<Test> {
         let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
-        if !norms.iter().all(|norm| norm.is_finite()) {
+        if norms.is_empty() || !norms.iter().all(|norm| norm.is_finite()) {
             return None;
         }
         // A column that does nothing must not hide the others of its group.
@@ -277,7 +277,7 @@ mod tests {
         let perpendicular = extra.dot(&extra) - extra.dot(&base).powi(2) / base.dot(&base);
         assert!((test.statistic - 0.49 * perpendicular).abs() < 1e-9 * test.statistic);
         assert!((test.std[0] * perpendicular.sqrt() - 1.0).abs() < 1e-9);
-        assert!(fit.test(std::slice::from_ref(&base)).is_none());
+        assert!(fit.test(std::slice::from_ref(&base)).is_none() && fit.test(&[]).is_none());
         assert!(fit.with(&[extra]).left() < 1e-18 * torque.dot(&torque));
     }
 

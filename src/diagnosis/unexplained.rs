@@ -158,7 +158,8 @@ impl<'a> Fitted<'a> {
         for (place, member) in self.members.iter().enumerate() {
             let own = first..first + member.columns();
             first = own.end;
-            if member.candidate.joints() != [joint] {
+            // What its impacts show does not rest on the rows.
+            if member.held || member.candidate.joints() != [joint] {
                 continue;
             }
             let others: Vec<Column> =

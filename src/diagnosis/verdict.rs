@@ -114,8 +114,9 @@ pub fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> 
     }
 }
 
-/// Takes back the names on joints of which much stays unexplained, and those that structure without a name stands for. `residuals` are the mean squares that baseline and
-/// extended model leave of the held-out logs, `noise` the floor's, `[joint]`.
+/// Takes back the names on joints of which much stays unexplained, and those that structure without a name stands for.
+/// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
+/// `[joint]`. What impacts show does not rest on residuals and stays.
 pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
     for &place in unexplained.iter().flat_map(|left| &left.instead_of) {
         found[place].verdict = Verdict::Unexplained;
@@ -129,7 +130,7 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
             excess(after) > (1.0 - FIRM) * excess(before)
         })
         .collect();
-    for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none()) {
+    for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none() && one.impacts.is_none()) {
         let joints = one.member.candidate.joints();
         // An effect on many joints does not fall with one of them.
         if joints.iter().all(|joint| open.contains(joint)) {

@@ -95,7 +95,7 @@ impl Recording {
             return f64::NAN;
         }
         let middle = steps.len() / 2;
-        let even = steps.len() % 2 == 0;
+        let even = steps.len().is_multiple_of(2);
         let (below, &mut high, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
         let low = if even { below.iter().copied().max_by(f64::total_cmp).unwrap_or(high) } else { high };
         1.0 / (low + 0.5 * (high - low))

@@ -13,19 +13,19 @@
 //! | logs and arm, fits of a model | [`session`], [`solution`] |
 //! | score tests, and the level of the best of many | [`score`], [`judging`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
-//! | forward selection with held-out acceptance, backward pass | [`selection`] |
+//! | forward selection, held-out acceptance, backward pass | [`selection`], [`acceptance`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
 //! | gears with play, by their impacts | [`impacts`], [`play`] |
 //! | evidence beside slow noise and the error of the smoothing | [`beside`](mod@beside) |
 //! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
-//! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`] |
+//! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`], [`accounted`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
 
 pub mod acceptance;
 pub mod accounted;
-mod arm;
+pub mod arm;
 pub mod beside;
 pub mod bodies;
 pub mod candidates;

@@ -4,10 +4,11 @@
 use super::beside::beside;
 use super::candidates::Candidate;
 use super::column::rms;
-use super::held_out::{Gains, both};
+use super::held_out::Gains;
 use super::judging::Judged;
+use super::multiplicity::Multiplicity;
 use super::roles::is_level;
-use super::score::{Projection, family_wise};
+use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::stretches::without_best_stretches;
 use super::whitening::Whitener;
@@ -16,7 +17,8 @@ use crate::error::Result;
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
 const BEYOND_CHANCE: f64 = 1e-6;
 
-/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
+/// What an effect takes outside the stretches that show it best, or else on the held-out logs, must be less likely than this by
+/// chance.
 const SEEN_ELSEWHERE: f64 = 0.01;
 
 /// The same where held-out logs confirm it.
@@ -34,9 +36,6 @@ const GEARS: f64 = 1e-7;
 /// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
-
-/// Level of the training logs up to which held-out logs may confirm what is seen.
-pub const UNCONFIRMED: f64 = 0.5;
 
 /// Share of the level at which training and held-out logs together are believed: on held-out logs the scatter over stretches
 /// stands in for the noise.
@@ -79,7 +78,7 @@ pub struct Trial<'a> {
     /// Their fit to the training logs.
     pub fit: &'a Projection,
     /// How many independent tests the scan was worth.
-    pub tests: f64,
+    pub multiplicity: &'a Multiplicity,
     /// Family-wise level.
     pub alpha: f64,
 }
@@ -89,10 +88,12 @@ pub struct Trial<'a> {
 struct Seen {
     /// Probability of as good a best candidate without any effect.
     level: f64,
-    /// Whether they alone are believed.
-    alone: bool,
-    /// The level that is believed of training and held-out logs together.
-    together: f64,
+    /// The level at which they alone are believed.
+    limit: f64,
+    /// Logarithm of the probability of what is seen outside the stretches that show it best.
+    elsewhere: f64,
+    /// Whether held-out logs can confirm it.
+    confirmable: bool,
 }
 
 impl Trial<'_> {
@@ -106,14 +107,15 @@ impl Trial<'_> {
         let limit = self.alpha * strictness;
         // What is taken for something else too easily no held-out log confirms: the same is wrong there.
         let confirmable = strictness == NOISE_IS_ESTIMATED;
-        let highest = if confirmable { UNCONFIRMED } else { limit };
+        let highest = if confirmable { 1.0 } else { limit };
         // What is significant only in the noise model that does not know it is an error of that noise model.
-        let mut level = level.max(family_wise(winner.test.log_p(), self.tests));
+        let kind = winner.candidate.family().effect;
+        let mut level = level.max(self.multiplicity.level(kind, winner.test.log_p()));
         if level > highest {
             return Ok(None);
         }
         let beside = beside(self.session, self.whitener, self.fit, winner)?;
-        level = level.max(family_wise(beside, self.tests));
+        level = level.max(self.multiplicity.level(kind, beside));
         tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
         if level > highest {
             return Ok(None);
@@ -122,15 +124,7 @@ impl Trial<'_> {
             true => f64::NEG_INFINITY,
             false => without_best_stretches(self.session, self.members, self.whitener, winner)?,
         };
-        let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln();
-        self.unseen(
-            winner,
-            Seen {
-                level,
-                alone: level <= limit && elsewhere < SEEN_ELSEWHERE.ln(),
-                together: if believed { self.alpha * CONFIRMED } else { 0.0 },
-            },
-        )
+        self.unseen(winner, Seen { level, limit, elsewhere, confirmable })
     }
 
     /// The winner as a member of the model if the held-out rows agree. An event of one training log shows in no other: its gain
@@ -160,7 +154,10 @@ impl Trial<'_> {
             let gain = Gain { lower_bound, rms: rms.clone() };
             Some(Accepted { member: member.clone(), gain, level })
         };
-        let Seen { level, alone, .. } = seen;
+        let Seen { level, limit, elsewhere, confirmable } = seen;
+        // What rests on a moment or two of the training logs is no accident if it is there again.
+        let again = confirmable && gains.chance() < SEEN_ELSEWHERE && gains.without_best_stretch() > 0.0;
+        let alone = level <= limit && (again || elsewhere < SEEN_ELSEWHERE.ln());
         if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
             if session.turns_unphysical(&with, &whitener)? {
                 return Ok(None);
@@ -178,9 +175,10 @@ impl Trial<'_> {
         if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
             return Ok(taken(bound, level));
         }
-        let together = both(level, gains.chance());
+        let together = gains.together(level);
         tracing::debug!(together, chance = gains.chance(), "training and held-out logs together");
-        Ok(if together <= seen.together && gains.share() > 0.0 { taken(bound, together) } else { None })
+        let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln() && together <= self.alpha * CONFIRMED;
+        Ok(if believed && gains.share() > 0.0 { taken(bound, together) } else { None })
     }
 }
 

@@ -3,7 +3,7 @@
 //! Beside logs alone, only the gap to an estimated noise floor can be told (`gap`), which at the size of the noise scatters as
 //! much as the gap itself. With the hidden effects known, noise plays no part.
 
-use super::column::{Column, combined};
+use super::column::{Column, combined, rms};
 use super::conclusion::Conclusion;
 use super::solution::solve;
 use crate::effects::Placed;
@@ -26,13 +26,12 @@ impl Conclusion<'_> {
         let mut missed = wanted.clone();
         missed.add(-1.0, &session.residual_on(&session.test, &[], whitener)?);
         missed.add(1.0, &session.held_out_residual(&self.members, &self.whitener)?);
-        let noise = &self.diagnosis.noise_floor;
+        let (valid, noise) = (&session.test.rows.valid, &self.diagnosis.noise_floor);
         let square = |column: &Column| -> f64 {
-            let parts = column.parts.iter().flat_map(|(joint, values)| {
-                let valid = &session.test.rows.valid[*joint];
-                values.iter().zip(valid).filter(|(_, valid)| **valid).map(|(value, _)| (value / noise[*joint]).powi(2))
-            });
-            parts.sum()
+            let joints = rms(valid, column).into_iter().zip(noise).zip(valid);
+            joints
+                .map(|((rms, noise), valid)| (rms / noise).powi(2) * valid.iter().filter(|ok| **ok).count() as f64)
+                .sum()
         };
         Ok(1.0 - square(&missed) / square(&wanted).max(f64::MIN_POSITIVE))
     }

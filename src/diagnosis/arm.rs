@@ -31,7 +31,7 @@ pub struct Arm {
     /// The arm as its URDF describes it.
     known: Robot,
     /// The same geometry with the parameters found. Where only base parameters can be told, the standard parameters
-    /// that carry them hold their values and the others are zero, which gives the same torque.
+    /// that carry them make up for the others, which are as described: the torque is the same.
     found: Robot,
     chain: Chain,
     trust: Trust,
@@ -90,8 +90,13 @@ impl Arm {
         let mut standard = vec![0.0; STANDARD * model.dof()];
         match self.trust {
             Trust::Structure => {
-                for (&kept, &value) in model.base().kept().iter().zip(values) {
-                    standard[kept] = value;
+                // What motion does not tell is as described. It matters to what gears carry, which is the torque of the bodies
+                // alone though only the sum of a rotor's and a link's inertia can be told, and to gravity of another direction.
+                standard = Model::standard_values(&self.known);
+                model.base().kept().iter().for_each(|&kept| standard[kept] = 0.0);
+                let described = model.base().values(&standard);
+                for ((&kept, &value), described) in model.base().kept().iter().zip(values).zip(described) {
+                    standard[kept] = value - described;
                 }
             }
             Trust::Nominal => {
@@ -319,4 +324,38 @@ fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Colum
         let each = rows.logs.iter().zip(logs);
         each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{InertiaCheck, load};
+
+    /// Base parameters of the IRB 1600 as they are give its torque back, shared rightly among bodies and rotors.
+    #[test]
+    fn what_motion_does_not_tell_is_as_described() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        let model = Model::new(&robot);
+        let wave = |f: fn(f64) -> f64, size: f64| {
+            Channels::from_vectors(
+                &(0..6).map(|j| (0..20).map(|t| size * f(0.3 * t as f64 + j as f64)).collect()).collect::<Vec<_>>(),
+            )
+        };
+        let motion = Motion { q: wave(f64::sin, 1.0), qd: wave(f64::cos, 2.0), qdd: wave(f64::sin, -4.0) };
+        let mut arm = Arm::new(&robot, Trust::Structure);
+        let (torque, load) = (arm.torque(&motion, &motion), arm.load(&motion));
+        let close = |a: &Channels, b: &Channels| {
+            a.as_slice().iter().zip(b.as_slice()).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs()))
+        };
+        assert!(!model.rotor_stands_alone(0) && robot.joints[0].drive.armature > 0.0);
+        arm.take(&model, &model.base().values(&Model::standard_values(&robot)));
+        assert!(close(&arm.torque(&motion, &motion), &torque));
+        assert!(close(&arm.load(&motion), &load), "a gear carries the bodies alone");
+        // A vertical axis that is tilted feels what it never did before.
+        let mut tilted = robot.clone();
+        tilted.gravity = nalgebra::Vector3::new(1.0, 0.5, -9.7);
+        let under = |robot: &Robot| inverse_dynamics(&Chain::new(&tilted), &robot.inertial_parameters(), &motion);
+        assert!(close(&under(arm.found()), &under(&robot)), "under another gravity");
+    }
 }

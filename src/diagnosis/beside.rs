@@ -51,10 +51,12 @@ pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidat
     let fit = fit.with(&whitener.apply_all(&nuisances));
     let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return Ok(0.0) };
     let slow = against_slow_noise(rows, whitener, &fit, &judged.whitened, &judged.test);
-    Ok(match happens_anywhere(&candidate.candidate) {
-        true => slow,
-        false => slow.max(over_stretches(rows.len(), whitener, &fit, &judged.whitened, judged.test.freedom)),
-    })
+    if happens_anywhere(&candidate.candidate) {
+        return Ok(slow);
+    }
+    let over = over_stretches(rows.len(), whitener, &fit, &judged.whitened, judged.test.freedom);
+    tracing::debug!(smoothing = judged.test.log_p(), slow, over, "beside");
+    Ok(slow.max(over))
 }
 
 /// Logarithm of the probability of what whitened `columns` take beyond `fit`, by a Wald test whose covariance is that of the

@@ -5,7 +5,6 @@ use super::acceptance::Gain;
 use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
-use super::estimates::Estimates;
 use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::gap::{Residuals, Share};
@@ -195,7 +194,7 @@ fn answer<'a>(
     options: &Options,
 ) -> Result<Conclusion<'a>> {
     let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
-    let Selection { mut found, whitener, first_whitener, tests, ranking, sensitivity } = selection;
+    let Selection { mut found, whitener, first_whitener, multiplicity, ranking, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let unexplained = unexplained(&session, &members, &whitener, options.alpha)?;
     let valid = |side: &'_ Side| side.rows.valid.clone();
@@ -207,7 +206,7 @@ fn answer<'a>(
     let test = &session.test.rows;
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let closed = residuals.gap_closed(&amiss(&unexplained), options.seed);
-    let estimates = Estimates::new(&session, &members, &whitener)?;
+    let solved = session.solved(&members, &whitener)?;
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
@@ -218,7 +217,7 @@ fn answer<'a>(
         cutoff_hz: session.cutoff_hz,
         passband: session.passband,
         held_out_from_training,
-        effective_tests: tests,
+        effective_tests: multiplicity.all(),
         gap_closed: closed.value,
         gap_closed_interval: closed.interval,
         next_experiment: next_experiment(&found, &unexplained, session.model.robot()),
@@ -227,8 +226,8 @@ fn answer<'a>(
         baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
         extended_test_rms,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
-        derived: derived(&members, &estimates, session.train.baseline.len(), session.model.robot()),
-        not_found: not_found(&session, &found, tests, &sensitivity, options),
+        derived: derived(&members, &solved, session.train.baseline.len(), session.model.robot()),
+        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
         noise_floor,
         inertias,
         against_reference: session.train.rows.before > 0,

@@ -2,8 +2,9 @@
 
 use super::candidates::{Candidate, Family, Slot};
 use super::judging::Judged;
+use super::multiplicity::{Multiplicity, Scanned};
 use super::roles::{linear, shapes};
-use super::score::{Projection, Scanned, effective_tests, log_survival};
+use super::score::{Projection, log_survival};
 use super::session::{Member, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -30,7 +31,8 @@ const CRITERION_GAP: f64 = 6.0;
 
 /// Smaller and larger effects on one joint that motion alone cannot tell: the larger one with nothing in its further parameter
 /// is the smaller one.
-const ONE_MORE: [(&str, &str); 1] = [("torque_offset", "friction_asymmetry")];
+const ONE_MORE: [(&str, &str); 2] =
+    [("torque_offset", "friction_asymmetry"), ("encoder_offset", "encoder_eccentricity")];
 
 /// What came of a contest.
 #[derive(Debug)]
@@ -68,17 +70,18 @@ impl Scan {
     }
 
     /// How many independent tests the scan is worth.
-    pub fn effective_tests(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> f64 {
+    pub fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
             .map(|one| Scanned {
+                kind: one.candidate.family().effect,
                 columns: &one.whitened,
                 test: &one.test,
                 one_sided: one.candidate.one_sided() && !self.change,
             })
             .collect();
-        effective_tests(fit, &scanned, &whitener.rows(), seed)
+        Multiplicity::new(fit, &scanned, &whitener.rows(), seed)
     }
 
     /// The likeliest candidate of every family, the best first.
@@ -110,7 +113,8 @@ impl Scan {
     }
 }
 
-/// The winner among `best` (one per slot, the best first), what else explains the same, and what comes close.
+/// The winner among `best` (one per slot, the best first), what else explains the same, and what comes close. What is looked for in
+/// many places must fit better, by as many tests as its kind is worth by `multiplicity`, to win over what is looked for in few.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -119,8 +123,10 @@ pub fn contest(
     members: &[Member],
     best: &[&Judged],
     all: &[Candidate],
+    multiplicity: &Multiplicity,
     open: &dyn Fn(&Candidate) -> bool,
 ) -> Result<Contest> {
+    let looked_for = |judged: &Judged| 2.0 * multiplicity.tests(judged.candidate.family().effect).ln();
     let present = session.all_columns(&session.train, members)?;
     let mut leader: Option<(f64, Candidate)> = None;
     for judged in best.iter().take(SHORTLIST) {
@@ -130,7 +136,7 @@ pub fn contest(
         let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { continue };
         let own = session.refined(own, &whitener, &fit)?;
         let left = fit.left() - own.test.statistic;
-        let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64;
+        let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64 + looked_for(&own);
         if leader.as_ref().is_none_or(|(best, _)| criterion < *best) {
             leader = Some((criterion, own.candidate));
         }
@@ -149,7 +155,7 @@ pub fn contest(
     let strong = ranked.into_par_iter().filter(|judged| judged.test.statistic > RIVAL * largest);
     let mut strong: Vec<Judged> =
         strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
-    strong.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+    strong.sort_by(|a, b| (criterion(a) + looked_for(a)).total_cmp(&(criterion(b) + looked_for(b))));
     if strong.is_empty() {
         return Ok(Contest { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
     }

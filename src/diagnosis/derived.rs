@@ -1,10 +1,9 @@
 //! What practitioners call the parameters of an effect: a payload's mass and centre of mass, the angle of a tilt.
 
-use super::estimates::Estimates;
 use super::roles::linear;
 use super::session::Member;
+use super::solution::Solved;
 use crate::robot::{Inertia, Robot};
-use nalgebra::DVector;
 
 /// A centre of mass is told where the mass is this many standard deviations from zero.
 const MASS_TELLS: f64 = 3.0;
@@ -16,14 +15,14 @@ pub struct Derived {
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// Its standard deviation, by the delta method.
+    /// Its standard deviation, by the delta method; infinite where the logs do not tell it by itself.
     pub std: f64,
     /// Its unit.
     pub unit: &'static str,
 }
 
 /// What follows from the parameters of every member; `first` is the column of the first member's first parameter.
-pub fn derived(members: &[Member], estimates: &Estimates, first: usize, robot: &Robot) -> Vec<Vec<Derived>> {
+pub fn derived(members: &[Member], solved: &Solved, first: usize, robot: &Robot) -> Vec<Vec<Derived>> {
     let mut first = first;
     members
         .iter()
@@ -33,7 +32,7 @@ pub fn derived(members: &[Member], estimates: &Estimates, first: usize, robot: &
             first += member.columns();
             let parameters = &member.placed.parameters;
             let last = member.placed.joint + 1 == robot.dof();
-            let with = |of: &dyn Fn(&[f64]) -> Vec<f64>| delta(of, parameters, &places, estimates);
+            let with = |of: &dyn Fn(&[f64]) -> Vec<f64>| delta(of, parameters, &places, solved);
             match effect.about().name {
                 "payload" => body(with(&|p| mass_and_center(p, None))),
                 "link_inertia_error" if last => body(with(&|p| mass_and_center(p, Some(robot)))),
@@ -48,12 +47,12 @@ pub fn derived(members: &[Member], estimates: &Estimates, first: usize, robot: &
 }
 
 /// Functions of parameters with their standard deviations.
-fn delta(of: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], places: &[usize], estimates: &Estimates) -> Vec<(f64, f64)> {
+fn delta(of: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], places: &[usize], solved: &Solved) -> Vec<(f64, f64)> {
     let values = of(at);
     let slopes: Vec<Vec<f64>> = (0..places.len())
         .map(|k| {
-            let variance = estimates.covariance[(places[k], places[k])];
-            let step = 1e-3 * variance.sqrt().max(1e-9);
+            let std = solved.std(places[k]);
+            let step = 1e-3 * if std.is_finite() { std.max(1e-9) } else { at[k].abs().max(1.0) };
             let moved = |by: f64| {
                 let mut moved = at.to_vec();
                 moved[k] += by;
@@ -66,9 +65,9 @@ fn delta(of: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], places: &[usize], estimate
         .iter()
         .enumerate()
         .map(|(index, &value)| {
-            let slope = DVector::from_iterator(places.len(), slopes.iter().map(|slope| slope[index]));
-            let covariance = estimates.covariance.select_rows(places).select_columns(places);
-            (value, slope.dot(&(covariance * &slope)).max(0.0).sqrt())
+            let slopes: Vec<(usize, f64)> =
+                places.iter().zip(&slopes).map(|(place, slope)| (*place, slope[index])).collect();
+            (value, solved.deviation(&slopes))
         })
         .collect()
 }
@@ -95,24 +94,25 @@ fn body(values: Vec<(f64, f64)>) -> Vec<Derived> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DMatrix;
+    use crate::diagnosis::column::Column;
+    use crate::diagnosis::solution::solve;
 
     #[test]
     fn centre_of_mass_by_hand() {
         // 4 +- 0.1 kg, first moment 0.8 +- 0.02 kg m, uncorrelated: 0.2 m, of which the slopes are 1/4 and -0.05.
-        let mut covariance = DMatrix::zeros(11, 11);
-        covariance[(1, 1)] = 0.01;
-        covariance[(2, 2)] = 4e-4;
-        let estimates = Estimates { values: vec![0.0; 11], covariance };
+        let unit = |k: usize, size: f64| Column::on(0, (0..11).map(|row| if row == k { size } else { 0.0 }).collect());
+        let sizes = [1.0, 1.0 / 0.1, 1.0 / 0.02].into_iter().chain([1e6; 8]);
+        let columns: Vec<Column> = sizes.enumerate().map(|(k, size)| unit(k, size)).collect();
+        let solved = solve(&columns, &unit(0, 1.0));
         let parameters = [4.0, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let places: Vec<usize> = (1..11).collect();
-        let named = body(delta(&|p| mass_and_center(p, None), &parameters, &places, &estimates));
+        let named = body(delta(&|p| mass_and_center(p, None), &parameters, &places, &solved));
         assert_eq!((named[1].name, named[1].unit), ("center_x", "m"));
         assert!((named[0].value - 4.0).abs() < 1e-12 && (named[0].std - 0.1).abs() < 1e-9);
         assert!((named[1].value - 0.2).abs() < 1e-12);
         assert!((named[1].std - (0.25f64 * 0.02).hypot(0.05 * 0.1)).abs() < 1e-9, "{named:?}");
         // A mass that is nothing has no centre.
         let light = [0.1, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        assert_eq!(body(delta(&|p| mass_and_center(p, None), &light, &places, &estimates)).len(), 1);
+        assert_eq!(body(delta(&|p| mass_and_center(p, None), &light, &places, &solved)).len(), 1);
     }
 }

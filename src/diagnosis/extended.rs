@@ -2,9 +2,9 @@
 //! these, in a form that the simulator takes.
 
 use super::arm::Arm;
-use super::estimates::{Estimates, gram};
 use super::roles::linear;
 use super::session::{Member, Session};
+use super::solution::gram;
 use super::whitening::Whitener;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
@@ -34,13 +34,13 @@ impl ExtendedModel {
     /// # Errors
     /// If a log is too short to differentiate, or no bodies can be found.
     pub fn new(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Self> {
-        let estimates = Estimates::new(session, members, whitener)?;
+        let solved = session.solved(members, whitener)?;
         let mut arm = session.arm.clone();
-        arm.take(session.model, &estimates.values);
+        arm.take(session.model, &solved.values);
         let fitted = session.known.fitted();
         let mut known = session.known.effects.clone();
         let first = session.train.baseline.len() - fitted.len();
-        for ((effect, index), change) in fitted.into_iter().zip(&estimates.values[first..]) {
+        for ((effect, index), change) in fitted.into_iter().zip(&solved.values[first..]) {
             known[effect].parameters[index] += change;
         }
         let (mut robot, mut effects) = (arm.found().clone(), Vec::new());

@@ -3,7 +3,7 @@
 use super::column::Column;
 use super::generic::slow_cosines;
 use super::rows::Rows;
-use super::score::Projection;
+use super::score::{Projection, fisher};
 use super::stretches::{STRETCH, best_stretch, row_by_row};
 use super::whitening::Whitener;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -72,6 +72,12 @@ impl Gains {
         self.chance
     }
 
+    /// Probability of that and of as much as was seen on the training rows, which has a chance of `level` by itself: the two
+    /// are independent.
+    pub fn together(&self, level: f64) -> f64 {
+        fisher([level, self.chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp()
+    }
+
     /// The share of the sum of squares that is gained.
     pub fn share(&self) -> f64 {
         self.of_rows.iter().sum::<f64>() / self.before
@@ -107,12 +113,6 @@ fn chance_of(scores: &[f64], variance: f64) -> f64 {
     normal.sf(sum / variance.sqrt()).max(student.sf(sum / scatter.sqrt()))
 }
 
-/// Probability of two independent probabilities as small as these, of which the product counts (Fisher 1925).
-pub fn both(first: f64, second: f64) -> f64 {
-    let product = first * second;
-    if product > 0.0 { product * (1.0 - product.ln()) } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -121,14 +121,6 @@ mod tests {
     use crate::random;
     use crate::recording::Recording;
     use rand_distr::{Distribution, StandardNormal};
-
-    #[test]
-    fn two_probabilities_by_hand() {
-        // The area under x y = 1/4 within the unit square: 1/4 + ln(4)/4.
-        assert!((both(0.5, 0.5) - 0.25 * (1.0 + 4f64.ln())).abs() < 1e-15);
-        assert_eq!(both(1.0, 1.0), 1.0);
-        assert_eq!(both(0.0, 0.3), 0.0);
-    }
 
     #[test]
     fn the_chance_of_scores_is_the_larger_of_two() {

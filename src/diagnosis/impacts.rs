@@ -8,7 +8,7 @@
 
 use super::arm::Arm;
 use super::rows::{Log, Rows};
-use super::score::log_survival;
+use super::score::fisher;
 use crate::channels::Channels;
 use crate::identification::noise::{AutoregressiveNoise, autocovariance};
 
@@ -101,18 +101,17 @@ impl Traces {
     /// Logarithm of the probability of jumps as large after the changes of sign of a gear's load, were they anywhere. Windows
     /// of the gears `without` play no part.
     pub fn log_p(&self, joint: usize, without: &[usize]) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
+        let mut ranks = Vec::new();
         for trace in &self.0 {
             let others: Vec<usize> = without.iter().flat_map(|&other| trace.changes(other)).collect();
             for change in trace.changes(joint) {
                 let apart = others.iter().all(|&other| other.abs_diff(change) > trace.samples(AFTER_S + BEFORE_S));
                 if let Some(rank) = trace.rank(change).filter(|_| apart) {
-                    sum -= 2.0 * rank.ln();
-                    count += 1;
+                    ranks.push(rank.ln());
                 }
             }
         }
-        log_survival(sum, 2 * count)
+        fisher(ranks)
     }
 
     /// Number of changes of sign of a gear's load that can be looked at.

@@ -12,6 +12,7 @@ use super::known::Known;
 use super::selection::{Selection, select};
 use super::session::{Member, Session};
 use super::unexplained::unexplained;
+use super::whitening::Whitener;
 use crate::effects::Site;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -49,14 +50,14 @@ pub fn all_inertias<'a>(
 ) -> Result<Option<Free<'a>>> {
     let members: Vec<Member> = selection.found.iter().map(|found| found.member.clone()).collect();
     let bodies = members.iter().filter(|member| member.placed.effect.about().site == Site::Body).count();
-    let left = unexplained(trusted, &members, &selection.whitener, options.alpha)?.len();
+    let left = surely_left(trusted, &members, &selection.whitener, options)?;
     if bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS {
         return Ok(None);
     }
     let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
     let free = select(&mut session, options, progress)?;
     let own: Vec<Member> = free.found.iter().map(|found| found.member.clone()).collect();
-    let left_free = unexplained(&session, &own, &free.whitener, options.alpha)?.len();
+    let left_free = surely_left(&session, &own, &free.whitener, options)?;
     if left_free > left || (left_free == left && own.len() >= members.len()) {
         return Ok(None);
     }
@@ -71,6 +72,11 @@ pub fn all_inertias<'a>(
     let lower_bound = Gains::new(&free.whitener.on(&rows), &before, &after, &joints, rows.len()).lower_bound();
     let rms = [rms(&rows.valid, &before), rms(&rows.valid, &after)];
     Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, gain: Gain { lower_bound, rms } }))
+}
+
+/// Number of joints of which something surely stays unexplained.
+fn surely_left(session: &Session, members: &[Member], whitener: &Whitener, options: &Options) -> Result<usize> {
+    Ok(unexplained(session, members, whitener, options.alpha)?.iter().filter(|left| left.sure).count())
 }
 
 /// Least share of the whitened sum of squares that all inertias together must gain to be called wrong.

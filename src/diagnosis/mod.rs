@@ -11,7 +11,7 @@
 //! | which bodies are believable | [`bodies`] |
 //! | noise of each joint, from what a rich regression leaves | [`whitening`], [`innovations`] |
 //! | logs and arm, fits of a model | [`session`], [`solution`] |
-//! | score tests, and the level of the best of many | [`score`], [`judging`] |
+//! | score tests, and the level of the best of many | [`score`], [`judging`], [`multiplicity`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection, held-out acceptance, backward pass | [`selection`], [`acceptance`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
@@ -33,7 +33,6 @@ pub mod column;
 pub mod conclusion;
 pub mod contest;
 pub mod derived;
-pub mod estimates;
 pub mod evidence;
 pub mod extended;
 pub mod gap;
@@ -46,6 +45,7 @@ pub mod inertias;
 pub mod innovations;
 pub mod judging;
 pub mod known;
+pub mod multiplicity;
 pub mod passband;
 pub mod play;
 pub mod residual_structure;

@@ -5,7 +5,8 @@ use super::candidates::{Candidate, Family, columns, is_candidate};
 use super::column::rms;
 use super::contest::Alternative;
 use super::impacts::{Play, Traces};
-use super::score::{family_wise, log_survival};
+use super::multiplicity::family_wise;
+use super::score::fisher;
 use super::selection::Found;
 use super::session::{Member, Session};
 use super::verdict::Verdict;
@@ -48,8 +49,7 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
         let open = (0..dof).filter(|joint| !known.contains(joint) && !rattling.contains(joint));
         // Nothing was fitted to the moments, so that those of all logs count.
         let log_p = |joint: usize, without: &[usize]| -> f64 {
-            let each = [&train, &test].map(|traces| traces.log_p(joint, without));
-            log_survival(-2.0 * (each[0] + each[1]), 4)
+            fisher([&train, &test].map(|traces| traces.log_p(joint, without)))
         };
         let mut all: Vec<(usize, f64)> = open.map(|joint| (joint, log_p(joint, &rattling))).collect();
         all.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -1,10 +1,7 @@
-//! Score tests of candidate columns against what a fit leaves, and the family-wise level of the best of many.
+//! Score tests of candidate columns against what a fit leaves.
 
 use super::column::Column;
-use crate::random;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
@@ -16,9 +13,6 @@ const TOLD: f64 = 0.5;
 
 /// Share of its norm that a basis column must keep beyond those before it.
 const INDEPENDENT: f64 = 1e-7;
-
-/// Draws of noise from which the level of the best of many tests is found.
-const DRAWS: usize = 200;
 
 /// A least-squares fit on whitened rows.
 #[derive(Debug, Clone)]
@@ -66,6 +60,11 @@ impl Projection {
             column.add(-along, direction);
         }
         column
+    }
+
+    /// Orthonormal columns that span what was fitted.
+    pub fn basis(&self) -> &[Column] {
+        &self.basis
     }
 
     /// What the fit leaves of a whitened column.
@@ -148,9 +147,12 @@ pub struct Test {
     pub values: Vec<f64>,
     /// Their standard deviations; infinite where the rows tell nothing of a factor.
     pub std: Vec<f64>,
-    along: DMatrix<f64>,
-    directions: DMatrix<f64>,
-    norms: Vec<f64>,
+    /// Inner products of the baseline's directions with the columns over their norms.
+    pub(super) along: DMatrix<f64>,
+    /// Directions tested, in units of their standard deviations.
+    pub(super) directions: DMatrix<f64>,
+    /// Norms of the columns.
+    pub(super) norms: Vec<f64>,
 }
 
 impl Test {
@@ -173,76 +175,11 @@ pub fn log_survival(x: f64, freedom: usize) -> f64 {
     }
 }
 
-/// A group of columns in a scan.
-#[derive(Debug)]
-pub struct Scanned<'a> {
-    /// Its columns, whitened.
-    pub columns: &'a [Column],
-    /// Its test.
-    pub test: &'a Test,
-    /// Whether only positive values make sense of its only column.
-    pub one_sided: bool,
-}
-
-/// How many independent tests the best of a scan is worth: noise is sent through all of them, and the smallest
-/// probability of each draw taken. With m independent tests -ln(1 - p_min) is exponential with rate m, of which this is
-/// the maximum-likelihood estimate; it carries the level into tails that no number of draws would reach.
-pub fn effective_tests(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> f64 {
-    let noise: Vec<DMatrix<f64>> = rows
-        .iter()
-        .enumerate()
-        .map(|(joint, &count)| {
-            let mut source = random::stream(seed, "level of the scan", joint as u64);
-            DMatrix::from_fn(count, DRAWS, |_, _| StandardNormal.sample(&mut source))
-        })
-        .collect();
-    let through = |columns: &[Column], norms: &[f64]| {
-        let mut sum = DMatrix::zeros(columns.len(), DRAWS);
-        for (joint, noise) in noise.iter().enumerate() {
-            let parts: Vec<(usize, &[f64])> =
-                columns.iter().enumerate().filter_map(|(k, column)| Some((k, column.part(joint)?))).collect();
-            if parts.is_empty() {
-                continue;
-            }
-            let table: Vec<f64> = parts.iter().flat_map(|(_, part)| part.iter().copied()).collect();
-            let product = DMatrix::from_row_slice(parts.len(), noise.nrows(), &table) * noise;
-            for (r, (k, _)) in parts.iter().enumerate() {
-                for draw in 0..DRAWS {
-                    sum[(*k, draw)] += product[(r, draw)] / norms[*k];
-                }
-            }
-        }
-        sum
-    };
-    let along_basis = through(&fit.basis, &vec![1.0; fit.basis.len()]);
-    let smallest = scanned
-        .par_iter()
-        .map(|one| {
-            let right = through(one.columns, &one.test.norms) - one.test.along.tr_mul(&along_basis);
-            let scores = one.test.directions.tr_mul(&right);
-            (0..DRAWS)
-                .map(|draw| {
-                    if one.one_sided && right[(0, draw)] < 0.0 {
-                        return 0.0;
-                    }
-                    log_survival(scores.column(draw).norm_squared(), one.test.freedom)
-                })
-                .collect::<Vec<f64>>()
-        })
-        .reduce(
-            || vec![0.0; DRAWS],
-            |mut a, b| {
-                a.iter_mut().zip(b).for_each(|(x, y)| *x = x.min(y));
-                a
-            },
-        );
-    let mean = smallest.iter().map(|p| -(-p.exp().min(1.0 - 1e-12)).ln_1p()).sum::<f64>() / DRAWS as f64;
-    (1.0 / mean).max(1.0)
-}
-
-/// Probability that the best of so many independent tests is as good without any effect.
-pub fn family_wise(log_p: f64, tests: f64) -> f64 {
-    -(tests * (-log_p.exp().min(1.0 - 1e-15)).ln_1p()).exp_m1()
+/// Logarithm of the probability of independent probabilities, given by their logarithms, whose product is as small
+/// (Fisher, Statistical Methods for Research Workers, 1925).
+pub fn fisher(log_p: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = log_p.into_iter().fold((0.0, 0), |(sum, count), log_p| (sum - 2.0 * log_p, count + 1));
+    log_survival(sum, 2 * count)
 }
 
 #[cfg(test)]
@@ -265,6 +202,15 @@ mod tests {
     }
 
     #[test]
+    fn two_probabilities_by_hand() {
+        // The area under x y = 1/4 within the unit square: 1/4 + ln(4)/4.
+        assert!((fisher([0.5f64.ln(); 2]).exp() - 0.25 * (1.0 + 4f64.ln())).abs() < 1e-12);
+        assert_eq!(fisher([0.0, 0.0]), 0.0);
+        assert!((fisher([-3.0]) + 3.0).abs() < 1e-9);
+        assert!(fisher([f64::MIN_POSITIVE.ln(), 0.3f64.ln()]) < -690.0);
+    }
+
+    #[test]
     fn a_known_amount_is_found_beyond_the_baseline() {
         let rows = 400;
         let (base, extra) = (wave(1, rows), wave(3, rows));
@@ -279,21 +225,5 @@ mod tests {
         assert!((test.std[0] * perpendicular.sqrt() - 1.0).abs() < 1e-9);
         assert!(fit.test(std::slice::from_ref(&base)).is_none() && fit.test(&[]).is_none());
         assert!(fit.with(&[extra]).left() < 1e-18 * torque.dot(&torque));
-    }
-
-    #[test]
-    fn orthogonal_tests_count_one_by_one_and_copies_once() {
-        let rows = 600;
-        let fit = Projection::new(&[wave(0, rows)], &wave(0, rows));
-        let count = |waves: &[usize]| {
-            let columns: Vec<Vec<Column>> = waves.iter().map(|&k| vec![wave(k, rows)]).collect();
-            let tests: Vec<Test> = columns.iter().map(|c| fit.test(c).unwrap()).collect();
-            let scanned: Vec<Scanned> =
-                columns.iter().zip(&tests).map(|(columns, test)| Scanned { columns, test, one_sided: false }).collect();
-            effective_tests(&fit, &scanned, &[rows], 1)
-        };
-        let many = count(&(1..=50).collect::<Vec<usize>>());
-        assert!((40.0..63.0).contains(&many), "{many}");
-        assert!(count(&[4; 50]) < 1.3);
     }
 }

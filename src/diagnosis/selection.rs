@@ -2,15 +2,16 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::acceptance::{Accepted, Trial, UNCONFIRMED};
+use super::acceptance::{Accepted, Trial};
 use super::candidates::{self, Candidate, Family, Slot};
 use super::contest::{Alternative, Contest, Scan, contest};
 use super::evidence::{Ranked, ranking};
 use super::held_out::Gains;
 use super::impacts::Play;
 use super::judging::Judged;
+use super::multiplicity::Multiplicity;
 use super::play::rattling_gears;
-use super::score::{Projection, family_wise};
+use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::verdict::Verdict;
 use super::whitening::Whitener;
@@ -58,8 +59,8 @@ pub struct Selection {
     pub whitener: Whitener,
     /// The noise before anything was found.
     pub first_whitener: Whitener,
-    /// Number of independent tests that the scan is worth.
-    pub tests: f64,
+    /// How many independent tests the scan is worth.
+    pub multiplicity: Multiplicity,
     /// The best of every family in the first scan, before anything was found; the best first.
     pub ranking: Vec<Ranked>,
     /// Of every family that could be tested in the end: index of its first linear parameter and its standard deviation.
@@ -88,7 +89,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         round = look(session, &mut found, options)?;
     }
     let first_whitener = round.whitener.clone();
-    let tests = round.scan.effective_tests(&round.fit, &round.whitener, options.seed);
+    let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && in_a_row < REFUSALS {
         progress(found.len());
@@ -100,8 +101,13 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         };
         let mut best = round.scan.best_per_family();
         best.retain(|judged| open(&judged.candidate));
+        let expected = |judged: &Judged| {
+            let kind = judged.candidate.family().effect;
+            judged.test.log_p() + multiplicity.tests(kind).ln()
+        };
+        best.sort_by(|a, b| expected(a).total_cmp(&expected(b)));
         let Some(first) = best.first() else { break };
-        let level = family_wise(first.test.log_p(), tests);
+        let level = multiplicity.level(first.candidate.family().effect, first.test.log_p());
         for judged in best.iter().take(LOGGED) {
             let (family, test) = (judged.candidate.family(), &judged.test);
             tracing::debug!(
@@ -113,17 +119,20 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             );
         }
         // What the training logs alone do not show may show together with the held-out ones; it is tried once.
-        if level > UNCONFIRMED || (level > options.alpha && in_a_row > 0) {
+        if level > options.alpha && in_a_row > 0 {
             break;
         }
         let members = members(&found);
-        let Contest { winner, alternatives, close } = contest(session, &members, &best, &round.all, &open)?;
+        let Contest { winner, alternatives, close } =
+            contest(session, &members, &best, &round.all, &multiplicity, &open)?;
         let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
         let Round { whitener, fit, .. } = &round;
-        let trial = Trial { session, members: &members, whitener, fit, tests, alpha: options.alpha };
+        let trial =
+            Trial { session, members: &members, whitener, fit, multiplicity: &multiplicity, alpha: options.alpha };
         match trial.of(&winner, level)? {
             Some(Accepted { member, gain, level }) => {
+                let alternatives = beside_play(&found, &member, alternatives);
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
                 // What was refused where this acts was seen in a noise that did not know it.
                 let joints = member.candidate.joints();
@@ -150,7 +159,20 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         round = look(session, &mut found, options)?;
     }
     let sensitivity = round.scan.sensitivity();
-    Ok(Selection { found, whitener: round.whitener, first_whitener, tests, ranking, sensitivity })
+    Ok(Selection { found, whitener: round.whitener, first_whitener, multiplicity, ranking, sensitivity })
+}
+
+/// The alternatives of a new member, and the play of its gear if that has one: how the teeth give under load looks like more of
+/// either.
+fn beside_play(found: &[Found], member: &Member, mut alternatives: Vec<Alternative>) -> Vec<Alternative> {
+    let Candidate { placed, .. } = &member.candidate;
+    if placed.effect.gear(&placed.parameters).is_some() {
+        let rattling =
+            found.iter().filter(|other| other.impacts.is_some()).map(|other| other.member.candidate.family());
+        let own = rattling.filter(|family| family.joint == placed.joint);
+        alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
+    }
+    alternatives
 }
 
 /// Fits what was found so far, with estimates written back, and tests all candidates against the fit.

@@ -8,7 +8,7 @@ use super::passband::{self, LowPass};
 use super::roles::{is_level, linear, shapes};
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::score::Projection;
-use super::solution::solve;
+use super::solution::{Solved, solve};
 use super::whitening::{Whitener, rich};
 use crate::effects::{Parameter, Placed};
 use crate::error::Result;
@@ -267,13 +267,22 @@ impl<'a> Session<'a> {
         Noise { whitener, fit }
     }
 
+    /// All parameters of the model with `members`, fitted at once to the training rows, in the order of
+    /// [`Session::all_columns`].
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
+        let columns = self.all_columns(&self.train, members)?;
+        Ok(solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque)))
+    }
+
     /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
-        let columns = self.all_columns(&self.train, members)?;
-        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
+        let solved = self.solved(members, whitener)?;
         self.arm.take(self.model, &solved.values);
         let mut place = self.train.baseline.len();
         for member in members.iter_mut().filter(|member| !member.held) {
@@ -282,13 +291,13 @@ impl<'a> Session<'a> {
                 member.factors[k] = solved.values[place];
                 if !is_level(effect) {
                     member.placed.parameters[index] = solved.values[place];
-                    member.std[index] = solved.std[place];
+                    member.std[index] = solved.std(place);
                 }
                 place += 1;
             }
             for index in shapes(effect) {
                 member.placed.parameters[index] = member.candidate.placed.parameters[index];
-                member.std[index] = solved.std[place];
+                member.std[index] = solved.std(place);
                 place += 1;
             }
         }
@@ -301,8 +310,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn turns_unphysical(&self, members: &[Member], whitener: &Whitener) -> Result<bool> {
-        let columns = self.all_columns(&self.train, members)?;
-        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
+        let solved = self.solved(members, whitener)?;
         let mut place = self.train.baseline.len();
         for member in members[..members.len().saturating_sub(1)].iter().filter(|member| !member.held) {
             if member.candidate.one_sided() && solved.values[place] < 0.0 && member.factors[0] > 0.0 {
@@ -327,8 +335,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn residual_on(&self, side: &Side, members: &[Member], whitener: &Whitener) -> Result<Column> {
-        let columns = self.all_columns(&self.train, members)?;
-        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque));
+        let solved = self.solved(members, whitener)?;
         let mut residual = side.torque.clone();
         for (column, value) in self.all_columns(side, members)?.iter().zip(solved.values) {
             residual.add(-value, column);

@@ -6,65 +6,95 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
 const SINGULAR: f64 = 1e-12;
 
-/// Share of a factor in directions that the rows cannot tell from which it is not told.
+/// Share of a direction, squared, in those that the rows cannot tell from which it is not told.
 const UNTOLD: f64 = 1e-6;
 
-/// A least-squares solution.
+/// A least-squares solution with what the rows tell of it.
 #[derive(Debug, Clone)]
 pub struct Solved {
     /// Factors of the columns.
     pub values: Vec<f64>,
-    /// Their standard deviations; infinite where the rows do not tell a factor from those of other columns, or at all.
-    pub std: Vec<f64>,
+    /// Lengths of the columns.
+    norms: Vec<f64>,
+    /// Principal directions of the factors of columns of unit length.
+    directions: DMatrix<f64>,
+    /// Variances along these; zero where the rows tell nothing.
+    variances: DVector<f64>,
 }
 
 /// Fits whitened torque by whitened columns; directions that the rows cannot tell are left at zero.
 pub fn solve(columns: &[Column], torque: &Column) -> Solved {
-    let count = columns.len();
-    let norms: Vec<f64> = columns.iter().map(|c| c.dot(c).sqrt()).map(|n| if n > 0.0 { n } else { 1.0 }).collect();
-    let mut gram =
-        DMatrix::from_fn(
-            count,
-            count,
-            |r, c| {
-                if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
-            },
-        );
-    gram.fill_lower_triangle_with_upper_triangle();
-    let right = DVector::from_fn(count, |k, _| columns[k].dot(torque) / norms[k]);
-    let eigen = SymmetricEigen::new(gram);
-    let least = SINGULAR * eigen.eigenvalues.max();
-    let inverse = DVector::from_fn(count, |k, _| {
-        let value = eigen.eigenvalues[k];
-        if value > least { 1.0 / value } else { 0.0 }
-    });
-    let rotated = eigen.eigenvectors.tr_mul(&right).component_mul(&inverse);
-    let values = &eigen.eigenvectors * rotated;
-    let variance = |k: usize| -> f64 {
-        let shares: Vec<f64> = eigen.eigenvectors.row(k).iter().map(|v| v * v).collect();
-        let of =
-            |weight: &dyn Fn(f64) -> f64| -> f64 { shares.iter().zip(&inverse).map(|(s, &i)| s * weight(i)).sum() };
-        let untold = of(&|inverse| if inverse == 0.0 { 1.0 } else { 0.0 });
-        if untold > UNTOLD { f64::INFINITY } else { of(&|inverse| inverse) }
-    };
-    Solved {
-        values: values.iter().zip(&norms).map(|(value, norm)| value / norm).collect(),
-        std: (0..count).map(|k| variance(k).sqrt() / norms[k]).collect(),
+    let mut normal = gram(columns);
+    let norms: Vec<f64> = normal.diagonal().iter().map(|&n| if n > 0.0 { n.sqrt() } else { 1.0 }).collect();
+    for (r, row_norm) in norms.iter().enumerate() {
+        for (c, norm) in norms.iter().enumerate() {
+            normal[(r, c)] /= row_norm * norm;
+        }
     }
+    let right = DVector::from_iterator(columns.len(), columns.iter().zip(&norms).map(|(c, norm)| c.dot(torque) / norm));
+    let SymmetricEigen { eigenvectors: directions, eigenvalues } = SymmetricEigen::new(normal);
+    let least = SINGULAR * eigenvalues.max();
+    let variances = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
+    let values = &directions * directions.tr_mul(&right).component_mul(&variances);
+    let values = values.iter().zip(&norms).map(|(value, norm)| value / norm).collect();
+    Solved { values, norms, directions, variances }
+}
+
+impl Solved {
+    /// Standard deviation of a linear function of the factors, whose slopes are not zero at these places only; infinite where the
+    /// rows do not tell it from what other columns do, or at all.
+    pub fn deviation(&self, slopes: &[(usize, f64)]) -> f64 {
+        let mut along = DVector::zeros(self.variances.len());
+        for &(place, slope) in slopes {
+            along += self.directions.row(place).transpose() * (slope / self.norms[place]);
+        }
+        let (mut told, mut untold) = (0.0, 0.0);
+        for (part, variance) in along.iter().zip(&self.variances) {
+            told += part * part * variance;
+            untold += if *variance == 0.0 { part * part } else { 0.0 };
+        }
+        if untold > UNTOLD * along.norm_squared() { f64::INFINITY } else { told.sqrt() }
+    }
+
+    /// Standard deviation of a factor.
+    pub fn std(&self, place: usize) -> f64 {
+        self.deviation(&[(place, 1.0)])
+    }
+}
+
+/// Inner products of all columns.
+pub fn gram(columns: &[Column]) -> DMatrix<f64> {
+    let count = columns.len();
+    let mut gram = DMatrix::from_fn(count, count, |r, c| if r <= c { columns[r].dot(&columns[c]) } else { 0.0 });
+    gram.fill_lower_triangle_with_upper_triangle();
+    gram
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The second and third column are one, the fourth is nothing.
+    fn solved() -> Solved {
+        let columns = [vec![2.0, 0.0], vec![0.0, 1.0], vec![0.0, 1.0], vec![0.0, 0.0]].map(|v| Column::on(0, v));
+        solve(&columns, &Column::on(0, vec![4.0, 3.0]))
+    }
+
     #[test]
     fn what_the_rows_do_not_tell_has_no_finite_deviation() {
-        // The second and third column are one, the fourth is nothing.
-        let columns = [vec![2.0, 0.0], vec![0.0, 1.0], vec![0.0, 1.0], vec![0.0, 0.0]].map(|v| Column::on(0, v));
-        let solved = solve(&columns, &Column::on(0, vec![4.0, 3.0]));
+        let solved = solved();
         let expected = [2.0, 1.5, 1.5, 0.0];
         assert!(solved.values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-12));
-        assert!((solved.std[0] - 0.5).abs() < 1e-12);
-        assert!(solved.std[1..].iter().all(|std| *std == f64::INFINITY), "{:?}", solved.std);
+        assert!((solved.std(0) - 0.5).abs() < 1e-12);
+        assert!((1..4).all(|place| solved.std(place) == f64::INFINITY));
+    }
+
+    #[test]
+    fn the_sum_of_two_factors_is_told_where_neither_is() {
+        let solved = solved();
+        assert!((solved.deviation(&[(1, 1.0), (2, 1.0)]) - 1.0).abs() < 1e-12);
+        // Independent of the first: 3 * 0.5 and 4 * 1 together.
+        assert!((solved.deviation(&[(0, 3.0), (1, 4.0), (2, 4.0)]) - 1.5f64.hypot(4.0)).abs() < 1e-12);
+        assert_eq!(solved.deviation(&[(1, 1.0), (2, -1.0)]), f64::INFINITY);
     }
 }

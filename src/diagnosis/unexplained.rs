@@ -18,11 +18,19 @@ use std::ops::Range;
 /// Slow cosines over each log.
 const COSINES: usize = 6;
 
-/// Share of the level of named effects at which structure counts: the columns are many and general, and what they find
-/// cannot be checked against a law.
-const STRICTER: f64 = 0.02;
+/// Share of the level of named effects at which training and held-out logs together show structure: the columns are many and
+/// general, and what they find cannot be checked against a law.
+const STRICTER: f64 = 0.2;
 
-/// Probability below which a harmonic whose phase wanders counts as seen in the held-out logs too.
+/// Probability by chance up to which structure on the training logs is looked for on the held-out logs, and that from which
+/// those show it.
+const LOOKED_FOR: f64 = 0.5;
+const SEEN_AGAIN: f64 = 0.05;
+
+/// Share of that level at which the training logs alone make structure sure.
+const SURE: f64 = 0.02;
+
+/// Probability below which a harmonic whose phase wanders is sure on the held-out logs too.
 const CONFIRMED: f64 = 0.01;
 
 /// A name is empty beside structure when what it adds to that is more likely than this without it.
@@ -42,6 +50,8 @@ pub struct Unexplained {
     pub structure: &'static str,
     /// Probability of as much without structure, on any joint.
     pub family_wise_p: f64,
+    /// Whether training and held-out logs each show it surely: names on the joint are weighed against it.
+    pub sure: bool,
     /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
     pub instead_of: Vec<usize>,
 }
@@ -83,8 +93,9 @@ struct Fitted<'a> {
     fit: Projection,
     /// Residual on the held-out rows.
     before: Column,
-    /// Level of a single joint's single kind, times which counts as family-wise.
-    level: f64,
+    /// Level of training and held-out logs together, and that of the training logs from which structure is sure.
+    together: f64,
+    sure: f64,
 }
 
 impl<'a> Fitted<'a> {
@@ -95,7 +106,8 @@ impl<'a> Fitted<'a> {
             unseen_columns: session.all_columns(&session.test, members)?,
             fit: whitener.fit(&columns, &session.train.torque),
             before: session.held_out_residual(members, whitener)?,
-            level: STRICTER * alpha,
+            together: STRICTER * alpha,
+            sure: SURE * alpha,
             session,
             members,
             whitener,
@@ -117,27 +129,32 @@ impl<'a> Fitted<'a> {
             let log_p = against_slow_noise(&train.rows, self.whitener, &self.fit, &whitened, &found);
             let family_wise_p = (tests * log_p.exp()).min(1.0);
             tracing::debug!(joint, structure = block.structure, family_wise_p, plain = found.log_p(), "structure");
-            if family_wise_p >= best.as_ref().map_or(self.level, |best| best.family_wise_p.min(self.level)) {
+            if family_wise_p > LOOKED_FOR || best.as_ref().is_some_and(|best| family_wise_p >= best.family_wise_p) {
                 continue;
             }
-            if self.is_confirmed(joint, &block, &again) {
+            let gains = self.gains(joint, &block, &again);
+            let together = gains.together(family_wise_p);
+            tracing::debug!(joint, structure = block.structure, together, ?gains, "structure on held-out rows");
+            let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
+            let sure = family_wise_p < self.sure && gains.lower_bound() > 0.0;
+            if gained && (sure || (together < self.together && gains.chance() < SEEN_AGAIN)) {
                 // The fit minimises over all joints, so that it can give more than this joint has.
                 let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
-                let instead_of = self.empty_beside(joint, &whitened);
-                best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p, instead_of });
+                let instead_of = if sure { self.empty_beside(joint, &whitened) } else { Vec::new() };
+                best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p, sure, instead_of });
             }
         }
         best.or_else(|| self.wandering_harmonic(joint, tests)).or_else(|| {
             let (share, p) = drift(self.session, &self.fit, self.whitener, joint, left)?;
             let family_wise_p = tests * p;
             let (share, structure) = (share.min(1.0), "drifts over time");
-            let found = Unexplained { joint, share, structure, family_wise_p, instead_of: Vec::new() };
-            (family_wise_p < self.level).then_some(found)
+            let found = Unexplained { joint, share, structure, family_wise_p, sure: true, instead_of: Vec::new() };
+            (family_wise_p < self.sure).then_some(found)
         })
     }
 
-    /// Whether the held-out rows show a block too.
-    fn is_confirmed(&self, joint: usize, block: &Block, again: &Block) -> bool {
+    /// What the held-out rows say of a block.
+    fn gains(&self, joint: usize, block: &Block, again: &Block) -> Gains {
         let Session { train, test, .. } = self.session;
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
         let solved = solve(&self.whitener.apply_all(&with), &self.whitener.apply(&train.torque));
@@ -145,10 +162,7 @@ impl<'a> Fitted<'a> {
         for (column, value) in self.unseen_columns.iter().chain(&again.columns).zip(solved.values) {
             after.add(-value, column);
         }
-        let gains = Gains::new(&self.unseen, &self.before, &after, &[joint], test.rows.len());
-        let [bound, elsewhere] = [gains.lower_bound(), gains.without_best_stretch()];
-        tracing::debug!(joint, structure = block.structure, bound, elsewhere, "structure on held-out rows");
-        bound > 0.0 && elsewhere > 0.0
+        Gains::new(&self.unseen, &self.before, &after, &[joint], test.rows.len())
     }
 
     /// Members on this joint alone that add nothing to a block.
@@ -179,7 +193,7 @@ impl<'a> Fitted<'a> {
         let found = Spectrum::new(&train.rows, self.whitener, &self.fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
         let residual = self.unseen.apply(&self.before.only(&[joint]));
-        let again = (family_wise_p < self.level)
+        let again = (family_wise_p < self.sure)
             .then(|| Spectrum::new(&test.rows, &self.unseen, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
@@ -188,6 +202,7 @@ impl<'a> Fitted<'a> {
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p,
+            sure: true,
             instead_of: Vec::new(),
         })
     }

@@ -6,6 +6,7 @@ use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
 use super::evidence::Evidence;
+use super::multiplicity::Multiplicity;
 use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
 use super::selection::Found;
@@ -114,7 +115,7 @@ pub fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> 
     }
 }
 
-/// Takes back the names on joints of which much stays unexplained, and those that structure without a name stands for.
+/// Takes back the names on joints of which surely much stays unexplained, and those that structure without a name stands for.
 /// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.
 pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
@@ -124,6 +125,7 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
     let [before, after] = residuals;
     let open: Vec<usize> = unexplained
         .iter()
+        .filter(|left| left.sure)
         .map(|left| left.joint)
         .filter(|&joint| {
             let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
@@ -139,17 +141,19 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
     }
 }
 
-/// Everything that was looked for and is not among `found`, with the size it would have needed. `tests` is the number of
-/// independent tests, `sensitivity` the standard deviation of every family's first parameter.
+/// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
+/// number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
 pub fn not_found(
     session: &Session,
     found: &[Found],
-    tests: f64,
+    multiplicity: &Multiplicity,
     sensitivity: &BTreeMap<Family, (usize, f64)>,
     options: &Options,
 ) -> Vec<NotFound> {
     let normal = Normal::standard();
-    let factor = normal.inverse_cdf(1.0 - options.alpha / (2.0 * tests)) + normal.inverse_cdf(POWER);
+    let factor = |kind: &str| {
+        normal.inverse_cdf(1.0 - options.alpha / (2.0 * multiplicity.tests(kind))) + normal.inverse_cdf(POWER)
+    };
     let taken: Vec<Family> = found
         .iter()
         .flat_map(|found| {
@@ -172,7 +176,8 @@ pub fn not_found(
         .map(|(effect, family)| {
             let seen = sensitivity.get(&family);
             let index = seen.map_or(0, |(index, _)| *index);
-            let minimum_detectable = seen.map(|(_, std)| factor * std).filter(|size| size.is_finite() && *size > 0.0);
+            let minimum_detectable =
+                seen.map(|(_, std)| factor(family.effect) * std).filter(|size| size.is_finite() && *size > 0.0);
             NotFound { family, minimum_detectable, unit: effect.parameters()[index].unit }
         })
         .collect()

@@ -1,7 +1,7 @@
 //! Whether the winner of a contest is taken into the model: by what the training logs show beside all that is not physics, and
 //! by what it gains on the held-out logs.
 
-use super::beside::beside;
+use super::beside::{beside, errors_beside};
 use super::candidates::Candidate;
 use super::column::rms;
 use super::held_out::Gains;
@@ -17,9 +17,11 @@ use crate::error::Result;
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
 const BEYOND_CHANCE: f64 = 1e-6;
 
-/// What an effect takes outside the stretches that show it best, or else on the held-out logs, must be less likely than this by
-/// chance.
+/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
 const SEEN_ELSEWHERE: f64 = 0.01;
+
+/// Or else what goes with it on the held-out logs.
+const SEEN_AGAIN: f64 = 0.05;
 
 /// The same where held-out logs confirm it.
 const SEEN_ELSEWHERE_TOO: f64 = 0.05;
@@ -155,9 +157,16 @@ impl Trial<'_> {
             Some(Accepted { member: member.clone(), gain, level })
         };
         let Seen { level, limit, elsewhere, confirmable } = seen;
+        let again = match winner.candidate.log {
+            None => {
+                let errors = errors_beside(session, test, &winner.candidate)?;
+                Gains::beside(&unseen, &before, &after, &joints, &errors, test.len())
+            }
+            Some(_) => gains.clone(),
+        };
         // What rests on a moment or two of the training logs is no accident if it is there again.
-        let again = confirmable && gains.chance() < SEEN_ELSEWHERE && gains.without_best_stretch() > 0.0;
-        let alone = level <= limit && (again || elsewhere < SEEN_ELSEWHERE.ln());
+        let there = confirmable && again.chance() < SEEN_AGAIN && gains.without_best_stretch() > 0.0;
+        let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
         if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
             if session.turns_unphysical(&with, &whitener)? {
                 return Ok(None);
@@ -175,8 +184,13 @@ impl Trial<'_> {
         if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
             return Ok(taken(bound, level));
         }
-        let together = gains.together(level);
-        tracing::debug!(together, chance = gains.chance(), "training and held-out logs together");
+        let together = again.together(level);
+        tracing::debug!(
+            together,
+            chance = again.chance(),
+            plain = gains.chance(),
+            "training and held-out logs together"
+        );
         let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln() && together <= self.alpha * CONFIRMED;
         Ok(if believed && gains.share() > 0.0 { taken(bound, together) } else { None })
     }

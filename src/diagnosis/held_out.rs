@@ -19,7 +19,7 @@ const CALM: f64 = 1.5;
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
 /// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Gains {
     /// Gain in each row of the logs.
     of_rows: Vec<f64>,
@@ -43,9 +43,21 @@ impl Gains {
     /// an effect of motion gains.
     pub fn beside_constants(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: &Rows) -> Self {
         let constants: Vec<Column> = joints.iter().flat_map(|&joint| slow_cosines(rows, joint, 0..1)).collect();
-        let constants = unseen.apply_all(&constants);
-        let left = |residual: &Column| Projection::new(&constants, &unseen.apply(&residual.only(joints))).residual;
-        Self::of_white(unseen, [left(before), left(after)], rows.len())
+        Self::beside(unseen, before, after, joints, &constants, rows.len())
+    }
+
+    /// The same beside columns that may be in the residual for other reasons.
+    pub fn beside(
+        unseen: &Whitener,
+        before: &Column,
+        after: &Column,
+        joints: &[usize],
+        others: &[Column],
+        rows: usize,
+    ) -> Self {
+        let others: Vec<Column> = others.iter().map(|column| unseen.apply(&column.only(joints))).collect();
+        let left = |residual: &Column| Projection::new(&others, &unseen.apply(&residual.only(joints))).residual;
+        Self::of_white(unseen, [left(before), left(after)], rows)
     }
 
     fn of_white(unseen: &Whitener, [before, after]: [Column; 2], rows: usize) -> Self {

@@ -1,7 +1,7 @@
 //! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
 //! structure, and whether a name only stands for a part of it.
 
-use super::beside::against_slow_noise;
+use super::beside::{against_slow_noise, errors_of_motion};
 use super::column::Column;
 use super::generic::{Block, Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
@@ -91,6 +91,9 @@ struct Fitted<'a> {
     columns: Vec<Column>,
     unseen_columns: Vec<Column>,
     fit: Projection,
+    /// The fit with what errors of the positions put into the torque, and that on the held-out rows.
+    beside_errors: Projection,
+    unseen_errors: Vec<Column>,
     /// Residual on the held-out rows.
     before: Column,
     /// Level of training and held-out logs together, and that of the training logs from which structure is sure.
@@ -101,10 +104,14 @@ struct Fitted<'a> {
 impl<'a> Fitted<'a> {
     fn new(session: &'a Session, members: &'a [Member], whitener: &'a Whitener, alpha: f64) -> Result<Self> {
         let columns = session.all_columns(&session.train, members)?;
+        let fit = whitener.fit(&columns, &session.train.torque);
+        let errors = errors_of_motion(session, &session.train.rows, false)?;
         Ok(Fitted {
+            beside_errors: fit.with(&whitener.apply_all(&errors)),
+            unseen_errors: errors_of_motion(session, &session.test.rows, false)?,
             unseen: whitener.on(&session.test.rows),
             unseen_columns: session.all_columns(&session.test, members)?,
-            fit: whitener.fit(&columns, &session.train.torque),
+            fit,
             before: session.held_out_residual(members, whitener)?,
             together: STRICTER * alpha,
             sure: SURE * alpha,
@@ -125,8 +132,8 @@ impl<'a> Fitted<'a> {
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds.into_iter().zip(blocks(self.session, test, joint, reach)) {
             let whitened = self.whitener.apply_all(&block.columns);
-            let Some(found) = self.fit.test(&whitened) else { continue };
-            let log_p = against_slow_noise(&train.rows, self.whitener, &self.fit, &whitened, &found);
+            let Some(found) = self.beside_errors.test(&whitened) else { continue };
+            let log_p = against_slow_noise(&train.rows, self.whitener, &self.beside_errors, &whitened, &found);
             let family_wise_p = (tests * log_p.exp()).min(1.0);
             tracing::debug!(joint, structure = block.structure, family_wise_p, plain = found.log_p(), "structure");
             if family_wise_p > LOOKED_FOR || best.as_ref().is_some_and(|best| family_wise_p >= best.family_wise_p) {
@@ -162,7 +169,7 @@ impl<'a> Fitted<'a> {
         for (column, value) in self.unseen_columns.iter().chain(&again.columns).zip(solved.values) {
             after.add(-value, column);
         }
-        Gains::new(&self.unseen, &self.before, &after, &[joint], test.rows.len())
+        Gains::beside(&self.unseen, &self.before, &after, &[joint], &self.unseen_errors, test.rows.len())
     }
 
     /// Members on this joint alone that add nothing to a block.

@@ -129,12 +129,44 @@ impl Trial<'_> {
         self.unseen(winner, Seen { level, limit, elsewhere, confirmable })
     }
 
-    /// The winner as a member of the model if the held-out rows agree. An event of one training log shows in no other: its gain
-    /// is that on the training rows. What the training logs leave open the held-out logs may confirm: the two are independent.
+    /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may
+    /// confirm: the two are independent.
     fn unseen(&self, winner: &Judged, seen: Seen) -> Result<Option<Accepted>> {
+        let Seen { level, limit, elsewhere, confirmable } = seen;
+        let held_out = self.held_out(winner)?;
+        let HeldOut { gains, beside_errors, .. } = &held_out;
+        // What rests on a moment or two of the training logs is no accident if it is there again.
+        let there = confirmable && beside_errors.chance() < SEEN_AGAIN && gains.without_best_stretch() > 0.0;
+        let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
+        let bound = gains.lower_bound();
+        let much_left = winner.candidate.joints().iter().any(|&joint| held_out.whitener.misfit(joint) > MUCH_LEFT);
+        if much_left {
+            if !alone || self.session.turns_unphysical(&held_out.with, &held_out.whitener)? {
+                return Ok(None);
+            }
+            if bound > WORTH_A_NAME {
+                return Ok(Some(held_out.accepted(winner, bound, level)));
+            }
+            let bound = held_out.beside_constants.lower_bound();
+            let enough = winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
+            return Ok(enough.then(|| held_out.accepted(winner, bound, level)));
+        }
+        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
+        let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect));
+        if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
+            return Ok(Some(held_out.accepted(winner, bound, level)));
+        }
+        let together = beside_errors.together(level);
+        tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
+        let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln() && together <= self.alpha * CONFIRMED;
+        Ok((believed && gains.share() > 0.0).then(|| held_out.accepted(winner, bound, together)))
+    }
+
+    /// What the held-out rows say of the winner. An event of one training log shows in no other: its gain is that on the
+    /// training rows.
+    fn held_out(&self, winner: &Judged) -> Result<HeldOut> {
         let Trial { session, members, .. } = *self;
-        let member = winner.member();
-        let with: Vec<Member> = members.iter().cloned().chain([member.clone()]).collect();
+        let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
         let before = session.held_out_residual(members, &whitener)?;
         let after = session.held_out_residual(&with, &whitener)?;
@@ -142,57 +174,45 @@ impl Trial<'_> {
         let test = &session.test.rows;
         let unseen = whitener.on(test);
         let rms = [rms(&test.valid, &before), rms(&test.valid, &after)];
-        let gains = match winner.candidate.log {
-            None => Gains::new(&unseen, &before, &after, &joints, test.len()),
-            Some(_) => {
-                let [before, after] =
-                    [members, &with].map(|members| session.residual_on(&session.train, members, &whitener));
-                Gains::new(&whitener, &before?, &after?, &joints, session.train.rows.len())
-            }
-        };
-        let bound = gains.lower_bound();
-        tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
-        let taken = |lower_bound: f64, level: f64| {
-            let gain = Gain { lower_bound, rms: rms.clone() };
-            Some(Accepted { member: member.clone(), gain, level })
-        };
-        let Seen { level, limit, elsewhere, confirmable } = seen;
-        let again = match winner.candidate.log {
+        let beside_constants = Gains::beside_constants(&unseen, &before, &after, &joints, test);
+        let (gains, beside_errors) = match winner.candidate.log {
             None => {
                 let errors = errors_beside(session, test, &winner.candidate)?;
-                Gains::beside(&unseen, &before, &after, &joints, &errors, test.len())
+                let beside_errors = Gains::beside(&unseen, &before, &after, &joints, &errors, test.len());
+                (Gains::new(&unseen, &before, &after, &joints, test.len()), beside_errors)
             }
-            Some(_) => gains.clone(),
+            Some(_) => {
+                let before = session.residual_on(&session.train, members, &whitener)?;
+                let after = session.residual_on(&session.train, &with, &whitener)?;
+                let gains = Gains::new(&whitener, &before, &after, &joints, session.train.rows.len());
+                (gains.clone(), gains)
+            }
         };
-        // What rests on a moment or two of the training logs is no accident if it is there again.
-        let there = confirmable && again.chance() < SEEN_AGAIN && gains.without_best_stretch() > 0.0;
-        let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
-        if joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT) {
-            if session.turns_unphysical(&with, &whitener)? {
-                return Ok(None);
-            }
-            if alone && bound > WORTH_A_NAME {
-                return Ok(taken(bound, level));
-            }
-            let bound = Gains::beside_constants(&unseen, &before, &after, &joints, test).lower_bound();
-            tracing::debug!(bound, "beside constants");
-            let enough = alone && winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
-            return Ok(if enough { taken(bound, level) } else { None });
-        }
-        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
-        let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect));
-        if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
-            return Ok(taken(bound, level));
-        }
-        let together = again.together(level);
-        tracing::debug!(
-            together,
-            chance = again.chance(),
-            plain = gains.chance(),
-            "training and held-out logs together"
-        );
-        let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln() && together <= self.alpha * CONFIRMED;
-        Ok(if believed && gains.share() > 0.0 { taken(bound, together) } else { None })
+        let [bound, of_constants] = [&gains, &beside_constants].map(Gains::lower_bound);
+        tracing::debug!(bound, of_constants, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
+        Ok(HeldOut { with, whitener, rms, gains, beside_errors, beside_constants })
+    }
+}
+
+/// What held-out rows say of a candidate.
+struct HeldOut {
+    /// The model with it.
+    with: Vec<Member>,
+    /// The noise as that sees it.
+    whitener: Whitener,
+    /// Root mean square of the residual before and after, `[joint]`, N m.
+    rms: [Vec<f64>; 2],
+    /// What it gains.
+    gains: Gains,
+    /// The same beside what errors of the positions put into the torque.
+    beside_errors: Gains,
+    /// The same beside a constant torque on every joint that it acts on.
+    beside_constants: Gains,
+}
+
+impl HeldOut {
+    fn accepted(&self, winner: &Judged, lower_bound: f64, level: f64) -> Accepted {
+        Accepted { member: winner.member(), gain: Gain { lower_bound, rms: self.rms.clone() }, level }
     }
 }
 

@@ -4,6 +4,7 @@
 use super::beside::{beside, errors_beside};
 use super::candidates::Candidate;
 use super::column::rms;
+use super::cut_off::is_flat;
 use super::held_out::Gains;
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
@@ -12,6 +13,7 @@ use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::stretches::without_best_stretches;
 use super::whitening::Whitener;
+use crate::effects::Placed;
 use crate::error::Result;
 
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
@@ -122,9 +124,16 @@ impl Trial<'_> {
         if level > highest {
             return Ok(None);
         }
-        let elsewhere = match is_level(winner.candidate.placed.effect) {
-            true => f64::NEG_INFINITY,
-            false => without_best_stretches(self.session, self.members, self.whitener, winner)?,
+        let Placed { effect, joint, parameters } = &winner.candidate.placed;
+        let elsewhere = if is_level(*effect) {
+            let flat = is_flat(&self.session.arm, &self.session.train.rows, *joint, parameters[0]);
+            tracing::debug!(flat, level = parameters[0], "torque beyond a level");
+            if !flat {
+                return Ok(None);
+            }
+            f64::NEG_INFINITY
+        } else {
+            without_best_stretches(self.session, self.members, self.whitener, winner)?
         };
         self.unseen(winner, Seen { level, limit, elsewhere, confirmable })
     }

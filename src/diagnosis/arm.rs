@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::{Model, STANDARD};
 use crate::robot::{Inertia, PARAMETERS, Robot};
-use crate::signal::ZeroPhaseLowPass;
+use crate::signal::{ZeroPhaseLowPass, second_derivative};
 use rayon::prelude::*;
 
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
@@ -143,16 +143,19 @@ impl Arm {
     }
 
     /// Second derivative of the torque that the gears of the arm as found carry, over the rows, N m/s2.
-    pub fn bend(&self, rows: &Rows) -> Column {
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn bend(&self, rows: &Rows) -> Result<Column> {
         let each = rows.logs.par_iter().map(|log| {
-            let mut torque = self.load(&log.motion);
-            for joint in 0..torque.channels() {
-                let second = second_derivative(torque.channel(joint), log.period);
-                torque.channel_mut(joint).copy_from_slice(&second);
+            let load = self.load(&log.motion);
+            let mut bend = load.clone();
+            for joint in 0..load.channels() {
+                second_derivative(load.channel(joint), log.period, bend.channel_mut(joint))?;
             }
-            torque
+            Ok(bend)
         });
-        over_rows(rows, &each.collect::<Vec<Channels>>())
+        Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
     }
 
     /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
@@ -329,16 +332,6 @@ impl Arm {
         let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
         (hz < WIDEST_HZ).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, 1.0 / log.period)).transpose()
     }
-}
-
-/// Second differences over the square of the period; those of the ends are their neighbours'.
-fn second_derivative(signal: &[f64], period: f64) -> Vec<f64> {
-    let inside = signal.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]) / (period * period));
-    let mut all: Vec<f64> = std::iter::once(0.0).chain(inside).chain([0.0]).take(signal.len()).collect();
-    if let [first, second, .., last_but_one, last] = &mut all[..] {
-        (*first, *last) = (*second, *last_but_one);
-    }
-    all
 }
 
 /// Torque of all logs at their own rate as a column over the rows.

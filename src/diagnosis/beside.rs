@@ -123,7 +123,7 @@ pub fn errors_of_motion(session: &Session, rows: &Rows, gear: bool) -> Result<Ve
     let of_joints = |column: Column| column.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal));
     let mut errors: Vec<Column> = of_joints(session.arm.smoothing_error(rows)?).collect();
     if !gear {
-        errors.extend(of_joints(session.arm.bend(rows)));
+        errors.extend(of_joints(session.arm.bend(rows)?));
     }
     Ok(errors)
 }

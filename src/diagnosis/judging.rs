@@ -82,8 +82,16 @@ impl Session<'_> {
         }
     }
 
-    /// Whether the torque of an estimate is not more than what can be of its joint's.
+    /// Whether the torque of an estimate is not more than what can be of its joint's: on the rows that count, and for friction
+    /// in all others too, to which a law that hardly reaches the rows that count is carried on.
     fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
+        if candidate.placed.effect.about().dry {
+            let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+            let friction = combined(&candidate.columns, &test.values);
+            if friction.parts.iter().any(|(joint, values)| largest(values) > largest(&self.train.rows.torque[*joint])) {
+                return false;
+            }
+        }
         let Some(share) = bodies::largest_share(&candidate.placed) else { return true };
         let valid = &self.train.rows.valid;
         let joint = candidate.placed.joint;

@@ -16,7 +16,7 @@
 //! | forward selection, held-out acceptance, backward pass | [`selection`], [`acceptance`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
 //! | gears with play, by their impacts | [`impacts`], [`play`] |
-//! | evidence beside slow noise and the error of the smoothing | [`beside`](mod@beside) |
+//! | evidence beside slow noise and the errors of positions; torque that is flat | [`beside`](mod@beside), [`cut_off`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`], [`accounted`] |
@@ -32,6 +32,7 @@ pub mod candidates;
 pub mod column;
 pub mod conclusion;
 pub mod contest;
+pub mod cut_off;
 pub mod derived;
 pub mod evidence;
 pub mod extended;

@@ -27,7 +27,7 @@ const STRICTER: f64 = 0.2;
 const LOOKED_FOR: f64 = 0.5;
 const SEEN_AGAIN: f64 = 0.05;
 
-/// Share of that level at which the training logs alone make structure sure.
+/// Share of the level of named effects at which the training logs by themselves make structure sure.
 const SURE: f64 = 0.02;
 
 /// Probability below which a harmonic whose phase wanders is sure on the held-out logs too.

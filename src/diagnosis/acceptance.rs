@@ -1,14 +1,15 @@
 //! Whether the winner of a contest is taken into the model: by what the training logs show beside all that is not physics, and
 //! by what it gains on the held-out logs.
 
-use super::beside::{beside, errors_beside};
+use super::beside::beside;
 use super::candidates::Candidate;
-use super::column::rms;
+use super::column::{Column, rms};
 use super::cut_off::is_flat;
-use super::held_out::Gains;
+use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
 use super::roles::is_level;
+use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::stretches::without_best_stretches;
@@ -19,11 +20,9 @@ use crate::error::Result;
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
 const BEYOND_CHANCE: f64 = 1e-6;
 
-/// What an effect takes outside the stretches that show it best must be less likely than this by chance.
+/// What an effect takes outside the stretches that show it best must be less likely than this by chance, or it is seen again on
+/// the held-out logs.
 const SEEN_ELSEWHERE: f64 = 0.01;
-
-/// Or else what goes with it on the held-out logs.
-const SEEN_AGAIN: f64 = 0.05;
 
 /// The same where held-out logs confirm it.
 const SEEN_ELSEWHERE_TOO: f64 = 0.05;
@@ -59,6 +58,24 @@ pub struct Gain {
     pub rms: [Vec<f64>; 2],
 }
 
+/// What came of a trial.
+#[derive(Debug)]
+pub enum Outcome {
+    /// The candidate is taken.
+    Accepted(Accepted),
+    /// It is not.
+    Refused(Refusal),
+}
+
+/// How a candidate was refused.
+#[derive(Debug, Clone, Copy)]
+pub struct Refusal {
+    /// Whether it may be so all the same, and the logs are too few to tell.
+    pub may_be: bool,
+    /// Whether held-out logs were asked to confirm what the training logs left open.
+    pub asked: bool,
+}
+
 /// A candidate that is taken.
 #[derive(Debug)]
 pub struct Accepted {
@@ -85,6 +102,9 @@ pub struct Trial<'a> {
     pub multiplicity: &'a Multiplicity,
     /// Family-wise level.
     pub alpha: f64,
+    /// By how much less likely than by itself what the held-out logs show must be to confirm it, as they are asked more than once;
+    /// None where they are not asked any more.
+    pub tries: Option<f64>,
 }
 
 /// What the training logs say of a candidate.
@@ -106,30 +126,29 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn of(&self, winner: &Judged, level: f64) -> Result<Option<Accepted>> {
-        let strictness = strictness(&winner.candidate);
-        let limit = self.alpha * strictness;
-        // What is taken for something else too easily no held-out log confirms: the same is wrong there.
-        let confirmable = strictness == NOISE_IS_ESTIMATED;
+    pub fn of(&self, winner: &Judged, level: f64) -> Result<Outcome> {
+        let refused = |may_be| Ok(Outcome::Refused(Refusal { may_be, asked: false }));
+        let limit = self.alpha * strictness(&winner.candidate);
+        let confirmable = is_confirmable(&winner.candidate);
         let highest = if confirmable { 1.0 } else { limit };
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let kind = winner.candidate.family().effect;
         let mut level = level.max(self.multiplicity.level(kind, winner.test.log_p()));
         if level > highest {
-            return Ok(None);
+            return refused(!is_level(winner.candidate.placed.effect));
         }
-        let beside = beside(self.session, self.whitener, self.fit, winner)?;
+        let beside = beside(self.session, self.whitener, self.fit, winner);
         level = level.max(self.multiplicity.level(kind, beside));
         tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
         if level > highest {
-            return Ok(None);
+            return refused(!is_level(winner.candidate.placed.effect));
         }
         let Placed { effect, joint, parameters } = &winner.candidate.placed;
         let elsewhere = if is_level(*effect) {
             let flat = is_flat(&self.session.arm, &self.session.train.rows, *joint, parameters[0]);
             tracing::debug!(flat, level = parameters[0], "torque beyond a level");
             if !flat {
-                return Ok(None);
+                return refused(false);
             }
             f64::NEG_INFINITY
         } else {
@@ -140,7 +159,7 @@ impl Trial<'_> {
 
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may
     /// confirm: the two are independent.
-    fn unseen(&self, winner: &Judged, seen: Seen) -> Result<Option<Accepted>> {
+    fn unseen(&self, winner: &Judged, seen: Seen) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = seen;
         let held_out = self.held_out(winner)?;
         let HeldOut { gains, beside_errors, .. } = &held_out;
@@ -148,27 +167,29 @@ impl Trial<'_> {
         let there = confirmable && beside_errors.chance() < SEEN_AGAIN && gains.without_best_stretch() > 0.0;
         let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
         let bound = gains.lower_bound();
+        let refused = |asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked }));
         let much_left = winner.candidate.joints().iter().any(|&joint| held_out.whitener.misfit(joint) > MUCH_LEFT);
         if much_left {
             if !alone || self.session.turns_unphysical(&held_out.with, &held_out.whitener)? {
-                return Ok(None);
+                return refused(false);
             }
             if bound > WORTH_A_NAME {
-                return Ok(Some(held_out.accepted(winner, bound, level)));
+                return Ok(held_out.accepted(winner, bound, level));
             }
-            let bound = held_out.beside_constants.lower_bound();
+            let bound = held_out.beside_constants(&self.session.test.rows, &winner.candidate.joints()).lower_bound();
             let enough = winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
-            return Ok(enough.then(|| held_out.accepted(winner, bound, level)));
+            return if enough { Ok(held_out.accepted(winner, bound, level)) } else { refused(false) };
         }
         // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
         let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect));
         if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
-            return Ok(Some(held_out.accepted(winner, bound, level)));
+            return Ok(held_out.accepted(winner, bound, level));
         }
-        let together = beside_errors.together(level);
+        let Some(tries) = self.tries.filter(|_| confirmable) else { return refused(false) };
+        let together = beside_errors.together(level, tries);
         tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
-        let believed = confirmable && elsewhere < SEEN_ELSEWHERE_TOO.ln() && together <= self.alpha * CONFIRMED;
-        Ok((believed && gains.share() > 0.0).then(|| held_out.accepted(winner, bound, together)))
+        let believed = (there || elsewhere < SEEN_ELSEWHERE_TOO.ln()) && together <= self.alpha * CONFIRMED;
+        if believed && gains.share() > 0.0 { Ok(held_out.accepted(winner, bound, together)) } else { refused(true) }
     }
 
     /// What the held-out rows say of the winner. An event of one training log shows in no other: its gain is that on the
@@ -183,23 +204,19 @@ impl Trial<'_> {
         let test = &session.test.rows;
         let unseen = whitener.on(test);
         let rms = [rms(&test.valid, &before), rms(&test.valid, &after)];
-        let beside_constants = Gains::beside_constants(&unseen, &before, &after, &joints, test);
-        let (gains, beside_errors) = match winner.candidate.log {
-            None => {
-                let errors = errors_beside(session, test, &winner.candidate)?;
-                let beside_errors = Gains::beside(&unseen, &before, &after, &joints, &errors, test.len());
-                (Gains::new(&unseen, &before, &after, &joints, test.len()), beside_errors)
-            }
+        let gains = match winner.candidate.log {
+            None => Gains::new(&unseen, &before, &after, &joints, test.len()),
             Some(_) => {
                 let before = session.residual_on(&session.train, members, &whitener)?;
                 let after = session.residual_on(&session.train, &with, &whitener)?;
-                let gains = Gains::new(&whitener, &before, &after, &joints, session.train.rows.len());
-                (gains.clone(), gains)
+                Gains::new(&whitener, &before, &after, &joints, session.train.rows.len())
             }
         };
-        let [bound, of_constants] = [&gains, &beside_constants].map(Gains::lower_bound);
-        tracing::debug!(bound, of_constants, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
-        Ok(HeldOut { with, whitener, rms, gains, beside_errors, beside_constants })
+        let errors = session.test.errors.beside(&winner.candidate.placed);
+        let beside_errors = Gains::beside(&unseen, &before, &after, &joints, &errors, test.len());
+        let bound = gains.lower_bound();
+        tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
+        Ok(HeldOut { with, whitener, unseen, residuals: [before, after], rms, gains, beside_errors })
     }
 }
 
@@ -207,22 +224,35 @@ impl Trial<'_> {
 struct HeldOut {
     /// The model with it.
     with: Vec<Member>,
-    /// The noise as that sees it.
+    /// The noise as that sees it, on either kind of logs.
     whitener: Whitener,
+    unseen: Whitener,
+    /// What is left on the held-out rows before and after.
+    residuals: [Column; 2],
     /// Root mean square of the residual before and after, `[joint]`, N m.
     rms: [Vec<f64>; 2],
     /// What it gains.
     gains: Gains,
     /// The same beside what errors of the positions put into the torque.
     beside_errors: Gains,
-    /// The same beside a constant torque on every joint that it acts on.
-    beside_constants: Gains,
 }
 
 impl HeldOut {
-    fn accepted(&self, winner: &Judged, lower_bound: f64, level: f64) -> Accepted {
-        Accepted { member: winner.member(), gain: Gain { lower_bound, rms: self.rms.clone() }, level }
+    /// What it gains on the held-out rows beside a constant torque on every joint that it acts on.
+    fn beside_constants(&self, test: &Rows, joints: &[usize]) -> Gains {
+        let [before, after] = &self.residuals;
+        Gains::beside_constants(&self.unseen, before, after, joints, test)
     }
+
+    fn accepted(&self, winner: &Judged, lower_bound: f64, level: f64) -> Outcome {
+        let gain = Gain { lower_bound, rms: self.rms.clone() };
+        Outcome::Accepted(Accepted { member: winner.member(), gain, level })
+    }
+}
+
+/// Whether held-out logs can confirm what training logs leave open: what is taken for something else too easily is so on all logs.
+pub fn is_confirmable(candidate: &Candidate) -> bool {
+    strictness(candidate) == NOISE_IS_ESTIMATED
 }
 
 /// Share of the level at which a candidate is believed.

@@ -11,8 +11,6 @@ use super::score::{Projection, Test};
 use super::session::Session;
 use super::stretches::STRETCH;
 use super::whitening::Whitener;
-use crate::effects::Placed;
-use crate::error::Result;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -35,27 +33,24 @@ const DRIFTS: usize = 10;
 /// Logarithm of the probability of what a candidate takes beside the error of the smoothing, by the strength that slow noise
 /// is seen to have once the candidate is in the model. An event of one log must also show beside slow drifts of all joints
 /// that it acts on: how sharply it begins and ends the rows tell well.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> Result<f64> {
+pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
     let rows = &session.train.rows;
     let mut nuisances: Vec<Column> = Vec::new();
     if candidate.candidate.log.is_some() {
         let joints = candidate.candidate.joints();
         nuisances.extend(joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)));
     } else {
-        nuisances.extend(errors_beside(session, rows, &candidate.candidate)?);
+        nuisances.extend(session.train.errors.beside(&candidate.candidate.placed));
     }
     let fit = fit.with(&whitener.apply_all(&nuisances));
-    let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return Ok(0.0) };
+    let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return 0.0 };
     let slow = against_slow_noise(rows, whitener, &fit, &judged.whitened, &judged.test);
     if happens_anywhere(&candidate.candidate) {
-        return Ok(slow);
+        return slow;
     }
     let over = over_stretches(rows.len(), whitener, &fit, &judged.whitened, judged.test.freedom);
     tracing::debug!(smoothing = judged.test.log_p(), slow, over, "beside");
-    Ok(slow.max(over))
+    slow.max(over)
 }
 
 /// Logarithm of the probability of what whitened `columns` take beyond `fit`, by a Wald test whose covariance is that of the
@@ -100,32 +95,6 @@ fn over_stretches(rows: usize, whitener: &Whitener, fit: &Projection, columns: &
 /// Whether an effect may show in a moment of the logs alone: what happened once, and what happens where the torque is largest.
 fn happens_anywhere(candidate: &Candidate) -> bool {
     candidate.log.is_some() || is_level(candidate.placed.effect)
-}
-
-/// What errors of the positions put into the torque of every joint beside a candidate.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-pub fn errors_beside(session: &Session, rows: &Rows, candidate: &Candidate) -> Result<Vec<Column>> {
-    let Placed { effect, parameters, .. } = &candidate.placed;
-    // Where a torque is cut off the smoothing errs too.
-    if is_level(*effect) { Ok(Vec::new()) } else { errors_of_motion(session, rows, effect.gear(parameters).is_some()) }
-}
-
-/// What errors of the positions put into the torque of every joint: the error of the smoothing, and for laws that are no elastic
-/// `gear` the second derivative of the torque. What shifts or spreads torque in time holds that derivative, and the noise of the
-/// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987); the
-/// column of an elastic gear is that derivative itself.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-pub fn errors_of_motion(session: &Session, rows: &Rows, gear: bool) -> Result<Vec<Column>> {
-    let of_joints = |column: Column| column.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal));
-    let mut errors: Vec<Column> = of_joints(session.arm.smoothing_error(rows)?).collect();
-    if !gear {
-        errors.extend(of_joints(session.arm.bend(rows)?));
-    }
-    Ok(errors)
 }
 
 /// Logarithm of the probability of the test of whitened `columns` beyond `fit`, by an F test against the slow part of what is

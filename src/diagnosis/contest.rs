@@ -1,11 +1,13 @@
 //! One round of the search: the scan of all candidates, and the contest of the best for the name.
 
 use super::candidates::{Candidate, Family, Slot};
+use super::eligible::Eligible;
+use super::held_out::Gains;
 use super::judging::Judged;
 use super::multiplicity::{Multiplicity, Scanned};
 use super::roles::{linear, shapes};
 use super::score::{Projection, log_survival};
-use super::session::{Member, Session};
+use super::session::{Member, Noise, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
 use rayon::prelude::*;
@@ -19,6 +21,10 @@ const RIVAL: f64 = 0.3;
 
 /// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
 const CLOSE: f64 = 0.8;
+
+/// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
+/// parameter or of chance.
+const CLEARLY_BETTER: f64 = 0.02;
 
 /// A rival is out when what the winner adds to it is less likely than this without need.
 const ENCOMPASSED: f64 = 1e-3;
@@ -113,7 +119,7 @@ impl Scan {
     }
 }
 
-/// The winner among `best` (one per slot, the best first), what else explains the same, and what comes close. What is looked for in
+/// The winner among `best` (those `eligible`, one per slot, the best first), what else explains the same, and what comes close. What is looked for in
 /// many places must fit better, by as many tests as its kind is worth by `multiplicity`, to win over what is looked for in few.
 ///
 /// # Errors
@@ -124,9 +130,9 @@ pub fn contest(
     best: &[&Judged],
     all: &[Candidate],
     multiplicity: &Multiplicity,
-    open: &dyn Fn(&Candidate) -> bool,
+    eligible: &Eligible,
 ) -> Result<Contest> {
-    let looked_for = |judged: &Judged| 2.0 * multiplicity.tests(judged.candidate.family().effect).ln();
+    let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.all_columns(&session.train, members)?;
     let mut leader: Option<(f64, Candidate)> = None;
     for judged in best.iter().take(SHORTLIST) {
@@ -148,7 +154,7 @@ pub fn contest(
     let whitener = session.noise_under(&with).whitener;
     let fit = whitener.fit(&present, &session.train.torque);
     let again: Vec<Candidate> =
-        all.iter().filter(|candidate| open(candidate)).cloned().chain([leader.clone()]).collect();
+        all.iter().filter(|candidate| eligible.may_be(candidate)).cloned().chain([leader.clone()]).collect();
     let scan = Scan::new(session, &again, &whitener, &fit);
     let ranked = scan.best_per_family();
     let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
@@ -156,10 +162,10 @@ pub fn contest(
     let mut strong: Vec<Judged> =
         strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
     strong.sort_by(|a, b| (criterion(a) + looked_for(a)).total_cmp(&(criterion(b) + looked_for(b))));
-    if strong.is_empty() {
+    let Some(first) = strong.iter().position(|judged| eligible.may_win(&judged.candidate)) else {
         return Ok(Contest { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
-    }
-    let winner = strong.remove(0);
+    };
+    let winner = strong.remove(first);
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
     // What acts elsewhere is no other name for what is seen here.
     let here = winner.candidate.joints();
@@ -171,12 +177,15 @@ pub fn contest(
             continue;
         }
         let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
-        let gap = criterion(rival) - criterion(&winner);
+        let gap = criterion(rival) + looked_for(rival) - criterion(&winner) - looked_for(&winner);
         let needed = |test: Option<super::score::Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
         let winner_adds = needed(beside_rival.test(&winner.whitened), ENCOMPASSED);
         let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
         let larger = parameters(rival) > parameters(&winner);
-        if !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP) || is_one_more(&winner, rival)) {
+        // What fits better, and was not sure enough to win, is not excluded by what the winner adds to it.
+        let explains_as_much =
+            !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP) || is_one_more(&winner, rival));
+        if explains_as_much || gap < 0.0 {
             alternatives.push(Alternative {
                 family: rival.candidate.family(),
                 relative_likelihood: (-0.5 * gap.max(0.0)).exp(),
@@ -184,8 +193,44 @@ pub fn contest(
         }
     }
     let least = CLOSE * winner.test.statistic;
-    strong.retain(|rival| rival.test.statistic > least);
+    strong.retain(|rival| rival.test.statistic > least && eligible.may_win(&rival.candidate));
     Ok(Contest { winner, alternatives, close: strong })
+}
+
+/// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
+/// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
+pub fn better_unseen(
+    session: &Session,
+    members: &[Member],
+    winner: Judged,
+    mut alternatives: Vec<Alternative>,
+    close: &[Judged],
+) -> Result<(Judged, Vec<Alternative>)> {
+    if winner.candidate.log.is_some() {
+        return Ok((winner, alternatives));
+    }
+    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
+    let first = with(&winner);
+    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
+    let unseen = whitener.on(&session.test.rows);
+    let before = session.held_out_residual(&first, &whitener)?;
+    let mut best: Option<(f64, &Judged)> = None;
+    for rival in close.iter().filter(|rival| rival.candidate.log.is_none()) {
+        let mut joints = rival.candidate.joints();
+        joints.extend(winner.candidate.joints());
+        joints.sort_unstable();
+        joints.dedup();
+        let after = session.held_out_residual(&with(rival), &whitener)?;
+        let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
+        tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
+        if bound > best.as_ref().map_or(CLEARLY_BETTER, |(best, _)| *best) {
+            best = Some((bound, rival));
+        }
+    }
+    let Some((_, rival)) = best else { return Ok((winner, alternatives)) };
+    alternatives.retain(|other| other.family != rival.candidate.family());
+    alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
+    Ok((rival.clone(), alternatives))
 }
 
 fn is_one_more(winner: &Judged, rival: &Judged) -> bool {

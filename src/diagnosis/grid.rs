@@ -27,6 +27,9 @@ const APART: f64 = 0.1;
 const HIGHEST_HARMONIC: f64 = 60.0;
 const CONTACTS_S: [f64; 3] = [1.5, 3.0, 6.0];
 
+/// Shortest contact, s: what is shorter is a knock, and its column singles out a row or two, which anything can fill.
+const SHORTEST_CONTACT_S: f64 = 0.3;
+
 /// The effect at one place with every combination of its grids.
 pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
     let typical = Placed::typical(effect, joint);
@@ -103,6 +106,18 @@ pub fn within_bounds(effect: &dyn Effect, index: usize, value: f64, joint: usize
     }
 }
 
+/// Whether an effect's shapes make sense together: a contact ends some time after it began.
+pub fn is_sensible(placed: &Placed) -> bool {
+    let of = |name: &str| {
+        let index = placed.effect.parameters().iter().position(|parameter| parameter.name == name)?;
+        placed.parameters.get(index).copied()
+    };
+    match (of("start"), of("end")) {
+        (Some(start), Some(end)) => end - start >= SHORTEST_CONTACT_S,
+        _ => true,
+    }
+}
+
 fn fastest(rows: &Rows, joint: usize) -> f64 {
     rows.logs.iter().flat_map(|log| log.motion.qd.channel(joint)).fold(0.0, |m, v| m.max(v.abs()))
 }
@@ -154,4 +169,20 @@ fn contacts(typical: &Placed, rows: &Rows) -> Vec<Placed> {
         )
     };
     CONTACTS_S.into_iter().flat_map(of_length).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn a_contact_lasts() {
+        let mut contact = Placed::typical(find("external_contact").unwrap(), 0);
+        assert!(is_sensible(&contact));
+        // A fit once ended it before it began: within its rise a row was left, which took up whatever was wrong there.
+        (contact.parameters[3], contact.parameters[4]) = (19.59, 19.56);
+        assert!(!is_sensible(&contact));
+        assert!(is_sensible(&Placed::typical(find("stribeck_friction").unwrap(), 0)));
+    }
 }

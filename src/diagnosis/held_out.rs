@@ -12,6 +12,9 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 /// training logs, and the held-out logs, often fewer, must not contradict it.
 const SURELY: f64 = 1.0;
 
+/// What goes with a prediction on held-out rows is seen there again if it is less likely than this by chance.
+pub const SEEN_AGAIN: f64 = 0.05;
+
 /// Factor on the chance that noise alone makes up to which nothing else need be in the residual.
 const CALM: f64 = 1.5;
 
@@ -84,10 +87,10 @@ impl Gains {
         self.chance
     }
 
-    /// Probability of that and of as much as was seen on the training rows, which has a chance of `level` by itself: the two
-    /// are independent.
-    pub fn together(&self, level: f64) -> f64 {
-        fisher([level, self.chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp()
+    /// Probability of that in one of `tries` and of as much as was seen on the training rows, which has a chance of `level` by
+    /// itself: the two are independent.
+    pub fn together(&self, level: f64, tries: f64) -> f64 {
+        fisher([level, (tries * self.chance).min(1.0)].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp()
     }
 
     /// The share of the sum of squares that is gained.

@@ -3,7 +3,7 @@
 use super::bodies;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined, rms};
-use super::grid::within_bounds;
+use super::grid::{is_sensible, within_bounds};
 use super::roles::{bends, is_level, linear, shapes, straight_below};
 use super::score::{Projection, Test};
 use super::session::{Member, Session, bounded};
@@ -122,7 +122,8 @@ impl Session<'_> {
                     let value = &mut placed.parameters[index];
                     let wanted = moved(parameter, *value, sign * share);
                     *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
-                    if let Some(judged) = at(placed)?
+                    if is_sensible(&placed)
+                        && let Some(judged) = at(placed)?
                         && judged.test.statistic > best.test.statistic
                     {
                         best = judged;

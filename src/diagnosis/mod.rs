@@ -13,10 +13,11 @@
 //! | logs and arm, fits of a model | [`session`], [`solution`] |
 //! | score tests, and the level of the best of many | [`score`], [`judging`], [`multiplicity`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
-//! | forward selection, held-out acceptance, backward pass | [`selection`], [`acceptance`] |
+//! | forward selection, held-out acceptance, backward pass | [`selection`], [`eligible`], [`acceptance`], [`found`] |
+//! | names once all is known | [`renaming`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
 //! | gears with play, by their impacts | [`impacts`], [`play`] |
-//! | evidence beside slow noise and the errors of positions; torque that is flat | [`beside`](mod@beside), [`cut_off`] |
+//! | evidence beside slow noise and the errors of positions; torque that is flat | [`beside`](mod@beside), [`errors_of_motion`], [`cut_off`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
 //! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`], [`accounted`] |
@@ -34,8 +35,11 @@ pub mod conclusion;
 pub mod contest;
 pub mod cut_off;
 pub mod derived;
+pub mod eligible;
+pub mod errors_of_motion;
 pub mod evidence;
 pub mod extended;
+pub mod found;
 pub mod gap;
 pub mod generic;
 pub mod grid;
@@ -49,6 +53,7 @@ pub mod known;
 pub mod multiplicity;
 pub mod passband;
 pub mod play;
+pub mod renaming;
 pub mod residual_structure;
 pub mod resimulation;
 pub mod roles;

@@ -89,6 +89,12 @@ impl Multiplicity {
         family_wise(log_p, self.tests(kind))
     }
 
+    /// Twice the logarithm of [`Multiplicity::tests`]: by how much what is looked for in many places must fit better, in terms of
+    /// an information criterion.
+    pub fn looked_for(&self, kind: &str) -> f64 {
+        2.0 * self.tests(kind).ln()
+    }
+
     /// How many independent tests all kinds are worth.
     pub fn all(&self) -> f64 {
         self.of_kind.values().sum()

@@ -78,7 +78,7 @@ pub struct Log {
     /// The low-pass that torque went through before it was logged, if any.
     passed: Option<ZeroPhaseLowPass>,
     /// Samples in a block.
-    block: usize,
+    pub block: usize,
 }
 
 impl Log {
@@ -248,11 +248,11 @@ impl Rows {
         signal
     }
 
-    /// Leaves out the rows of a joint in which `error` exceeds what is bearable on it, but no more than a share of those that
+    /// Leaves out the rows of a joint in which its error exceeds what is bearable on it, but no more than a share of those that
     /// count: then the largest.
-    pub fn leave_out_largest(&mut self, error: &Column, bearable: &[f64], most: f64) {
+    pub fn leave_out_largest(&mut self, errors: &[Column], bearable: &[f64], most: f64) {
         for (joint, (valid, bearable)) in self.valid.iter_mut().zip(bearable).enumerate() {
-            let Some(error) = error.part(joint) else { continue };
+            let Some(error) = errors.iter().find_map(|error| error.part(joint)) else { continue };
             let mut sizes: Vec<f64> = error.iter().zip(&*valid).filter(|(_, ok)| **ok).map(|(e, _)| e.abs()).collect();
             sizes.sort_by(|a, b| b.total_cmp(a));
             let limit = sizes.get((most * sizes.len() as f64) as usize).map_or(*bearable, |least| least.max(*bearable));
@@ -471,11 +471,11 @@ mod tests {
             )
         };
         let mut few = rows.clone();
-        few.leave_out_largest(&error(&counting[40..43]), &[1.0], 0.1);
+        few.leave_out_largest(&[error(&counting[40..43])], &[1.0], 0.1);
         let left: Vec<usize> = (0..rows.len()).filter(|&row| few.valid[0][row]).collect();
         assert_eq!(left, [&counting[..40], &counting[43..]].concat());
         let mut many = rows.clone();
-        many.leave_out_largest(&error(&counting), &[1.0], 0.1);
+        many.leave_out_largest(&[error(&counting)], &[1.0], 0.1);
         let kept = many.valid[0].iter().filter(|&&ok| ok).count();
         assert!((kept as f64 / counting.len() as f64 - 0.9).abs() < 0.01, "{kept} of {}", counting.len());
         assert!(many.valid[0][counting[0]] && !many.valid[0][*counting.last().unwrap()]);

@@ -2,15 +2,16 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::acceptance::{Accepted, Trial};
-use super::candidates::{self, Candidate, Family, Slot};
-use super::contest::{Alternative, Contest, Scan, contest};
+use super::acceptance::{Accepted, Outcome, Refusal, Trial, is_confirmable};
+use super::candidates::{self, Candidate, Family};
+use super::contest::{Contest, Scan, better_unseen, contest};
+use super::eligible::{Eligible, Refused};
 use super::evidence::{Ranked, ranking};
-use super::held_out::Gains;
-use super::impacts::Play;
+use super::found::{Found, beside_play, members};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
 use super::play::rattling_gears;
+use super::renaming::rename;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::verdict::Verdict;
@@ -21,34 +22,17 @@ use std::collections::BTreeMap;
 /// Effects are dropped in the end when what they take is more likely than this without them.
 const KEPT: f64 = 1e-4;
 
-/// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
-/// parameter or of chance.
-const CLEARLY_BETTER: f64 = 0.02;
-
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
 
 /// Candidates that may be refused one after the other before the search ends.
 const REFUSALS: usize = 12;
 
-/// An effect that was found.
-#[derive(Debug, Clone)]
-pub struct Found {
-    /// The effect in the model.
-    pub member: Member,
-    /// What else explains the data, the likeliest first; empty where the data name the effect.
-    pub alternatives: Vec<Alternative>,
-    /// Probability of as good a best candidate without any effect.
-    pub family_wise_p: f64,
-    /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
-    pub gain_lower_bound: f64,
-    /// Root mean square of the held-out residual before and after, `[joint]`, N m.
-    pub rms: [Vec<f64>; 2],
-    /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
-    pub verdict: Verdict,
-    /// What its impacts say, where these are what shows it.
-    pub impacts: Option<Play>,
-}
+/// Candidates of which held-out logs are asked, one after the other, whether they confirm what training logs leave open: by how
+/// much less likely than by itself each must be by chance, so that all together keep the level; and the level of the best beyond
+/// which there is nothing to confirm.
+const CONFIRMATIONS: [f64; 2] = [1.25, 5.0];
+const NOTHING_TO_CONFIRM: f64 = 0.5;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -81,33 +65,30 @@ struct Round {
 /// If a log is too short to differentiate.
 pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
-    let mut refused: Vec<(Slot, Vec<usize>)> = Vec::new();
-    let mut in_a_row = 0;
+    let mut refused: Vec<Refused> = Vec::new();
+    let (mut in_a_row, mut asked) = (0, 0);
     let mut round = look(session, &mut found, options)?;
     found.extend(rattling_gears(session, &round.whitener, options)?);
     if !found.is_empty() {
         round = look(session, &mut found, options)?;
     }
     let first_whitener = round.whitener.clone();
+    tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && in_a_row < REFUSALS {
         progress(found.len());
-        let taken: Vec<Slot> = found.iter().map(|found| found.member.candidate.slot()).collect();
-        let open = |candidate: &Candidate| {
-            let slot = candidate.slot();
-            !refused.iter().any(|(other, _)| *other == slot)
-                && !taken.iter().any(|(family, log)| *family == slot.0 && (*log == slot.1 || log.is_none()))
-        };
+        let level_of = |judged: &Judged| multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
         let mut best = round.scan.best_per_family();
-        best.retain(|judged| open(&judged.candidate));
-        let expected = |judged: &Judged| {
-            let kind = judged.candidate.family().effect;
-            judged.test.log_p() + multiplicity.tests(kind).ln()
-        };
+        let only_training = |judged: &&&Judged| !is_confirmable(&judged.candidate);
+        let hopeless = best.iter().filter(only_training).filter(|judged| level_of(judged) > options.alpha);
+        let eligible = Eligible::new(&found, &refused, hopeless.map(|judged| judged.candidate.slot()).collect());
+        best.retain(|judged| eligible.may_win(&judged.candidate));
+        let expected =
+            |judged: &Judged| judged.test.log_p() + 0.5 * multiplicity.looked_for(judged.candidate.family().effect);
         best.sort_by(|a, b| expected(a).total_cmp(&expected(b)));
         let Some(first) = best.first() else { break };
-        let level = multiplicity.level(first.candidate.family().effect, first.test.log_p());
+        let level = level_of(first);
         for judged in best.iter().take(LOGGED) {
             let (family, test) = (judged.candidate.family(), &judged.test);
             tracing::debug!(
@@ -118,26 +99,34 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                 "candidate"
             );
         }
-        // What the training logs alone do not show may show together with the held-out ones; it is tried once.
-        if level > options.alpha && in_a_row > 0 {
+        // What the training logs alone do not show may show together with the held-out ones.
+        let tries = CONFIRMATIONS.get(asked).copied();
+        if level > options.alpha && (tries.is_none() || level > NOTHING_TO_CONFIRM) {
             break;
         }
         let members = members(&found);
         let Contest { winner, alternatives, close } =
-            contest(session, &members, &best, &round.all, &multiplicity, &open)?;
+            contest(session, &members, &best, &round.all, &multiplicity, &eligible)?;
         let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
         let Round { whitener, fit, .. } = &round;
-        let trial =
-            Trial { session, members: &members, whitener, fit, multiplicity: &multiplicity, alpha: options.alpha };
+        let trial = Trial {
+            session,
+            members: &members,
+            whitener,
+            fit,
+            multiplicity: &multiplicity,
+            alpha: options.alpha,
+            tries,
+        };
         match trial.of(&winner, level)? {
-            Some(Accepted { member, gain, level }) => {
+            Outcome::Accepted(Accepted { member, gain, level }) => {
                 let alternatives = beside_play(&found, &member, alternatives);
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
                 // What was refused where this acts was seen in a noise that did not know it.
                 let joints = member.candidate.joints();
-                refused.retain(|(_, others)| !others.iter().any(|joint| joints.contains(joint)));
-                in_a_row = 0;
+                refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
+                (in_a_row, asked) = (0, 0);
                 found.push(Found {
                     member,
                     alternatives,
@@ -149,30 +138,20 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                 });
                 round = look(session, &mut found, options)?;
             }
-            None => {
-                refused.push((winner.candidate.slot(), winner.candidate.joints()));
+            Outcome::Refused(Refusal { may_be, asked: in_vain }) => {
+                let (slot, joints) = (winner.candidate.slot(), winner.candidate.joints());
+                refused.push(Refused { slot, joints, may_be });
                 in_a_row += 1;
+                asked += usize::from(in_vain);
             }
         }
     }
-    if drop_superfluous(session, &mut found)? {
+    let dropped = drop_superfluous(session, &mut found)?;
+    if rename(session, &mut found, &multiplicity, options)? || dropped {
         round = look(session, &mut found, options)?;
     }
     let sensitivity = round.scan.sensitivity();
     Ok(Selection { found, whitener: round.whitener, first_whitener, multiplicity, ranking, sensitivity })
-}
-
-/// The alternatives of a new member, and the play of its gear if that has one: how the teeth give under load looks like more of
-/// either.
-fn beside_play(found: &[Found], member: &Member, mut alternatives: Vec<Alternative>) -> Vec<Alternative> {
-    let Candidate { placed, .. } = &member.candidate;
-    if placed.effect.gear(&placed.parameters).is_some() {
-        let rattling =
-            found.iter().filter(|other| other.impacts.is_some()).map(|other| other.member.candidate.family());
-        let own = rattling.filter(|family| family.joint == placed.joint);
-        alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
-    }
-    alternatives
 }
 
 /// Fits what was found so far, with estimates written back, and tests all candidates against the fit.
@@ -187,46 +166,6 @@ fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result
     let fit = whitener.fit(&columns, &session.train.torque);
     let scan = Scan::new(session, &all, &whitener, &fit);
     Ok(Round { whitener, fit, all, scan })
-}
-
-fn members(found: &[Found]) -> Vec<Member> {
-    found.iter().map(|found| found.member.clone()).collect()
-}
-
-/// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
-/// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
-fn better_unseen(
-    session: &Session,
-    members: &[Member],
-    winner: Judged,
-    mut alternatives: Vec<Alternative>,
-    close: &[Judged],
-) -> Result<(Judged, Vec<Alternative>)> {
-    if winner.candidate.log.is_some() {
-        return Ok((winner, alternatives));
-    }
-    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
-    let first = with(&winner);
-    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
-    let unseen = whitener.on(&session.test.rows);
-    let before = session.held_out_residual(&first, &whitener)?;
-    let mut best: Option<(f64, &Judged)> = None;
-    for rival in close.iter().filter(|rival| rival.candidate.log.is_none()) {
-        let mut joints = rival.candidate.joints();
-        joints.extend(winner.candidate.joints());
-        joints.sort_unstable();
-        joints.dedup();
-        let after = session.held_out_residual(&with(rival), &whitener)?;
-        let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
-        tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
-        if bound > best.as_ref().map_or(CLEARLY_BETTER, |(best, _)| *best) {
-            best = Some((bound, rival));
-        }
-    }
-    let Some((_, rival)) = best else { return Ok((winner, alternatives)) };
-    alternatives.retain(|other| other.family != rival.candidate.family());
-    alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
-    Ok((rival.clone(), alternatives))
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

@@ -3,6 +3,7 @@
 use super::arm::Arm;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
+use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
 use super::passband::{self, LowPass};
 use super::roles::{is_level, linear, shapes};
@@ -38,6 +39,8 @@ pub struct Side {
     pub baseline: Vec<Column>,
     /// Measured torque less what is believed.
     pub torque: Column,
+    /// What errors of the positions put into the torque of the arm as last settled.
+    pub errors: ErrorsOfMotion,
     /// Whether it is identified from.
     pub training: bool,
 }
@@ -119,7 +122,8 @@ impl<'a> Session<'a> {
             torque.add(-1.0, &known.torque(&rows)?);
             let mut baseline = arm.baseline(model, &rows);
             baseline.extend(known.derivatives(&rows)?);
-            Ok(Side { baseline, torque, rows, training: fewest == FEWEST_ROWS })
+            let errors = ErrorsOfMotion::default();
+            Ok(Side { baseline, torque, rows, errors, training: fewest == FEWEST_ROWS })
         };
         let both = |through, hz: f64| -> Result<[Side; 2]> {
             Ok([side(through, train_logs, before, hz, FEWEST_ROWS)?, side(through, test, 0, hz, FEWEST_TEST_ROWS)?])
@@ -179,8 +183,7 @@ impl<'a> Session<'a> {
         self.settle(&mut [], &whitener)?;
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
         for side in [&mut self.train, &mut self.test] {
-            let error = self.arm.smoothing_error(&side.rows)?;
-            side.rows.leave_out_largest(&error, &bearable, MOST_DISTORTED);
+            side.rows.leave_out_largest(&side.errors.smoothing, &bearable, MOST_DISTORTED);
         }
         self.arm = known;
         Ok(())
@@ -277,13 +280,17 @@ impl<'a> Session<'a> {
         Ok(solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque)))
     }
 
-    /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own.
+    /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own, and with it
+    /// what errors of the positions do.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
         let solved = self.solved(members, whitener)?;
         self.arm.take(self.model, &solved.values);
+        for side in [&mut self.train, &mut self.test] {
+            side.errors = ErrorsOfMotion::new(&self.arm, &side.rows)?;
+        }
         let mut place = self.train.baseline.len();
         for member in members.iter_mut().filter(|member| !member.held) {
             let effect = member.placed.effect;

@@ -1,11 +1,11 @@
 //! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
 //! structure, and whether a name only stands for a part of it.
 
-use super::beside::{against_slow_noise, errors_of_motion};
+use super::beside::against_slow_noise;
 use super::column::Column;
 use super::generic::{Block, Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
-use super::held_out::Gains;
+use super::held_out::{Gains, SEEN_AGAIN};
 use super::score::Projection;
 use super::session::{Member, Session};
 use super::solution::solve;
@@ -22,10 +22,8 @@ const COSINES: usize = 6;
 /// general, and what they find cannot be checked against a law.
 const STRICTER: f64 = 0.2;
 
-/// Probability by chance up to which structure on the training logs is looked for on the held-out logs, and that from which
-/// those show it.
+/// Probability by chance up to which structure on the training logs is looked for on the held-out logs.
 const LOOKED_FOR: f64 = 0.5;
-const SEEN_AGAIN: f64 = 0.05;
 
 /// Share of the level of named effects at which the training logs by themselves make structure sure.
 const SURE: f64 = 0.02;
@@ -105,10 +103,9 @@ impl<'a> Fitted<'a> {
     fn new(session: &'a Session, members: &'a [Member], whitener: &'a Whitener, alpha: f64) -> Result<Self> {
         let columns = session.all_columns(&session.train, members)?;
         let fit = whitener.fit(&columns, &session.train.torque);
-        let errors = errors_of_motion(session, &session.train.rows, false)?;
         Ok(Fitted {
-            beside_errors: fit.with(&whitener.apply_all(&errors)),
-            unseen_errors: errors_of_motion(session, &session.test.rows, false)?,
+            beside_errors: fit.with(&whitener.apply_all(&session.train.errors.all())),
+            unseen_errors: session.test.errors.all(),
             unseen: whitener.on(&session.test.rows),
             unseen_columns: session.all_columns(&session.test, members)?,
             fit,
@@ -140,7 +137,7 @@ impl<'a> Fitted<'a> {
                 continue;
             }
             let gains = self.gains(joint, &block, &again);
-            let together = gains.together(family_wise_p);
+            let together = gains.together(family_wise_p, 1.0);
             tracing::debug!(joint, structure = block.structure, together, ?gains, "structure on held-out rows");
             let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
             let sure = family_wise_p < self.sure && gains.lower_bound() > 0.0;

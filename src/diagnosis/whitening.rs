@@ -62,6 +62,15 @@ impl Whitener {
         Whitener { joints }
     }
 
+    /// For noise that is known, one for each joint.
+    pub fn of_known(rows: &Rows, noises: Vec<AutoregressiveNoise>) -> Self {
+        let joints = noises.into_iter().zip(&rows.valid).map(|(noise, valid)| JointWhitener {
+            filter: InnovationsFilter::new(noise, valid, &rows.starts),
+            misfit: 1.0,
+        });
+        Whitener { joints: joints.collect() }
+    }
+
     /// A column whitened; the rows that do not count are gone.
     pub fn apply(&self, column: &Column) -> Column {
         let parts = column.parts.iter().map(|(joint, signal)| (*joint, self.joints[*joint].apply(signal)));

@@ -105,10 +105,11 @@ pub fn confusion_csv(summary: &Summary) -> String {
     text
 }
 
-const HEADER: [&str; 8] = [
+const HEADER: [&str; 9] = [
     "class",
     "outcomes",
     "as it should be",
+    "the best of all tests",
     "a wrong firm name",
     "unexplained",
     "parameters within 3 std",
@@ -128,6 +129,7 @@ fn class_row(summary: &ClassSummary) -> Vec<String> {
         class(summary.class).to_owned(),
         outcomes.join(", "),
         summary.right.text(),
+        summary.power.map_or("-".to_owned(), |power| format!("{:.0} %", 100.0 * power)),
         summary.wrong_names.text(),
         summary.unexplained.text(),
         summary.parameters.text(),

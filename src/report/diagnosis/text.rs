@@ -3,10 +3,10 @@
 use super::{EXTENDED_SCENARIO, finding, findings, joints};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
+use crate::diagnosis::found::Found;
 use crate::diagnosis::gap::Share;
 use crate::diagnosis::impacts::Play;
 use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::quality::Kind;
 use crate::report::console::{significant, table};

@@ -4,6 +4,7 @@ use super::arm::random_setup;
 use super::case::{ArmKind, Case, Class};
 use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
+use super::power::power;
 use super::sizing::{noise_at_size, sized};
 use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
 use crate::diagnosis::{Diagnosis, Input, Options, conclude};
@@ -35,6 +36,8 @@ pub struct BlindRun {
     /// Share of what is hidden that the extended model adds to the held-out torque too; None where there is no answer, or
     /// nothing is hidden.
     pub accounted_for: Option<f64>,
+    /// For each hidden effect, how often the best of all tests would name it.
+    pub power: Vec<f64>,
     /// How it came out.
     pub judgement: Judgement,
     /// Time that screening and diagnosis took, s.
@@ -60,7 +63,7 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
         }
         attempt += 1;
     };
-    let Simulated { setup, hidden, logs } = made;
+    let Simulated { setup, hidden, power, logs } = made;
     let started = Instant::now();
     let (faults, logs_used) = screened(&setup.known, logs.clone())?;
     let model = Model::new(&setup.known);
@@ -76,13 +79,14 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
     };
     let diagnosis = conclusion.map(|conclusion| conclusion.diagnosis);
     let judgement = judge(&case, &hidden, &faults, diagnosis.as_ref());
-    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, accounted_for, judgement, seconds })
+    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, accounted_for, power, judgement, seconds })
 }
 
 /// An arm with what is hidden in it, and its logs.
 struct Simulated {
     setup: Setup,
     hidden: Vec<Placed>,
+    power: Vec<f64>,
     logs: Vec<Recording>,
 }
 
@@ -102,6 +106,7 @@ fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
     for sensor in &mut setup.sensors {
         sensor.torque_correlation_s = case.correlation_s;
     }
+    let power = hidden.iter().map(|placed| power(&setup, placed, case, &motions)).collect::<Result<_>>()?;
     for placed in &hidden {
         placed.effect.alter(&placed.parameters, placed.joint, &mut setup.plant);
         if placed.effect.about().site == Site::Integrator {
@@ -122,7 +127,7 @@ fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
     if let Some(fault) = case.fault {
         fault.put_into(&mut logs, case.seed);
     }
-    Ok(Simulated { setup, hidden, logs })
+    Ok(Simulated { setup, hidden, power, logs })
 }
 
 /// Logs after their faults were looked for.

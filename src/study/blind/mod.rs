@@ -9,6 +9,7 @@
 //! | motions drawn at random, whole or cut out of longer ones | [`motion`] |
 //! | laws that the library does not have | [`outside`] |
 //! | effects at the size that is asked for | [`sizing`] |
+//! | how often they could be named at all | [`mod@power`] |
 //! | faults of the data | [`fault`] |
 //! | simulation, screening and diagnosis | [`blind_run`] |
 //! | the answer against the truth | [`outcome`] |
@@ -26,6 +27,7 @@ pub mod motion;
 pub mod outcome;
 pub mod outside;
 pub mod plan;
+pub mod power;
 pub mod row;
 pub mod sizing;
 pub mod summary;

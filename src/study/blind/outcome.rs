@@ -2,8 +2,8 @@
 
 use super::case::{Case, Class};
 use crate::diagnosis::candidates::Family;
+use crate::diagnosis::found::Found;
 use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::selection::Found;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::Placed;
 

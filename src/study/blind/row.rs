@@ -54,6 +54,8 @@ pub struct Row {
     pub gap_closed: Option<f64>,
     /// Share of what is hidden that the extended model adds to the held-out torque too.
     pub accounted_for: Option<f64>,
+    /// How often the best of all tests would name each hidden effect.
+    pub power: Vec<f64>,
     /// Time of the diagnosis, s.
     pub seconds: f64,
     /// Why the run could not be made.
@@ -111,6 +113,7 @@ impl Row {
             errors: Vec::new(),
             gap_closed: None,
             accounted_for: None,
+            power: Vec::new(),
             seconds: 0.0,
             error: None,
         };
@@ -135,6 +138,7 @@ impl Row {
             errors: run.judgement.errors.clone(),
             gap_closed: diagnosis.map(|diagnosis| diagnosis.gap_closed),
             accounted_for: run.accounted_for,
+            power: run.power.clone(),
             seconds: run.seconds,
             ..self
         }

@@ -33,7 +33,7 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
         return Ok(placed.clone());
     }
     let model = Model::new(&setup.known);
-    let logs = references(setup, case, motions);
+    let logs = references(setup, case, &motions[..TRAIN]);
     let session = session(setup, &model, &logs, case)?;
     let mut placed = placed.clone();
     if roles::is_level(placed.effect) {
@@ -82,15 +82,17 @@ pub fn noise_at_size(setup: &Setup, placed: &Placed, case: &Case, motions: &[Mot
         return Ok(1.0);
     }
     let model = Model::new(&setup.known);
-    let logs = references(setup, case, motions);
+    let logs = references(setup, case, &motions[..TRAIN]);
     Ok(shown(setup, &session(setup, &model, &logs, case)?, placed)? / case.severity)
 }
 
-fn references(setup: &Setup, case: &Case, motions: &[Motion]) -> Vec<Recording> {
-    motions[..TRAIN].iter().map(|motion| reference_log(case, setup, motion)).collect()
+/// Logs of the motions themselves.
+pub(super) fn references(setup: &Setup, case: &Case, motions: &[Motion]) -> Vec<Recording> {
+    motions.iter().map(|motion| reference_log(case, setup, motion)).collect()
 }
 
-fn session<'a>(setup: &Setup, model: &'a Model, logs: &[Recording], case: &Case) -> Result<Session<'a>> {
+/// The arm as it is known along such logs.
+pub(super) fn session<'a>(setup: &Setup, model: &'a Model, logs: &[Recording], case: &Case) -> Result<Session<'a>> {
     let logs: Vec<&Recording> = logs.iter().collect();
     let mut session = Session::new(model, case.trust, &logs, &logs)?;
     session.believe(&setup.known);

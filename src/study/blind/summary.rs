@@ -75,6 +75,8 @@ pub struct ClassSummary {
     pub parameters: Rate,
     /// Runs that close at least 90 % of the gap that what is hidden opens on the held-out motion.
     pub gap_closed: Rate,
+    /// Mean over what is hidden of how often the best of all tests would name it; None where nothing is hidden.
+    pub power: Option<f64>,
     /// Median time of a diagnosis, s.
     pub median_seconds: f64,
 }
@@ -132,9 +134,15 @@ fn of_class(class: Class, rows: &[&Row]) -> ClassSummary {
         unexplained: Rate::count(&made, |row| !row.unexplained.is_empty()),
         parameters: Rate::count(&errors, |error| error.abs() <= WITHIN),
         gap_closed: Rate::count(&hiding, |row| row.accounted_for.is_some_and(|share| share >= CLOSED)),
+        power: mean(made.iter().flat_map(|row| row.power.iter().copied())),
         median_seconds: seconds.get(seconds.len() / 2).copied().unwrap_or(0.0),
         outcomes,
     }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
 }
 
 /// One entry per hidden effect, so a run that hides two counts twice.

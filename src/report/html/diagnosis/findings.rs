@@ -2,7 +2,7 @@
 
 use super::{NORMAL_95, named, probability, sentence, spaced};
 use crate::diagnosis::Diagnosis;
-use crate::diagnosis::selection::Found;
+use crate::diagnosis::found::Found;
 use crate::effects::{About, Role};
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;

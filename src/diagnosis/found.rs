@@ -1,0 +1,44 @@
+//! What a search found, as it goes into the model and the answer.
+
+use super::candidates::Candidate;
+use super::contest::Alternative;
+use super::impacts::Play;
+use super::session::Member;
+use super::verdict::Verdict;
+
+/// An effect that was found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The effect in the model.
+    pub member: Member,
+    /// What else explains the data, the likeliest first; empty where the data name the effect.
+    pub alternatives: Vec<Alternative>,
+    /// Probability of as good a best candidate without any effect.
+    pub family_wise_p: f64,
+    /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
+    pub gain_lower_bound: f64,
+    /// Root mean square of the held-out residual before and after, `[joint]`, N m.
+    pub rms: [Vec<f64>; 2],
+    /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
+    pub verdict: Verdict,
+    /// What its impacts say, where these are what shows it.
+    pub impacts: Option<Play>,
+}
+
+/// What was found as members of the model.
+pub fn members(found: &[Found]) -> Vec<Member> {
+    found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// The alternatives of a new member, and the play of its gear if that has one: how the teeth give under load looks like more of
+/// either.
+pub fn beside_play(found: &[Found], member: &Member, mut alternatives: Vec<Alternative>) -> Vec<Alternative> {
+    let Candidate { placed, .. } = &member.candidate;
+    if placed.effect.gear(&placed.parameters).is_some() {
+        let rattling =
+            found.iter().filter(|other| other.impacts.is_some()).map(|other| other.member.candidate.family());
+        let own = rattling.filter(|family| family.joint == placed.joint);
+        alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
+    }
+    alternatives
+}

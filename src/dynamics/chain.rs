@@ -1,6 +1,6 @@
 //! The geometry of an arm as the kernels read it, and the forward recursion they share.
 
-use super::spatial::{Mat3, Vec3, add, cross, scale, splat3, transpose_times};
+use super::spatial::{Mat3, Vec3, add, add_cross, cross, scale, splat3, transpose_times};
 use crate::lane::Lane;
 use crate::robot::{JointKind, Robot};
 use nalgebra::Matrix3;
@@ -112,14 +112,20 @@ impl Chain {
     /// Rotation from the frame of link `joint` to the frame before it, and its origin there.
     #[inline(always)]
     pub(super) fn placement<L: Lane>(&self, joint: usize, q: L) -> (Mat3<L>, Vec3<L>) {
+        let turn = if self.is_revolute(joint) { q.sin_cos() } else { (q, q) };
+        self.placement_turned(joint, q, turn)
+    }
+
+    /// [`Chain::placement`] of a position whose sine and cosine are known; those of a prismatic joint are not read.
+    #[inline(always)]
+    fn placement_turned<L: Lane>(&self, joint: usize, q: L, (sine, cosine): (L, L)) -> (Mat3<L>, Vec3<L>) {
         let geometry = &self.joints[joint];
         let mut translation: Vec3<L> = splat3(&geometry.translation);
         let mut rotation: Mat3<L> =
             [splat3(&geometry.constant[0]), splat3(&geometry.constant[1]), splat3(&geometry.constant[2])];
         if geometry.kind == JointKind::Revolute {
-            let (sine, cosine) = q.sin_cos();
             for (row, (s, c)) in rotation.iter_mut().zip(geometry.with_sine.iter().zip(&geometry.with_cosine)) {
-                *row = std::array::from_fn(|k| row[k] + L::splat(c[k]).mul_add(cosine, L::splat(s[k]) * sine));
+                *row = std::array::from_fn(|k| L::splat(c[k]).mul_add(cosine, L::splat(s[k]).mul_add(sine, row[k])));
             }
         } else {
             translation = add(translation, scale(splat3(&geometry.slide), q));
@@ -130,13 +136,27 @@ impl Chain {
     /// State of link `joint` from that of the link before it.
     #[inline(always)]
     pub(super) fn next<L: Lane>(&self, joint: usize, before: &LinkState<L>, q: L, qd: L, qdd: L) -> LinkState<L> {
-        let (rotation, translation) = self.placement(joint, q);
+        let turn = if self.is_revolute(joint) { q.sin_cos() } else { (q, q) };
+        self.next_turned(joint, before, [q, qd, qdd], turn)
+    }
+
+    /// [`Chain::next`] at a position whose sine and cosine are known; those of a prismatic joint are not read.
+    #[inline(always)]
+    pub(super) fn next_turned<L: Lane>(
+        &self,
+        joint: usize,
+        before: &LinkState<L>,
+        [q, qd, qdd]: [L; 3],
+        turn: (L, L),
+    ) -> LinkState<L> {
+        let (rotation, translation) = self.placement_turned(joint, q, turn);
         let axis: Vec3<L> = self.axis(joint);
         let revolute = self.is_revolute(joint);
         let mut omega = transpose_times(&rotation, before.omega);
         let mut alpha = transpose_times(&rotation, before.alpha);
-        let swing = add(cross(before.alpha, translation), cross(before.omega, cross(before.omega, translation)));
-        let mut acceleration = transpose_times(&rotation, add(before.acceleration, swing));
+        let tangential = add_cross(before.acceleration, before.alpha, translation);
+        let origin = add_cross(tangential, before.omega, cross(before.omega, translation));
+        let mut acceleration = transpose_times(&rotation, origin);
         let turn = scale(axis, qd);
         if revolute {
             alpha = add(alpha, add(scale(axis, qdd), cross(omega, turn)));

@@ -5,7 +5,7 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::spatial::{Vec3, add, cross, dot, transpose_times};
+use super::spatial::{Vec3, add_cross, dot, transpose_times};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -94,11 +94,17 @@ impl Kernel for Writing<'_> {
         let (dof, rows) = (self.chain.dof(), self.samples.len());
         let zero = [L::splat(0.0); 3];
         let mut screws = vec![(zero, zero); dof];
+        let mut turns = vec![(zero[0], zero[0]); dof];
         for sample in self.samples.clone().step_by(L::WIDTH) {
             let here = sample..self.samples.end.min(sample + L::WIDTH);
             let (first, count) = (sample - self.samples.start, here.len());
+            // All of them first: none waits for another, while along the chain each link waits for the one before.
+            for (joint, turn) in turns.iter_mut().enumerate() {
+                *turn = L::load_part(&self.motion.q.channel(joint)[here.clone()]).sin_cos();
+            }
             entries::<L>(
                 self.chain,
+                &turns,
                 |joint| self.motion.lanes(joint, here.clone()),
                 &mut screws,
                 |link, joint| self.entries.wanted[link * dof + joint],
@@ -127,6 +133,7 @@ type Screw<L> = (Vec3<L>, Vec3<L>);
 #[inline(always)]
 fn entries<L: Lane>(
     chain: &Chain,
+    turns: &[(L, L)],
     state: impl Fn(usize) -> (L, L, L),
     screws: &mut [Screw<L>],
     wanted: impl Fn(usize, usize) -> bool,
@@ -136,41 +143,65 @@ fn entries<L: Lane>(
     let mut link = chain.base();
     for k in 0..chain.dof() {
         let (q, qd, qdd) = state(k);
-        link = chain.next(k, &link, q, qd, qdd);
+        link = chain.next_turned(k, &link, [q, qd, qdd], turns[k]);
         for (angular, linear) in screws[..k].iter_mut() {
-            let moved = add(*linear, cross(*angular, link.translation));
+            let moved = add_cross(*linear, *angular, link.translation);
             *linear = transpose_times(&link.rotation, moved);
             *angular = transpose_times(&link.rotation, *angular);
         }
         screws[k] = if chain.is_revolute(k) { (chain.axis(k), zero) } else { (zero, chain.axis(k)) };
-        let gradient = first_moment_gradient(&link);
+        let body = Body::new(&link);
         for (joint, screw) in screws[..=k].iter().enumerate() {
             if wanted(k, joint) {
-                write(k, joint, &contract(&link, &gradient, screw));
+                write(k, joint, &body.contract(screw));
             }
         }
     }
 }
 
-/// Force per unit first moment: [alpha]x + [omega]x [omega]x.
-#[inline(always)]
-fn first_moment_gradient<L: Lane>(link: &LinkState<L>) -> [Vec3<L>; 3] {
-    let ([wx, wy, wz], [ax, ay, az]) = (link.omega, link.alpha);
-    let (xx, yy, zz) = (wx * wx, wy * wy, wz * wz);
-    let (xy, xz, yz) = (wx * wy, wx * wz, wy * wz);
-    [[-(yy + zz), xy - az, xz + ay], [xy + az, -(xx + zz), yz - ax], [xz - ay, yz + ax, -(xx + yy)]]
+/// What a link's motion makes of its parameters.
+struct Body<L> {
+    acceleration: Vec3<L>,
+    /// Force per unit first moment: [alpha]x + [omega]x [omega]x.
+    gradient: [Vec3<L>; 3],
+    /// Moments per unit inertia: of the axes x, y and z.
+    moments: [Vec3<L>; 3],
+    /// Differences of squared velocities, xx - yy, zz - xx, yy - zz.
+    differences: Vec3<L>,
 }
 
-/// Power of the body's wrench per unit parameter along one screw: w . f + u . n.
-#[inline(always)]
-fn contract<L: Lane>(link: &LinkState<L>, gradient: &[Vec3<L>; 3], (u, w): &Screw<L>) -> [L; PARAMETERS] {
-    let (a, omega, alpha) = (link.acceleration, link.omega, link.alpha);
-    let mass = dot(*w, a);
-    let first = add(transpose_times(gradient, *w), cross(a, *u));
-    // u . (omega x I omega) = (u x omega) . I omega
-    let z = cross(*u, omega);
-    let moment = |i: usize| z[i].mul_add(omega[i], u[i] * alpha[i]);
-    let product =
-        |i: usize, j: usize| z[j].mul_add(omega[i], z[i].mul_add(omega[j], u[j].mul_add(alpha[i], u[i] * alpha[j])));
-    [mass, first[0], first[1], first[2], moment(0), product(0, 1), moment(1), product(0, 2), product(1, 2), moment(2)]
+impl<L: Lane> Body<L> {
+    #[inline(always)]
+    fn new(link: &LinkState<L>) -> Self {
+        let ([wx, wy, wz], [ax, ay, az]) = (link.omega, link.alpha);
+        let (xx, yy, zz) = (wx * wx, wy * wy, wz * wz);
+        let (xy, xz, yz) = (wx * wy, wx * wz, wy * wz);
+        Body {
+            acceleration: link.acceleration,
+            gradient: [[-(yy + zz), xy - az, xz + ay], [xy + az, -(xx + zz), yz - ax], [xz - ay, yz + ax, -(xx + yy)]],
+            moments: [[ax, xz, xy], [yz, ay, xy], [yz, xz, az]],
+            differences: [xx - yy, zz - xx, yy - zz],
+        }
+    }
+
+    /// Power of the body's wrench per unit parameter along one screw: w . f + u . n.
+    ///
+    /// A first moment c takes the moment c x a, an inertia E the moment E alpha + omega x E omega: sorted by u, its factors are
+    /// those of the force but for signs and differences of squares.
+    #[inline(always)]
+    fn contract(&self, (u, w): &Screw<L>) -> [L; PARAMETERS] {
+        let Body { acceleration: a, gradient: g, moments: [x, y, z], differences: d } = self;
+        [
+            dot(*w, *a),
+            u[2].mul_add(a[1], u[1].mul_sub_from(a[2], dot([g[0][0], g[1][0], g[2][0]], *w))),
+            u[0].mul_add(a[2], u[2].mul_sub_from(a[0], dot([g[0][1], g[1][1], g[2][1]], *w))),
+            u[1].mul_add(a[0], u[0].mul_sub_from(a[1], dot([g[0][2], g[1][2], g[2][2]], *w))),
+            u[2].mul_sub_from(x[2], u[1].mul_add(x[1], u[0] * x[0])),
+            u[0].mul_sub_from(g[2][0], u[1].mul_add(g[2][1], u[2] * d[0])),
+            u[0].mul_sub_from(y[0], u[2].mul_add(y[2], u[1] * y[1])),
+            u[2].mul_sub_from(g[1][2], u[0].mul_add(g[1][0], u[1] * d[1])),
+            u[1].mul_sub_from(g[0][1], u[2].mul_add(g[0][2], u[0] * d[2])),
+            u[1].mul_sub_from(z[1], u[0].mul_add(z[0], u[2] * z[2])),
+        ]
+    }
 }

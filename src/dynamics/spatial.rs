@@ -25,6 +25,16 @@ pub(super) fn cross<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
     [a[2].mul_sub_from(b[1], a[1] * b[2]), a[0].mul_sub_from(b[2], a[2] * b[0]), a[1].mul_sub_from(b[0], a[0] * b[1])]
 }
 
+/// a + b x c.
+#[inline(always)]
+pub(super) fn add_cross<L: Lane>(a: Vec3<L>, b: Vec3<L>, c: Vec3<L>) -> Vec3<L> {
+    [
+        b[2].mul_sub_from(c[1], b[1].mul_add(c[2], a[0])),
+        b[0].mul_sub_from(c[2], b[2].mul_add(c[0], a[1])),
+        b[1].mul_sub_from(c[0], b[0].mul_add(c[1], a[2])),
+    ]
+}
+
 /// A 3x3 matrix of lanes, row by row.
 pub(super) type Mat3<L> = [Vec3<L>; 3];
 

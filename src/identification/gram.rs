@@ -133,13 +133,13 @@ impl Kernel for Adding<'_> {
 impl Adding<'_> {
     #[inline(always)]
     fn tile_by_tile<L: Lane, const BROAD: usize>(self) {
-        let rows = self.rows;
+        let (rows, columns) = (self.rows, self.columns);
         let mut tile = self.sums.chunks_exact_mut(TALL * BROAD * L::WIDTH);
-        let last = self.columns.saturating_sub(1);
+        let last = columns.saturating_sub(1);
         let mut top = 0;
-        while top < self.columns {
+        while top < columns {
             let mut left = 0;
-            while left < self.columns.min(top + TALL) {
+            while left < columns.min(top + TALL) {
                 let Some(sums) = tile.next() else { return };
                 // A tile that sticks out repeats the last column; what it gathers there is not read.
                 let (mut tall, mut broad): ([&[f64]; TALL], [&[f64]; BROAD]) = ([&[]; TALL], [&[]; BROAD]);
@@ -149,7 +149,13 @@ impl Adding<'_> {
                 for (k, column) in broad.iter_mut().enumerate() {
                     *column = &self.table[last.min(left + k) * rows..][..rows];
                 }
-                add_tile::<L, BROAD>(tall, broad, rows, sums);
+                match columns - top {
+                    _ if BROAD == TALL && left == top => add_tile::<L, TALL, BROAD, true>(tall, broad, rows, sums),
+                    1 => add_tile::<L, 1, BROAD, false>([tall[0]], broad, rows, sums),
+                    2 => add_tile::<L, 2, BROAD, false>([tall[0], tall[1]], broad, rows, sums),
+                    3 => add_tile::<L, 3, BROAD, false>([tall[0], tall[1], tall[2]], broad, rows, sums),
+                    _ => add_tile::<L, TALL, BROAD, false>(tall, broad, rows, sums),
+                }
                 left += BROAD;
             }
             top += TALL;
@@ -157,8 +163,14 @@ impl Adding<'_> {
     }
 }
 
+/// Adds to the sums of a tile; of one on the DIAGONAL only those on and below it.
 #[inline(always)]
-fn add_tile<L: Lane, const BROAD: usize>(tall: [&[f64]; TALL], broad: [&[f64]; BROAD], rows: usize, sums: &mut [f64]) {
+fn add_tile<L: Lane, const TALL: usize, const BROAD: usize, const DIAGONAL: bool>(
+    tall: [&[f64]; TALL],
+    broad: [&[f64]; BROAD],
+    rows: usize,
+    sums: &mut [f64],
+) {
     let mut entries = [[L::splat(0.0); BROAD]; TALL];
     for (place, sum) in entries.as_flattened_mut().iter_mut().enumerate() {
         *sum = L::load(&sums[place * L::WIDTH..]);
@@ -170,9 +182,9 @@ fn add_tile<L: Lane, const BROAD: usize>(tall: [&[f64]; TALL], broad: [&[f64]; B
         for (x, signal) in x.iter_mut().zip(broad) {
             *x = L::load(&signal[row..row + L::WIDTH]);
         }
-        for (signal, entries) in tall.iter().zip(&mut entries) {
-            let y = L::load(&signal[row..row + L::WIDTH]);
-            for (entry, x) in entries.iter_mut().zip(x) {
+        for (k, (signal, entries)) in tall.iter().zip(&mut entries).enumerate() {
+            let y = if DIAGONAL { x[k] } else { L::load(&signal[row..row + L::WIDTH]) };
+            for (entry, x) in entries.iter_mut().zip(x).take(if DIAGONAL { k + 1 } else { BROAD }) {
                 *entry = x.mul_add(y, *entry);
             }
         }

@@ -70,9 +70,10 @@ impl<'a> Sums<'a> {
         let mut normal = DMatrix::zeros(parameters, parameters);
         for (joint, s) in self.joints.iter().zip(sigma) {
             let weight = 1.0 / (s * s);
-            for (r, &row) in joint.parameters.iter().enumerate() {
-                for (c, &column) in joint.parameters.iter().enumerate() {
-                    normal[(row, column)] += weight * joint.gram[(r, c)];
+            for (&column, own) in joint.parameters.iter().zip(joint.gram.column_iter()) {
+                let mut target = normal.column_mut(column);
+                for (&row, sum) in joint.parameters.iter().zip(own.iter()) {
+                    target[row] += weight * sum;
                 }
             }
         }

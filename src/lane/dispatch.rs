@@ -79,8 +79,9 @@ impl Lanes {
 
     /// These lanes, or scalar ones where a position is too large for the reduction of [`Lane::sin_cos`].
     pub(crate) fn for_positions(self, q: &Channels, samples: Range<usize>) -> Self {
-        let largest = |signal: &[f64]| signal.iter().fold(0.0f64, |largest, v| largest.max(v.abs()));
-        self.for_angles_to(q.iter().map(|signal| largest(&signal[samples.clone()])).fold(0.0, f64::max))
+        // No stopping at the first, so that several are compared at once.
+        let any = |signal: &[f64]| signal.iter().fold(false, |any, v| any | (v.abs() > LARGEST_ANGLE));
+        if q.iter().any(|signal| any(&signal[samples.clone()])) { Lanes(Kind::Scalar) } else { self }
     }
 
     /// These lanes, or scalar ones for angles up to `largest` where that is too large for the reduction of
@@ -114,6 +115,21 @@ impl Lanes {
             Kind::Avx2 => "AVX2",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512 => "AVX-512",
+        }
+    }
+
+    /// Sixteen blocks of the key stream of ChaCha with eight rounds, from the first one's starting words, whose counter is a
+    /// multiple of sixteen; false where these lanes are too narrow to be any faster than one block after the other.
+    pub(crate) fn chacha8(self, start: &[u32; 16], words: &mut [u64; 128]) -> bool {
+        debug_assert!(start[12].is_multiple_of(16));
+        match self.0 {
+            // SAFETY: this kind is only made after the processor was asked for it.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => {
+                unsafe { super::chacha::blocks(start, words) };
+                true
+            }
+            _ => false,
         }
     }
 

@@ -1,6 +1,8 @@
 //! The number type of the kernels: one sample, or several side by side.
 
 mod aligned;
+#[cfg(target_arch = "x86_64")]
+mod chacha;
 mod dispatch;
 #[cfg(target_arch = "aarch64")]
 mod neon;

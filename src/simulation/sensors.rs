@@ -2,10 +2,7 @@
 
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
-use crate::random;
-use chacha20::ChaCha8Rng;
-use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
+use crate::random::{self, Normals};
 
 /// What measures one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
@@ -24,17 +21,22 @@ pub struct JointSensors {
 
 /// Position as the encoders of the joints tell it. `seed` and `run` choose the noise; every joint has a stream of its own.
 pub fn encoders(q: &Channels, sensors: &[JointSensors], seed: u64, run: u64) -> Channels {
-    let mut out = q.clone();
+    let mut out = Channels::zeros(q.channels(), q.samples());
     assert!(sensors.len() >= q.channels(), "every joint has its sensors");
     for (joint, sensor) in sensors.iter().enumerate().take(q.channels()) {
-        let mut noise = stream(seed, "encoder", run, joint);
         let signal = out.channel_mut(joint);
-        signal.iter_mut().for_each(|value| *value += sensor.encoder_noise * normal(&mut noise));
+        noisy(q.channel(joint), sensor.encoder_noise, normals(seed, "encoder", run, joint), signal);
         if sensor.encoder_resolution > 0.0 {
             Lanes::best().run(Rounding { signal, step: sensor.encoder_resolution });
         }
     }
     out
+}
+
+/// A signal with white noise of a standard deviation.
+fn noisy(signal: &[f64], noise_std: f64, mut noise: Normals, out: &mut [f64]) {
+    noise.fill(out);
+    out.iter_mut().zip(signal).for_each(|(out, value)| *out = value + noise_std * *out);
 }
 
 /// Rounds a signal to whole steps.
@@ -57,38 +59,41 @@ impl Kernel for Rounding<'_> {
 
 /// Velocity of one joint as its tachometer tells it.
 pub fn tachometer(qd: &[f64], noise_std: f64, seed: u64, run: u64, joint: usize) -> Vec<f64> {
-    let mut noise = stream(seed, "tachometer", run, joint);
-    qd.iter().map(|&value| value + noise_std * normal(&mut noise)).collect()
+    let mut out = vec![0.0; qd.len()];
+    noisy(qd, noise_std, normals(seed, "tachometer", run, joint), &mut out);
+    out
 }
 
 /// Torque as measured, sampled every `period_s`.
 pub fn torque(tau: &Channels, sensors: &[JointSensors], period_s: f64, seed: u64, run: u64) -> Channels {
-    let mut out = tau.clone();
+    let mut out = Channels::zeros(tau.channels(), tau.samples());
     assert!(sensors.len() >= tau.channels(), "every joint has its sensors");
     for (joint, sensor) in sensors.iter().enumerate().take(tau.channels()) {
-        let mut source = stream(seed, "torque", run, joint);
         let JointSensors { torque_noise, torque_correlation_s, .. } = *sensor;
-        let memory = if torque_correlation_s > 0.0 { (-period_s / torque_correlation_s).exp() } else { 0.0 };
-        let renewal = (1.0 - memory * memory).sqrt();
-        // Started from its stationary distribution, so that the first samples are like all others.
-        let mut state = normal(&mut source);
-        for (sample, value) in out.channel_mut(joint).iter_mut().enumerate() {
-            if sample > 0 {
-                state = memory * state + renewal * normal(&mut source);
+        let (signal, own) = (tau.channel(joint), out.channel_mut(joint));
+        let mut noise = normals(seed, "torque", run, joint);
+        if torque_correlation_s > 0.0 {
+            let memory = (-period_s / torque_correlation_s).exp();
+            let renewal = (1.0 - memory * memory).sqrt();
+            noise.fill(own);
+            // Started from its stationary distribution, so that the first samples are like all others.
+            let mut state = own.first().copied().unwrap_or(0.0);
+            for (sample, (own, value)) in own.iter_mut().zip(signal).enumerate() {
+                if sample > 0 {
+                    state = memory * state + renewal * *own;
+                }
+                *own = value + torque_noise * state;
             }
-            *value += torque_noise * state;
+        } else {
+            noisy(signal, torque_noise, noise, own);
         }
     }
     out
 }
 
-/// The noise stream of one sensor: runs and joints never share numbers.
-fn stream(seed: u64, sensor: &str, run: u64, joint: usize) -> ChaCha8Rng {
-    random::stream(seed, &format!("{sensor} of joint {joint}"), run)
-}
-
-fn normal(source: &mut impl Rng) -> f64 {
-    StandardNormal.sample(source)
+/// The noise of one sensor: runs and joints never share numbers.
+fn normals(seed: u64, sensor: &str, run: u64, joint: usize) -> Normals {
+    random::normals(seed, &format!("{sensor} of joint {joint}"), run)
 }
 
 #[cfg(test)]

@@ -4,6 +4,11 @@
 //! (seed, label, index), so adding a consumer never shifts the numbers of another, a study's run 731 replays alone,
 //! and the result does not depend on the order or number of threads.
 
+mod normals;
+mod words;
+
+pub use normals::Normals;
+
 use chacha20::ChaCha8Rng;
 use rand::SeedableRng;
 
@@ -12,12 +17,22 @@ pub const GENERATOR: &str = "ChaCha8";
 
 /// The random stream `label` number `index` of `seed`.
 pub fn stream(seed: u64, label: &str, index: u64) -> ChaCha8Rng {
+    ChaCha8Rng::from_seed(key(seed, label, index))
+}
+
+/// The standard normal numbers that `rand_distr` would draw from [`stream`].
+pub fn normals(seed: u64, label: &str, index: u64) -> Normals {
+    Normals::new(key(seed, label, index))
+}
+
+/// The key of a stream.
+fn key(seed: u64, label: &str, index: u64) -> [u8; 32] {
     let mut key = [0u8; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&index.to_le_bytes());
     key[16..24].copy_from_slice(&fnv1a(label, 0xcbf2_9ce4_8422_2325).to_le_bytes());
     key[24..].copy_from_slice(&fnv1a(label, 0x8422_2325_cbf2_9ce4).to_le_bytes());
-    ChaCha8Rng::from_seed(key)
+    key
 }
 
 /// FNV-1a hash of a label from a given offset basis; fixed here because the standard library's hash may change.

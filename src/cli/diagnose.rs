@@ -16,6 +16,7 @@ use crate::report::html::{self, Provenance};
 use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Arm, Scenario};
+use crate::simulation::engine::EngineKind;
 use std::path::PathBuf;
 
 /// What the written scenario says of itself.
@@ -70,6 +71,9 @@ pub struct Arguments {
     /// Leave out the simulation of what was found along the held-out motion.
     #[arg(long)]
     no_resimulation: bool,
+    /// Forward dynamics of that simulation: rapier, or the project's own, the same to rounding.
+    #[arg(long, value_enum, default_value = "rapier")]
+    engine: EngineKind,
 }
 
 /// Diagnoses and writes the results folder.
@@ -144,7 +148,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let extended = conclusion.extended()?;
     let resimulation = match arguments.no_resimulation {
         true => None,
-        false => match conclusion.resimulate(&extended) {
+        false => match conclusion.resimulate(&extended, arguments.engine) {
             Ok(run) => Some(run),
             Err(problem) => {
                 tracing::warn!("the extended model was not simulated: {problem}");

@@ -27,6 +27,7 @@ use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::scenario::Measured;
 use crate::signal::white_noise;
+use crate::simulation::engine::EngineKind;
 
 /// Share of a log that is held out where there is no other to judge by.
 const HELD_OUT: f64 = 0.3;
@@ -248,6 +249,8 @@ fn amiss(unexplained: &[Unexplained]) -> Vec<usize> {
 /// What the models leave of the held-out logs when the simulator runs them along their motions.
 #[derive(Debug, Clone)]
 pub struct Resimulation {
+    /// The forward dynamics.
+    pub engine: EngineKind,
     /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
     pub described_rms: Option<Vec<f64>>,
     /// That of the fitted baseline.
@@ -276,15 +279,15 @@ impl Conclusion<'_> {
         &self.session
     }
 
-    /// Runs the arm as described, the fitted baseline and `extended` in rapier along the held-out motions.
+    /// Runs the arm as described, the fitted baseline and `extended` along the held-out motions under the forward dynamics of `engine`.
     ///
     /// # Errors
     /// If the baseline or the extended model cannot be simulated.
-    pub fn resimulate(&self, extended: &ExtendedModel) -> Result<Resimulation> {
+    pub fn resimulate(&self, extended: &ExtendedModel, engine: EngineKind) -> Result<Resimulation> {
         let rows = &self.session.test.rows;
         let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener)?;
         let described = ExtendedModel::described(self.session.model.robot(), &self.present);
-        let fitted = resimulate(&[&baseline, extended], rows)?;
+        let fitted = resimulate(engine, &[&baseline, extended], rows)?;
         let (baseline, extended) = (&fitted[0], &fitted[1]);
         let noise = &self.diagnosis.noise_floor;
         let (before, after) = (&baseline.residual, &extended.residual);
@@ -297,8 +300,9 @@ impl Conclusion<'_> {
                            for a simulation (friction or inertia that would have to be negative)";
             return Err(Error::request(format!("joint `{}`", self.session.model.robot().joints[joint].name), problem));
         }
-        let described = resimulate(&[&described], rows).ok();
+        let described = resimulate(engine, &[&described], rows).ok();
         Ok(Resimulation {
+            engine,
             described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
             baseline_rms: rms(&baseline.valid, &baseline.residual),
             extended_rms,

@@ -1,5 +1,5 @@
-//! The extended model back in the simulator: rapier is driven along the measured held-out motion, and its motor torque
-//! compared with the measured one.
+//! The extended model back in the simulator: the arm is driven along the measured held-out motion, in rapier or by the project's own
+//! forward dynamics, and its motor torque compared with the measured one.
 //!
 //! The arm follows the filtered measured positions under computed torque of its own model with feedback, so that its torque
 //! is that of the simulator's forward dynamics and not of the regression that found the model.
@@ -11,6 +11,7 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::effects::Placed;
 use crate::error::Result;
+use crate::simulation::engine::EngineKind;
 use crate::simulation::following::{Followed, follow, sensed};
 use rayon::prelude::*;
 
@@ -28,15 +29,15 @@ pub struct Resimulated {
     pub positions: Vec<Channels>,
 }
 
-/// Runs `models` along the motions of all logs of `rows`.
+/// Runs `models` along the motions of all logs of `rows` under the forward dynamics of `engine`.
 ///
 /// # Errors
 /// If rapier does not take a model, or a simulation runs away; `models` are named by their place.
-pub fn resimulate(models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
+pub fn resimulate(engine: EngineKind, models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
     let jobs: Vec<(usize, &Log)> =
         (0..models.len()).flat_map(|model| rows.logs.iter().map(move |log| (model, log))).collect();
     let runs: Vec<(Channels, Channels)> =
-        jobs.into_par_iter().map(|(k, log)| along(models[k], log)).collect::<Result<_>>()?;
+        jobs.into_par_iter().map(|(k, log)| along(engine, models[k], log)).collect::<Result<_>>()?;
     let mut valid = rows.valid.clone();
     for (log, &start) in rows.logs.iter().zip(&rows.starts) {
         let settling = log.blocks(&log.time).iter().filter(|&&t| t < log.time[0] + SETTLING_S).count();
@@ -58,9 +59,9 @@ pub fn resimulate(models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimula
 }
 
 /// Motor torque as the sensors would log it, when the arm follows the motion of a log, and its positions, `[joint][time]`.
-fn along(model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
+fn along(engine: EngineKind, model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
     let motion = true_motion(&model.effects, log)?;
-    let Followed { torque, q } = follow(&model.robot, &model.effects, &motion, log.time[0], log.period)?;
+    let Followed { torque, q } = follow(engine, &model.robot, &model.effects, &motion, log.time[0], log.period)?;
     Ok((torque, q))
 }
 

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::robot::Robot;
 
 /// Which forward dynamics a plant has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineKind {
     /// Rapier's articulated bodies.
@@ -15,6 +15,16 @@ pub enum EngineKind {
     /// no possible bodies, such as base parameters. They cannot take rapier's own time step.
     #[default]
     Recursive,
+}
+
+impl EngineKind {
+    /// As texts call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            EngineKind::Rapier => "rapier",
+            EngineKind::Recursive => "own dynamics",
+        }
+    }
 }
 
 /// Forward dynamics of an arm, rotor inertias included, friction not.

@@ -2,6 +2,7 @@
 //! be set beside the measured torque.
 
 use super::controller::ComputedTorque;
+use super::engine::EngineKind;
 use super::integrator::{Integrator, Run};
 use super::measured_motion::MeasuredMotion;
 use super::plant::{Plant, State};
@@ -32,11 +33,19 @@ pub struct Followed {
 }
 
 /// Lets `robot`, with `effects` beside the friction of its drives, follow `motion` (where the joints really were; the first
-/// sample at `start`, `period` seconds apart) under computed torque of its own model with feedback.
+/// sample at `start`, `period` seconds apart) under computed torque of its own model with feedback. Rapier's own time step, if it is
+/// among the effects, takes rapier whatever the `engine`.
 ///
 /// # Errors
 /// If rapier does not take the arm, or the simulation runs away.
-pub fn follow(robot: &Robot, effects: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
+pub fn follow(
+    engine: EngineKind,
+    robot: &Robot,
+    effects: &[Placed],
+    motion: &Motion,
+    start: f64,
+    period: f64,
+) -> Result<Followed> {
     let mut robot = robot.clone();
     // Whatever the description says of the drives: the motion was made.
     robot.joints.iter_mut().for_each(|joint| joint.limits.effort = f64::INFINITY);
@@ -50,9 +59,10 @@ pub fn follow(robot: &Robot, effects: &[Placed], motion: &Motion, start: f64, pe
         Some(placed) => (period / placed.parameters[0]).round().max(1.0),
         None => (period / LONGEST_STEP_S - 1e-9).ceil().max(1.0),
     };
-    let integrator = if native.is_some() { Integrator::RapierNative } else { Integrator::Rk4 };
+    let (integrator, engine) =
+        if native.is_some() { (Integrator::RapierNative, EngineKind::Rapier) } else { (Integrator::Rk4, engine) };
     let step = period / steps;
-    let mut plant = Plant::new(robot, acting)?;
+    let mut plant = Plant::with_engine(engine, robot, acting)?;
     let first = |table: &Channels| (0..dof).map(|joint| table.channel(joint)[0]).collect::<Vec<f64>>();
     let mut state: State = plant.resting(first(&motion.q));
     (state.qd, state.link_qd) = (first(&motion.qd), first(&motion.qd));

@@ -5,6 +5,7 @@ use crate::identification::effect_model::Preparation;
 use crate::identification::prepare;
 use crate::recording::Recording;
 use crate::robot::Robot;
+use crate::simulation::engine::EngineKind;
 use crate::simulation::following::{Followed, follow};
 use rayon::prelude::*;
 
@@ -24,7 +25,7 @@ pub fn is_short(logs: &[&Recording]) -> bool {
 pub fn replay(robot: &Robot, logs: &[&Recording], preparation: Preparation) -> Result<Vec<Followed>> {
     let one = |log: &&Recording| {
         let motion = prepare::measured(log, preparation.smoothing, preparation.band)?.motion;
-        follow(robot, &[], &motion, log.time[0], 1.0 / log.rate_hz())
+        follow(EngineKind::Rapier, robot, &[], &motion, log.time[0], 1.0 / log.rate_hz())
     };
     logs.par_iter().map(one).collect()
 }

@@ -11,6 +11,7 @@ use tauscope::identification::model::Model;
 use tauscope::random;
 use tauscope::robot::with_parameters;
 use tauscope::scenario::{Scenario, Setup};
+use tauscope::simulation::engine::EngineKind;
 
 fn random_motion(dof: usize, samples: usize) -> Motion {
     use rand::RngExt;
@@ -47,7 +48,11 @@ fn check(trust: Trust) {
     }
 
     // Rapier's motor torque misses the measured one by no more than the regression does.
-    let run = conclusion.resimulate(&extended).unwrap();
+    let [run, own] =
+        [EngineKind::Rapier, EngineKind::Recursive].map(|engine| conclusion.resimulate(&extended, engine).unwrap());
+    for (rapier, own) in run.extended_rms.iter().zip(&own.extended_rms) {
+        assert!((rapier - own).abs() < 1e-9 * rapier, "{run:?} {own:?}");
+    }
     let pairs = run.extended_rms.iter().zip(&conclusion.diagnosis.extended_test_rms);
     for (simulated, regressed) in pairs {
         assert!((simulated / regressed - 1.0).abs() < 0.15, "{run:?} {:?}", conclusion.diagnosis.extended_test_rms);

@@ -15,6 +15,7 @@ use crate::diagnosis::{Diagnosis, Verdict};
 use crate::effects::{self, Placed, Role, Scope};
 use crate::quality::Kind;
 use crate::robot::Robot;
+use crate::simulation::engine::EngineKind;
 use serde::Serialize;
 
 /// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
@@ -125,6 +126,7 @@ struct Extended {
 
 #[derive(Debug, Serialize)]
 struct Resimulated {
+    engine: EngineKind,
     described_test_rms_nm: Option<Vec<f64>>,
     baseline_test_rms_nm: Vec<f64>,
     gain: Share,
@@ -225,6 +227,7 @@ pub fn result(
             urdf: EXTENDED_URDF,
             resimulated_test_rms_nm: resimulation.map(|run| run.extended_rms.clone()),
             resimulation: resimulation.map(|run| Resimulated {
+                engine: run.engine,
                 described_test_rms_nm: run.described_rms.clone(),
                 baseline_test_rms_nm: run.baseline_rms.clone(),
                 gain: run.gain,

@@ -69,7 +69,7 @@ pub fn lines(
         let value = Share { value: diagnosis.gap_closed, interval: diagnosis.gap_closed_interval };
         let mut line = format!("What was found closes {} of the gap to the noise", percent(value));
         if let Some(run) = resimulation {
-            line += &format!("; simulated in rapier, {}", percent(run.gap_closed));
+            line += &format!("; simulated in {}, {}", run.engine.name(), percent(run.gap_closed));
         }
         lines.push(line + ".");
     }
@@ -229,8 +229,9 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
         header.push("with findings");
         columns.push(&diagnosis.extended_test_rms);
     }
-    if let Some(run) = resimulation {
-        header.push("in rapier");
+    let simulated = resimulation.map(|run| format!("in {}", run.engine.name()));
+    if let (Some(run), Some(simulated)) = (resimulation, &simulated) {
+        header.push(simulated);
         columns.push(&run.extended_rms);
     }
     header.push("noise");

@@ -215,7 +215,7 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
             Block::text(
                 "Root mean square of measured less predicted torque on held-out logs, over means of 20 ms: the arm as its \
                  URDF describes it, with its parameters re-identified, and with the findings added; in the simulator: the \
-                 extended model driven along the measured motion in rapier.",
+                 extended model driven along the measured motion.",
             ),
             Block::table(header, rows.collect()),
         ],

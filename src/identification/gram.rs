@@ -171,9 +171,20 @@ fn add_tile<L: Lane, const TALL: usize, const BROAD: usize, const DIAGONAL: bool
     rows: usize,
     sums: &mut [f64],
 ) {
+    // Said once, these lengths need no asking at every load.
+    let sums = &mut sums[..TALL * BROAD * L::WIDTH];
+    let (mut tall, mut broad) = (tall, broad);
+    for column in &mut tall {
+        *column = &column[..rows];
+    }
+    for column in &mut broad {
+        *column = &column[..rows];
+    }
     let mut entries = [[L::splat(0.0); BROAD]; TALL];
-    for (place, sum) in entries.as_flattened_mut().iter_mut().enumerate() {
-        *sum = L::load(&sums[place * L::WIDTH..]);
+    for (k, entries) in entries.iter_mut().enumerate() {
+        for (c, entry) in entries.iter_mut().enumerate().take(if DIAGONAL { k + 1 } else { BROAD }) {
+            *entry = L::load(&sums[(k * BROAD + c) * L::WIDTH..][..L::WIDTH]);
+        }
     }
     let mut row = 0;
     while row + L::WIDTH <= rows {
@@ -198,8 +209,10 @@ fn add_tile<L: Lane, const TALL: usize, const BROAD: usize, const DIAGONAL: bool
             }
         }
     }
-    for (place, &sum) in entries.as_flattened().iter().enumerate() {
-        sum.store(&mut sums[place * L::WIDTH..]);
+    for (k, entries) in entries.iter().enumerate() {
+        for (c, entry) in entries.iter().enumerate().take(if DIAGONAL { k + 1 } else { BROAD }) {
+            entry.store(&mut sums[(k * BROAD + c) * L::WIDTH..][..L::WIDTH]);
+        }
     }
 }
 

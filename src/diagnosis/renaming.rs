@@ -27,7 +27,10 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
         let of_others = members(&others);
         let present = session.all_columns(&session.train, &of_others)?;
         let Noise { whitener, fit } = session.noise_under(&present);
-        let all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+        // What acts elsewhere is no other name for what is seen here.
+        let here = member.candidate.joints();
+        let mut all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+        all.retain(|candidate| candidate.joints().iter().any(|joint| here.contains(joint)));
         let scan = Scan::new(session, &all, &whitener, &fit);
         let eligible = Eligible::new(&others, &[], Vec::new());
         let mut best = scan.best_per_family();

@@ -138,7 +138,13 @@ impl<'a> Fitted<'a> {
             }
             let gains = self.gains(joint, &block, &again);
             let together = gains.together(family_wise_p, 1.0);
-            tracing::debug!(joint, structure = block.structure, together, ?gains, "structure on held-out rows");
+            tracing::debug!(
+                joint,
+                structure = block.structure,
+                together,
+                share = gains.share(),
+                "structure on held-out rows"
+            );
             let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
             let sure = family_wise_p < self.sure && gains.lower_bound() > 0.0;
             if gained && (sure || (together < self.together && gains.chance() < SEEN_AGAIN)) {

@@ -62,7 +62,7 @@ pub struct Gain {
 #[derive(Debug)]
 pub enum Outcome {
     /// The candidate is taken.
-    Accepted(Accepted),
+    Accepted(Box<Accepted>),
     /// It is not.
     Refused(Refusal),
 }
@@ -246,7 +246,7 @@ impl HeldOut {
 
     fn accepted(&self, winner: &Judged, lower_bound: f64, level: f64) -> Outcome {
         let gain = Gain { lower_bound, rms: self.rms.clone() };
-        Outcome::Accepted(Accepted { member: winner.member(), gain, level })
+        Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain, level }))
     }
 }
 

@@ -58,7 +58,8 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
             };
             let level = multiplicity.level(new.effect, winner.test.log_p());
             match trial.of(&winner, level)? {
-                Outcome::Accepted(Accepted { member, gain, level }) => {
+                Outcome::Accepted(accepted) => {
+                    let Accepted { member, gain, level } = *accepted;
                     known.alternatives = beside_play(&others, &member, alternatives);
                     (known.member, known.family_wise_p) = (member, level);
                     (known.gain_lower_bound, known.rms) = (gain.lower_bound, gain.rms);

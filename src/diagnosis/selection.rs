@@ -120,7 +120,8 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             tries,
         };
         match trial.of(&winner, level)? {
-            Outcome::Accepted(Accepted { member, gain, level }) => {
+            Outcome::Accepted(accepted) => {
+                let Accepted { member, gain, level } = *accepted;
                 let alternatives = beside_play(&found, &member, alternatives);
                 let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
                 // What was refused where this acts was seen in a noise that did not know it.

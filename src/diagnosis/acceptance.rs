@@ -4,6 +4,7 @@
 use super::beside::beside;
 use super::candidates::Candidate;
 use super::column::{Column, rms};
+use super::cross_validation::left_by_others;
 use super::cut_off::is_flat;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
@@ -127,7 +128,44 @@ impl Trial<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn of(&self, winner: &Judged, level: f64) -> Result<Outcome> {
-        let refused = |may_be| Ok(Outcome::Refused(Refusal { may_be, asked: false }));
+        match self.seen(winner, level)? {
+            Ok(seen) => self.unseen(winner, seen),
+            Err(refusal) => Ok(Outcome::Refused(refusal)),
+        }
+    }
+
+    /// The same where all logs are identified from: what each shows is judged by what the others say of it.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn by_others(&self, winner: &Judged, level: f64) -> Result<Outcome> {
+        let Seen { level, limit, elsewhere, .. } = match self.seen(winner, level)? {
+            Ok(seen) => seen,
+            Err(refusal) => return Ok(Outcome::Refused(refusal)),
+        };
+        let Trial { session, members, .. } = *self;
+        let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
+        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
+        let joints = winner.candidate.joints();
+        let much_left = joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT);
+        let left = |members: &[Member]| left_by_others(session, members, &whitener);
+        let (before, after, rows) = (left(members)?, left(&with)?, session.train.rows.len());
+        let errors = session.train.errors.beside(&winner.candidate.placed);
+        let gains = Gains::beside(&whitener, &before, &after, &joints, &errors, rows);
+        let (lower_bound, chance) = (gains.lower_bound(), gains.chance());
+        tracing::debug!(level, elsewhere, much_left, lower_bound, share = gains.share(), chance, "gain by the others");
+        let believed = level <= limit && elsewhere < SEEN_ELSEWHERE.ln() && chance < SEEN_AGAIN;
+        if much_left || !believed || gains.share() <= 0.0 {
+            return Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked: false }));
+        }
+        let valid = &session.train.rows.valid;
+        let gain = Gain { lower_bound, rms: [rms(valid, &before), rms(valid, &after)] };
+        Ok(Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain, level })))
+    }
+
+    /// What the logs identified from say of the winner, or why it is refused by them alone.
+    fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
+        let refused = |may_be| Ok(Err(Refusal { may_be, asked: false }));
         let limit = self.alpha * strictness(&winner.candidate);
         let confirmable = is_confirmable(&winner.candidate);
         let highest = if confirmable { 1.0 } else { limit };
@@ -154,7 +192,7 @@ impl Trial<'_> {
         } else {
             without_best_stretches(self.session, self.members, self.whitener, winner)?
         };
-        self.unseen(winner, Seen { level, limit, elsewhere, confirmable })
+        Ok(Ok(Seen { level, limit, elsewhere, confirmable }))
     }
 
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may

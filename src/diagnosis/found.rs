@@ -1,5 +1,6 @@
 //! What a search found, as it goes into the model and the answer.
 
+use super::acceptance::{Accepted, Gain};
 use super::candidates::Candidate;
 use super::contest::Alternative;
 use super::impacts::Play;
@@ -23,6 +24,30 @@ pub struct Found {
     pub verdict: Verdict,
     /// What its impacts say, where these are what shows it.
     pub impacts: Option<Play>,
+}
+
+impl Found {
+    /// What a trial accepted.
+    pub fn new(accepted: Accepted, alternatives: Vec<Alternative>) -> Self {
+        let Accepted { member, gain: Gain { lower_bound, rms }, level } = accepted;
+        let mut found = Found {
+            member,
+            alternatives: Vec::new(),
+            family_wise_p: level,
+            gain_lower_bound: lower_bound,
+            rms,
+            verdict: Verdict::Named,
+            impacts: None,
+        };
+        found.set_alternatives(alternatives);
+        found
+    }
+
+    /// Says what else explains the data: where nothing does, they name the effect.
+    pub fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
+        self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
+        self.alternatives = alternatives;
+    }
 }
 
 /// What was found as members of the model.

@@ -13,7 +13,8 @@
 //! | logs and arm, fits of a model | [`session`], [`solution`] |
 //! | score tests, and the level of the best of many | [`score`], [`judging`], [`multiplicity`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
-//! | forward selection, held-out acceptance, backward pass | [`selection`], [`eligible`], [`acceptance`], [`found`] |
+//! | forward selection, held-out acceptance, backward pass | [`selection`], [`round`], [`eligible`], [`acceptance`], [`found`] |
+//! | what only all logs together show | [`all_logs`], [`cross_validation`] |
 //! | names once all is known | [`renaming`] |
 //! | gain on held-out rows; evidence that does not rest on a moment | [`held_out`](mod@held_out), [`stretches`] |
 //! | gears with play, by their impacts | [`impacts`], [`play`] |
@@ -26,6 +27,7 @@
 
 pub mod acceptance;
 pub mod accounted;
+pub mod all_logs;
 pub mod arm;
 pub mod beside;
 pub mod bodies;
@@ -33,6 +35,7 @@ pub mod candidates;
 pub mod column;
 pub mod conclusion;
 pub mod contest;
+pub mod cross_validation;
 pub mod cut_off;
 pub mod derived;
 pub mod eligible;
@@ -57,6 +60,7 @@ pub mod renaming;
 pub mod residual_structure;
 pub mod resimulation;
 pub mod roles;
+pub mod round;
 pub mod rows;
 pub mod score;
 pub mod screening;

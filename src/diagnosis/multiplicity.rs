@@ -6,6 +6,7 @@
 //! each kind's part among its own tests (weighted Bonferroni; Genovese, Roeder and Wasserman, Biometrika 93, 2006).
 
 use super::column::Column;
+use super::judging::Judged;
 use super::score::{Projection, Test, log_survival};
 use crate::random;
 use nalgebra::DMatrix;
@@ -93,6 +94,11 @@ impl Multiplicity {
     /// an information criterion.
     pub fn looked_for(&self, kind: &str) -> f64 {
         2.0 * self.tests(kind).ln()
+    }
+
+    /// Logarithm of how often something as good as this is expected among all without any effect.
+    pub fn expected(&self, judged: &Judged) -> f64 {
+        judged.test.log_p() + 0.5 * self.looked_for(judged.candidate.family().effect)
     }
 
     /// How many independent tests all kinds are worth.

@@ -1,14 +1,13 @@
 //! Names given again once all is known: what was named first was named beside everything that was found after it.
 
 use super::Options;
-use super::acceptance::{Accepted, Outcome, Trial};
-use super::candidates;
+use super::acceptance::{Outcome, Trial};
+use super::candidates::{self, Candidate};
 use super::contest::{Alternative, Contest, Scan, better_unseen, contest};
 use super::eligible::Eligible;
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
 use super::session::{Noise, Session};
-use super::verdict::Verdict;
 use crate::error::Result;
 
 /// Holds the contest for the name of every finding once more beside all others; tells whether a name has changed.
@@ -17,9 +16,13 @@ use crate::error::Result;
 /// If a log is too short to differentiate.
 pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicity, options: &Options) -> Result<bool> {
     let mut changed = false;
+    if found.len() < 2 {
+        return Ok(changed);
+    }
+    let everywhere = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
     for index in 0..found.len() {
         let member = &found[index].member;
-        if found.len() == 1 || member.held || member.candidate.log.is_some() {
+        if member.held || member.candidate.log.is_some() {
             continue;
         }
         let others: Vec<Found> =
@@ -29,8 +32,8 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
         let Noise { whitener, fit } = session.noise_under(&present);
         // What acts elsewhere is no other name for what is seen here.
         let here = member.candidate.joints();
-        let mut all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
-        all.retain(|candidate| candidate.joints().iter().any(|joint| here.contains(joint)));
+        let acts_here = |candidate: &&Candidate| candidate.joints().iter().any(|joint| here.contains(joint));
+        let all: Vec<Candidate> = everywhere.iter().filter(acts_here).cloned().collect();
         let scan = Scan::new(session, &all, &whitener, &fit);
         let eligible = Eligible::new(&others, &[], Vec::new());
         let mut best = scan.best_per_family();
@@ -45,7 +48,7 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
         tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
         let known = &mut found[index];
         if old == new {
-            known.alternatives = beside_play(&others, &known.member, alternatives);
+            known.set_alternatives(beside_play(&others, &known.member, alternatives));
         } else {
             let trial = Trial {
                 session,
@@ -59,21 +62,20 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
             let level = multiplicity.level(new.effect, winner.test.log_p());
             match trial.of(&winner, level)? {
                 Outcome::Accepted(accepted) => {
-                    let Accepted { member, gain, level } = *accepted;
-                    known.alternatives = beside_play(&others, &member, alternatives);
-                    (known.member, known.family_wise_p) = (member, level);
-                    (known.gain_lower_bound, known.rms) = (gain.lower_bound, gain.rms);
+                    let alternatives = beside_play(&others, &accepted.member, alternatives);
+                    *known = Found::new(*accepted, alternatives);
                     changed = true;
                 }
                 // It explains what is left better than the name does, and is not sure enough to take its place.
                 Outcome::Refused(refusal) if refusal.may_be => {
-                    known.alternatives.retain(|other| other.family != new);
-                    known.alternatives.insert(0, Alternative { family: new, relative_likelihood: 1.0 });
+                    let mut alternatives = known.alternatives.clone();
+                    alternatives.retain(|other| other.family != new);
+                    alternatives.insert(0, Alternative { family: new, relative_likelihood: 1.0 });
+                    known.set_alternatives(alternatives);
                 }
                 Outcome::Refused(_) => {}
             }
         }
-        known.verdict = if known.alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
     }
     Ok(changed)
 }

@@ -208,6 +208,16 @@ impl Rows {
         self.len() == 0
     }
 
+    /// These logs, and `others` after them.
+    pub fn and(&self, others: &Rows) -> Rows {
+        let (mut all, first) = (self.clone(), self.len());
+        all.logs.extend(others.logs.iter().cloned());
+        all.starts.extend(others.starts[1..].iter().map(|start| first + start));
+        all.valid.iter_mut().zip(&others.valid).for_each(|(valid, other)| valid.extend(other));
+        all.torque.iter_mut().zip(&others.torque).for_each(|(torque, other)| torque.extend(other));
+        all
+    }
+
     /// Share of white noise, as means over blocks, that the low-pass lets through that torque went through; one without any.
     pub fn share_as_logged(&self) -> f64 {
         let Some((log, passed)) = self.logs.iter().find_map(|log| Some((log, log.passed.as_ref()?))) else {

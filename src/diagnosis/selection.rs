@@ -2,9 +2,10 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::acceptance::{Accepted, Outcome, Refusal, Trial, is_confirmable};
-use super::candidates::{self, Candidate, Family};
-use super::contest::{Contest, Scan, better_unseen, contest};
+use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
+use super::all_logs;
+use super::candidates::Family;
+use super::contest::{Contest, better_unseen, contest};
 use super::eligible::{Eligible, Refused};
 use super::evidence::{Ranked, ranking};
 use super::found::{Found, beside_play, members};
@@ -12,9 +13,8 @@ use super::judging::Judged;
 use super::multiplicity::Multiplicity;
 use super::play::rattling_gears;
 use super::renaming::rename;
-use super::score::Projection;
+use super::round::Round;
 use super::session::{Member, Noise, Session};
-use super::verdict::Verdict;
 use super::whitening::Whitener;
 use crate::error::Result;
 use std::collections::BTreeMap;
@@ -51,14 +51,6 @@ pub struct Selection {
     pub sensitivity: BTreeMap<Family, (usize, f64)>,
 }
 
-/// A round's view of the data: the noise, the fit so far, and the tests of all candidates against it.
-struct Round {
-    whitener: Whitener,
-    fit: Projection,
-    all: Vec<Candidate>,
-    scan: Scan,
-}
-
 /// Searches for effects until no more pass. `progress` is told the number of effects found so far.
 ///
 /// # Errors
@@ -67,10 +59,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let (mut in_a_row, mut asked) = (0, 0);
-    let mut round = look(session, &mut found, options)?;
+    let mut round = Round::new(session, &mut found, options)?;
     found.extend(rattling_gears(session, &round.whitener, options)?);
     if !found.is_empty() {
-        round = look(session, &mut found, options)?;
+        round = Round::new(session, &mut found, options)?;
     }
     let first_whitener = round.whitener.clone();
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
@@ -84,9 +76,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         let hopeless = best.iter().filter(only_training).filter(|judged| level_of(judged) > options.alpha);
         let eligible = Eligible::new(&found, &refused, hopeless.map(|judged| judged.candidate.slot()).collect());
         best.retain(|judged| eligible.may_win(&judged.candidate));
-        let expected =
-            |judged: &Judged| judged.test.log_p() + 0.5 * multiplicity.looked_for(judged.candidate.family().effect);
-        best.sort_by(|a, b| expected(a).total_cmp(&expected(b)));
+        best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
         let Some(first) = best.first() else { break };
         let level = level_of(first);
         for judged in best.iter().take(LOGGED) {
@@ -121,23 +111,13 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         };
         match trial.of(&winner, level)? {
             Outcome::Accepted(accepted) => {
-                let Accepted { member, gain, level } = *accepted;
-                let alternatives = beside_play(&found, &member, alternatives);
-                let verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
+                let alternatives = beside_play(&found, &accepted.member, alternatives);
                 // What was refused where this acts was seen in a noise that did not know it.
-                let joints = member.candidate.joints();
+                let joints = accepted.member.candidate.joints();
                 refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
                 (in_a_row, asked) = (0, 0);
-                found.push(Found {
-                    member,
-                    alternatives,
-                    family_wise_p: level,
-                    gain_lower_bound: gain.lower_bound,
-                    rms: gain.rms,
-                    verdict,
-                    impacts: None,
-                });
-                round = look(session, &mut found, options)?;
+                found.push(Found::new(*accepted, alternatives));
+                round = Round::new(session, &mut found, options)?;
             }
             Outcome::Refused(Refusal { may_be, asked: in_vain }) => {
                 let (slot, joints) = (winner.candidate.slot(), winner.candidate.joints());
@@ -148,25 +128,12 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         }
     }
     let dropped = drop_superfluous(session, &mut found)?;
-    if rename(session, &mut found, &multiplicity, options)? || dropped {
-        round = look(session, &mut found, options)?;
+    let renamed = rename(session, &mut found, &multiplicity, options)?;
+    if all_logs::search(session, &mut found, &multiplicity, options)? || renamed || dropped {
+        round = Round::new(session, &mut found, options)?;
     }
     let sensitivity = round.scan.sensitivity();
     Ok(Selection { found, whitener: round.whitener, first_whitener, multiplicity, ranking, sensitivity })
-}
-
-/// Fits what was found so far, with estimates written back, and tests all candidates against the fit.
-fn look(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Round> {
-    let mut members = members(found);
-    let present = session.all_columns(&session.train, &members)?;
-    let Noise { whitener, .. } = session.noise_under(&present);
-    session.settle(&mut members, &whitener)?;
-    found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
-    let all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
-    let columns = session.all_columns(&session.train, &members)?;
-    let fit = whitener.fit(&columns, &session.train.torque);
-    let scan = Scan::new(session, &all, &whitener, &fit);
-    Ok(Round { whitener, fit, all, scan })
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

@@ -31,7 +31,7 @@ const MOST_DISTORTED: f64 = 0.1;
 const DIFFERENCE: f64 = 0.02;
 
 /// One kind of logs with all that is the same for every fit.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Side {
     /// The rows.
     pub rows: Rows,
@@ -60,6 +60,8 @@ pub struct Session<'a> {
     pub train: Side,
     /// Logs to judge by.
     pub test: Side,
+    /// Whether these are others than those identified from.
+    pub apart: bool,
     /// Cut-off of the positions' low-pass, Hz.
     pub cutoff_hz: f64,
     /// The low-pass that torque went through before it was logged, if any.
@@ -90,6 +92,18 @@ pub struct Noise {
     pub fit: Projection,
 }
 
+impl Side {
+    /// Logs made ready, with what is `known` taken off.
+    fn new(model: &Model, known: &Known, rows: Rows, training: bool) -> Result<Self> {
+        let mut torque = Column::new(rows.torque.iter().cloned());
+        torque.add(-1.0, &known.arm.believed(&rows));
+        torque.add(-1.0, &known.torque(&rows)?);
+        let mut baseline = known.arm.baseline(model, &rows);
+        baseline.extend(known.derivatives(&rows)?);
+        Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), training })
+    }
+}
+
 impl<'a> Session<'a> {
     /// Makes the logs ready.
     ///
@@ -110,23 +124,20 @@ impl<'a> Session<'a> {
         train: &[&Recording],
         test: &[&Recording],
     ) -> Result<Self> {
-        let arm = known.arm.clone();
         let before = known.reference.len();
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
-        let (train_logs, all): (&[&Recording], Vec<&Recording>) = (&train, train.iter().chain(test).copied().collect());
+        let (train_logs, test_logs): (&[&Recording], &[&Recording]) = (&train, test);
+        let all: Vec<&Recording> = train_logs.iter().chain(test_logs).copied().collect();
         let side = |through, logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
             let mut rows = Rows::logged_through(through, logs, cutoff_hz, fewest)?;
             rows.before = before;
-            let mut torque = Column::new(rows.torque.iter().cloned());
-            torque.add(-1.0, &arm.believed(&rows));
-            torque.add(-1.0, &known.torque(&rows)?);
-            let mut baseline = arm.baseline(model, &rows);
-            baseline.extend(known.derivatives(&rows)?);
-            let errors = ErrorsOfMotion::default();
-            Ok(Side { baseline, torque, rows, errors, training: fewest == FEWEST_ROWS })
+            Side::new(model, &known, rows, fewest == FEWEST_ROWS)
         };
         let both = |through, hz: f64| -> Result<[Side; 2]> {
-            Ok([side(through, train_logs, before, hz, FEWEST_ROWS)?, side(through, test, 0, hz, FEWEST_TEST_ROWS)?])
+            Ok([
+                side(through, train_logs, before, hz, FEWEST_ROWS)?,
+                side(through, test_logs, 0, hz, FEWEST_TEST_ROWS)?,
+            ])
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
@@ -170,9 +181,22 @@ impl<'a> Session<'a> {
                 }
             }
         }
-        let mut session = Session { model, trust, known, arm, train, test, cutoff_hz, passband };
+        let apart = !test_logs.iter().any(|log| train_logs.iter().any(|other| std::ptr::eq(*log, *other)));
+        let arm = known.arm.clone();
+        let mut session = Session { model, trust, known, arm, train, test, apart, cutoff_hz, passband };
         session.leave_out_distorted()?;
         Ok(session)
+    }
+
+    /// The same with all logs to identify from.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn over_all_logs(&self) -> Result<Session<'a>> {
+        let Session { model, trust, cutoff_hz, passband, .. } = *self;
+        let (known, arm, test) = (self.known.clone(), self.arm.clone(), self.test.clone());
+        let train = Side::new(model, &known, self.train.rows.and(&test.rows), true)?;
+        Ok(Session { model, trust, known, arm, train, test, apart: false, cutoff_hz, passband })
     }
 
     /// Leaves out rows in which the low-pass bent the motion: what is left of a jerk there is no noise, and a few such rows

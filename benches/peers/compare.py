@@ -7,7 +7,8 @@ the Eigen headers); without it the peers of the running Python are measured. Nee
 set): Pinocchio's algorithms are compiled here for this machine, with joints specialised by their axis.
 
 Every round runs each peer and the product once, so that all see the same machine; what counts is CPU time (user and system) of
-one thread, and of many rounds the median.
+one thread, and of many rounds the median. A ratio is the median of the rounds' ratios: a machine that is slow for a while is so for
+both.
 """
 
 import argparse
@@ -258,7 +259,9 @@ def report(median, measured):
     text += "| task | peer | time | tauscope | ratio | target |\n|---|---|---|---|---|---|\n"
     for task, unit, peer, own, target in rows:
         if peer in median and own in median:
-            ratio = median[peer] / median[own]
+            # What is measured once, as it takes long, stands beside the median of the others.
+            rounds = zip(measured[peer], measured[own]) if len(measured[peer]) > 1 else [(median[peer], median[own])]
+            ratio = statistics.median(theirs / ours for theirs, ours in rounds)
             name = peer.removesuffix(" 60k").split(" ")[0] if not peer.startswith(("Pinocchio", "MuJoCo")) else " ".join(peer.split(" ")[:2])
             text += f"| {task} | {name} | {median[peer]:.4g} {unit} | {median[own]:.3g} {unit} | {ratio:.1f} | {target} |\n"
     text += "\nEverything measured, medians with quartiles:\n\n| what | median | quartiles |\n|---|---|---|\n"

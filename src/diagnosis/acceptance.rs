@@ -45,9 +45,8 @@ const EXTREMES: f64 = 1e-9;
 /// stands in for the noise.
 const CONFIRMED: f64 = 0.5;
 
-/// What a model leaves over the noise from which an effect must take a share of it to be worth a name, and that share:
-/// where much is wrong, all that is little fits a little. Beside constants, the second look, it must be twice the share.
-const MUCH_LEFT: f64 = 1.5;
+/// Share of what is left that an effect must take to be worth a name where much is: there all that is little fits a little.
+/// Beside constants, the second look, it must be twice the share.
 const WORTH_A_NAME: f64 = 0.05;
 
 /// What held-out rows say of an effect.
@@ -147,7 +146,7 @@ impl Trial<'_> {
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
         let joints = winner.candidate.joints();
-        let much_left = joints.iter().any(|&joint| whitener.misfit(joint) > MUCH_LEFT);
+        let much_left = whitener.much_is_left(&joints);
         let left = |members: &[Member]| left_by_others(session, members, &whitener);
         let (before, after, rows) = (left(members)?, left(&with)?, session.train.rows.len());
         let errors = session.train.errors.beside(&winner.candidate.placed);
@@ -206,8 +205,7 @@ impl Trial<'_> {
         let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
         let bound = gains.lower_bound();
         let refused = |asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked }));
-        let much_left = winner.candidate.joints().iter().any(|&joint| held_out.whitener.misfit(joint) > MUCH_LEFT);
-        if much_left {
+        if held_out.whitener.much_is_left(&winner.candidate.joints()) {
             if !alone || self.session.turns_unphysical(&held_out.with, &held_out.whitener)? {
                 return refused(false);
             }

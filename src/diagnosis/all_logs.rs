@@ -2,17 +2,18 @@
 //!
 //! As long as training logs show enough, held-out logs judge what these chose. What neither kind shows by itself may be plain in
 //! both together: all logs then choose, and each judges by what the others say of it (cross-validation; Stone, Journal of the
-//! Royal Statistical Society B 36, 1974).
+//! Royal Statistical Society B 36, 1974). What else explains a finding is asked of all logs too.
 
 use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
-use super::candidates::columns_in;
+use super::candidates::{Candidate, columns_in};
 use super::column::rms;
 use super::contest::{Contest, contest};
 use super::eligible::{Eligible, Refused};
 use super::found::{Found, beside_play, members};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
+use super::renaming::narrow;
 use super::roles::is_event;
 use super::round::Round;
 use super::session::{Member, Noise, Session};
@@ -21,7 +22,8 @@ use crate::error::Result;
 /// Candidates that may be refused one after the other before the search ends.
 const REFUSALS: usize = 3;
 
-/// Searches all logs of `session` for more than was `found`; tells whether it found any.
+/// Searches all logs of `session` for more than was `found`, and asks them what else explains that; tells whether more
+/// was found.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -38,12 +40,15 @@ pub fn search(
     let mut known = found.clone();
     let mut refused: Vec<Refused> = Vec::new();
     let mut more = false;
-    let mut round = Round::new(&mut all_logs, &mut known, options)?;
-    while known.len() < options.max_findings && refused.len() < REFUSALS {
-        // What happens once is in one log; what the smoothing or extremes mimic is so in all.
+    let look = |session: &mut Session, known: &mut [Found]| -> Result<Round> {
+        let mut round = Round::new(session, known, options)?;
         round.all.retain(|candidate| !is_event(candidate.placed.effect));
+        Ok(round)
+    };
+    let mut round = look(&mut all_logs, &mut known)?;
+    while known.len() < options.max_findings && refused.len() < REFUSALS {
         let best = round.scan.best_per_family();
-        let unconfirmable = best.iter().filter(|judged| !is_confirmable(&judged.candidate)).map(|judged| Refused {
+        let unconfirmable = best.iter().filter(|judged| !can_be_shown(&judged.candidate)).map(|judged| Refused {
             slot: judged.candidate.slot(),
             joints: judged.candidate.joints(),
             may_be: true,
@@ -70,20 +75,28 @@ pub fn search(
                 known.push(Found::new(*accepted, alternatives));
                 refused.clear();
                 more = true;
-                round = Round::new(&mut all_logs, &mut known, options)?;
+                round = look(&mut all_logs, &mut known)?;
             }
             Outcome::Refused(Refusal { may_be, .. }) => {
                 refused.push(Refused { slot: winner.candidate.slot(), joints: winner.candidate.joints(), may_be });
             }
         }
     }
+    narrow(&all_logs, &mut known, &round, multiplicity)?;
+    for (finding, known) in found.iter_mut().zip(&known) {
+        finding.set_alternatives(known.alternatives.clone());
+    }
     for mut finding in known.into_iter().skip(found.len()) {
-        let before = members(found);
         finding.member = from_training(session, finding.member)?;
-        finding.rms = held_out_rms(session, before, &finding.member)?;
+        finding.rms = held_out_rms(session, members(found), &finding.member)?;
         found.push(finding);
     }
     Ok(more)
+}
+
+/// Whether more logs can show a candidate: what happens once is in one of them, and what the smoothing or extremes mimic is so in all.
+fn can_be_shown(candidate: &Candidate) -> bool {
+    is_confirmable(candidate) && !is_event(candidate.placed.effect)
 }
 
 /// A member with its columns along the training logs.

@@ -1,7 +1,7 @@
 //! What a search found, as it goes into the model and the answer.
 
 use super::acceptance::{Accepted, Gain};
-use super::candidates::Candidate;
+use super::candidates::{Candidate, Family};
 use super::contest::Alternative;
 use super::impacts::Play;
 use super::session::Member;
@@ -47,6 +47,12 @@ impl Found {
     pub fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
         self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
         self.alternatives = alternatives;
+    }
+
+    /// Says that it may be another effect too, which explains the data no worse.
+    pub fn may_also_be(&mut self, family: Family) {
+        let others = self.alternatives.iter().filter(|other| other.family != family).cloned();
+        self.set_alternatives([Alternative { family, relative_likelihood: 1.0 }].into_iter().chain(others).collect());
     }
 }
 

@@ -3,12 +3,55 @@
 use super::Options;
 use super::acceptance::{Outcome, Trial};
 use super::candidates::{self, Candidate};
-use super::contest::{Alternative, Contest, Scan, better_unseen, contest};
+use super::contest::{Contest, Scan, better_unseen, contest};
 use super::eligible::Eligible;
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
+use super::round::Round;
 use super::session::{Noise, Session};
 use crate::error::Result;
+
+/// What a contest for the name of a finding came to beside all others.
+struct Again {
+    others: Vec<Found>,
+    noise: Noise,
+    contest: Contest,
+}
+
+impl Again {
+    /// The contest for the finding at `index` among the candidates that act where it does; None where nothing can be told. Those
+    /// `everywhere` are all candidates along the rows that `session` is identified from.
+    fn new(
+        session: &Session,
+        found: &[Found],
+        index: usize,
+        everywhere: &[Candidate],
+        multiplicity: &Multiplicity,
+    ) -> Result<Option<Self>> {
+        let others: Vec<Found> =
+            found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
+        let of_others = members(&others);
+        let noise = session.noise_under(&session.all_columns(&session.train, &of_others)?);
+        // What acts elsewhere is no other name for what is seen here.
+        let here = found[index].member.candidate.joints();
+        let acts_here = |candidate: &&Candidate| candidate.joints().iter().any(|joint| here.contains(joint));
+        let all: Vec<Candidate> = everywhere.iter().filter(acts_here).cloned().collect();
+        let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
+        let eligible = Eligible::new(&others, &[], Vec::new());
+        let mut best = scan.best_per_family();
+        best.retain(|judged| eligible.may_win(&judged.candidate));
+        if best.is_empty() {
+            return Ok(None);
+        }
+        let contest = contest(session, &of_others, &best, &all, multiplicity, &eligible)?;
+        Ok(Some(Again { others, noise, contest }))
+    }
+}
+
+/// Whether the name of a finding can be asked for again: not what impacts tell, nor what happened once.
+fn can_be_asked(found: &Found) -> bool {
+    !found.member.held && found.member.candidate.log.is_none()
+}
 
 /// Holds the contest for the name of every finding once more beside all others; tells whether a name has changed.
 ///
@@ -20,62 +63,75 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
         return Ok(changed);
     }
     let everywhere = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
-    for index in 0..found.len() {
-        let member = &found[index].member;
-        if member.held || member.candidate.log.is_some() {
+    for index in (0..found.len()).filter(|&index| can_be_asked(&found[index])).collect::<Vec<_>>() {
+        let Some(Again { others, noise: Noise { whitener, fit }, contest }) =
+            Again::new(session, found, index, &everywhere, multiplicity)?
+        else {
             continue;
-        }
-        let others: Vec<Found> =
-            found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
+        };
         let of_others = members(&others);
-        let present = session.all_columns(&session.train, &of_others)?;
-        let Noise { whitener, fit } = session.noise_under(&present);
-        // What acts elsewhere is no other name for what is seen here.
-        let here = member.candidate.joints();
-        let acts_here = |candidate: &&Candidate| candidate.joints().iter().any(|joint| here.contains(joint));
-        let all: Vec<Candidate> = everywhere.iter().filter(acts_here).cloned().collect();
-        let scan = Scan::new(session, &all, &whitener, &fit);
-        let eligible = Eligible::new(&others, &[], Vec::new());
-        let mut best = scan.best_per_family();
-        best.retain(|judged| eligible.may_win(&judged.candidate));
-        if best.is_empty() {
-            continue;
-        }
-        let Contest { winner, alternatives, close } =
-            contest(session, &of_others, &best, &all, multiplicity, &eligible)?;
+        let Contest { winner, alternatives, close } = contest;
         let (winner, alternatives) = better_unseen(session, &of_others, winner, alternatives, &close)?;
-        let (old, new) = (found[index].member.candidate.family(), winner.candidate.family());
-        tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
         let known = &mut found[index];
+        let (old, new) = (known.member.candidate.family(), winner.candidate.family());
+        tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
         if old == new {
             known.set_alternatives(beside_play(&others, &known.member, alternatives));
-        } else {
-            let trial = Trial {
-                session,
-                members: &of_others,
-                whitener: &whitener,
-                fit: &fit,
-                multiplicity,
-                alpha: options.alpha,
-                tries: None,
-            };
-            let level = multiplicity.level(new.effect, winner.test.log_p());
-            match trial.of(&winner, level)? {
-                Outcome::Accepted(accepted) => {
-                    let alternatives = beside_play(&others, &accepted.member, alternatives);
-                    *known = Found::new(*accepted, alternatives);
-                    changed = true;
-                }
-                // It explains what is left better than the name does, and is not sure enough to take its place.
-                Outcome::Refused(refusal) if refusal.may_be => {
-                    let mut alternatives = known.alternatives.clone();
-                    alternatives.retain(|other| other.family != new);
-                    alternatives.insert(0, Alternative { family: new, relative_likelihood: 1.0 });
-                    known.set_alternatives(alternatives);
-                }
-                Outcome::Refused(_) => {}
+            continue;
+        }
+        let trial = Trial {
+            session,
+            members: &of_others,
+            whitener: &whitener,
+            fit: &fit,
+            multiplicity,
+            alpha: options.alpha,
+            tries: None,
+        };
+        let level = multiplicity.level(new.effect, winner.test.log_p());
+        match trial.of(&winner, level)? {
+            Outcome::Accepted(accepted) => {
+                let alternatives = beside_play(&others, &accepted.member, alternatives);
+                *known = Found::new(*accepted, alternatives);
+                changed = true;
             }
+            // It explains what is left better than the name does, and is not sure enough to take its place.
+            Outcome::Refused(refusal) if refusal.may_be => known.may_also_be(new),
+            Outcome::Refused(_) => {}
         }
     }
     Ok(changed)
+}
+
+/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn narrow(session: &Session, found: &mut [Found], round: &Round, multiplicity: &Multiplicity) -> Result<()> {
+    // Where much is left, rows tell rivals apart by what is wrong with both.
+    let open = |found: &Found| {
+        let much_left = round.whitener.much_is_left(&found.member.candidate.joints());
+        can_be_asked(found) && !much_left
+    };
+    for index in (0..found.len()).filter(|&index| open(&found[index])).collect::<Vec<_>>() {
+        let Some(Again { others, contest: Contest { winner, alternatives, .. }, .. }) =
+            Again::new(session, found, index, &round.all, multiplicity)?
+        else {
+            continue;
+        };
+        let known = &mut found[index];
+        let (old, new) = (known.member.candidate.family(), winner.candidate.family());
+        tracing::debug!(?old, ?new, ?alternatives, "other names over all logs");
+        if old == new {
+            known.set_alternatives(beside_play(&others, &known.member, alternatives));
+            continue;
+        }
+        // One that all logs let stand beside the best of them has the names that they leave.
+        if alternatives.iter().any(|other| other.family == old) {
+            let left = alternatives.into_iter().filter(|other| other.family != old).collect();
+            known.set_alternatives(beside_play(&others, &known.member, left));
+        }
+        known.may_also_be(new);
+    }
+    Ok(())
 }

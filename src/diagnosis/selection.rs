@@ -129,11 +129,13 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     }
     let dropped = drop_superfluous(session, &mut found)?;
     let renamed = rename(session, &mut found, &multiplicity, options)?;
+    // The columns of all candidates along the training logs make room for those along all logs.
+    let seen = |Round { whitener, scan, .. }: Round| (whitener, scan.sensitivity());
+    let (mut whitener, mut sensitivity) = seen(round);
     if all_logs::search(session, &mut found, &multiplicity, options)? || renamed || dropped {
-        round = Round::new(session, &mut found, options)?;
+        (whitener, sensitivity) = seen(Round::new(session, &mut found, options)?);
     }
-    let sensitivity = round.scan.sensitivity();
-    Ok(Selection { found, whitener: round.whitener, first_whitener, multiplicity, ranking, sensitivity })
+    Ok(Selection { found, whitener, first_whitener, multiplicity, ranking, sensitivity })
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

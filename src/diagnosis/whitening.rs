@@ -32,6 +32,9 @@ const INDEPENDENT: f64 = 1e-6;
 /// Speed over which the low-speed part of friction fades in the rich regression, rad/s.
 const SLOW: f64 = 0.1;
 
+/// Factor on a joint's noise from which much is left there.
+const MUCH_LEFT: f64 = 1.5;
+
 /// Turns the noise of every joint into white noise of unit variance.
 #[derive(Debug, Clone)]
 pub struct Whitener {
@@ -110,6 +113,11 @@ impl Whitener {
     /// Factor by which what the model leaves on a joint exceeds its noise, at least one.
     pub fn misfit(&self, joint: usize) -> f64 {
         self.joints[joint].misfit
+    }
+
+    /// Whether the model leaves much more than the noise on any of `joints`.
+    pub fn much_is_left(&self, joints: &[usize]) -> bool {
+        joints.iter().any(|&joint| self.misfit(joint) > MUCH_LEFT)
     }
 
     /// Standard deviation of each joint's noise in the rows, without what the model leaves beyond it, N m.

@@ -140,3 +140,10 @@ fn what_fits_better_stays_a_name_beside_what_is_surer() {
     let run = of_study(12_000, 195, ("backlash", 2));
     assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement);
 }
+
+#[test]
+fn all_logs_together_leave_one_name() {
+    // The training logs alone leave five, of which two are for other joints.
+    let run = of_study(9100, 211, ("position_dependent_friction", 2));
+    assert_eq!((run.judgement.outcome, run.judgement.wrong.len()), (Outcome::Named, 0), "{:?}", run.judgement);
+}

@@ -314,6 +314,7 @@ fn dry_laws_hold_a_joint_at_standstill_within_a_band() {
                 load: &load,
                 robot: &arm.robot,
                 chain: &arm.chain,
+                frames: None,
             };
             let mut out = vec![0.0; dof];
             effect.torque(&placed.parameters, 1, &x, &memory, &mut out);

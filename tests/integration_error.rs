@@ -29,7 +29,17 @@ fn unexplained(robot: &Robot, step: f64) -> (f64, f64) {
     let rest: Vec<f64> = (0..dof).map(|j| tau[j] - needed[j] - robot.joints[j].drive.armature * qdd[j]).collect();
     let mut law = vec![0.0; dof];
     let zeros = vec![0.0; dof];
-    let x = Instant { t: 0.0, q: &q, qd: &seen, qdd: &qdd, direction: &zeros, load: &zeros, robot, chain: &chain };
+    let x = Instant {
+        t: 0.0,
+        q: &q,
+        qd: &seen,
+        qdd: &qdd,
+        direction: &zeros,
+        load: &zeros,
+        robot,
+        chain: &chain,
+        frames: None,
+    };
     IntegrationError.torque(&[step], 0, &x, &[], &mut law);
     let size = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0f64, |m, v| m.max(v.abs()));
     (size(&mut rest.iter().copied()), size(&mut rest.iter().zip(&law).map(|(r, l)| r - l)))

@@ -292,7 +292,7 @@ pub fn is_confirmable(candidate: &Candidate) -> bool {
 }
 
 /// Share of the level at which a candidate is believed.
-fn strictness(candidate: &Candidate) -> f64 {
+pub fn strictness(candidate: &Candidate) -> f64 {
     if candidate.log.is_some() {
         // No other log can confirm what happened once.
         ONCE

@@ -6,7 +6,7 @@
 
 use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
-use super::candidates::{Candidate, columns_in};
+use super::candidates::{self, columns_in};
 use super::column::rms;
 use super::contest::{Contest, contest};
 use super::eligible::{Eligible, Refused};
@@ -14,7 +14,6 @@ use super::found::{Found, beside_play, members};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
 use super::renaming::narrow;
-use super::roles::is_event;
 use super::round::Round;
 use super::session::{Member, Noise, Session};
 use crate::error::Result;
@@ -36,24 +35,18 @@ pub fn search(
     if !session.apart {
         return Ok(false);
     }
-    let mut all_logs = session.over_all_logs()?;
+    let mut all_logs = session.over_all_logs();
     let mut known = found.clone();
     let mut refused: Vec<Refused> = Vec::new();
     let mut more = false;
-    let look = |session: &mut Session, known: &mut [Found]| -> Result<Round> {
-        let mut round = Round::new(session, known, options)?;
-        round.all.retain(|candidate| !is_event(candidate.placed.effect));
-        Ok(round)
-    };
-    let mut round = look(&mut all_logs, &mut known)?;
+    // What happens once is in one log.
+    let mut round = Round::first(&mut all_logs, &mut known, candidates::lasting, options)?;
     while known.len() < options.max_findings && refused.len() < REFUSALS {
+        // What the smoothing or extremes mimic is so in all of them.
         let best = round.scan.best_per_family();
-        let unconfirmable = best.iter().filter(|judged| !can_be_shown(&judged.candidate)).map(|judged| Refused {
-            slot: judged.candidate.slot(),
-            joints: judged.candidate.joints(),
-            may_be: true,
-        });
-        let never: Vec<Refused> = refused.iter().cloned().chain(unconfirmable).collect();
+        let unconfirmable = best.iter().filter(|judged| !is_confirmable(&judged.candidate));
+        let never: Vec<Refused> =
+            refused.iter().cloned().chain(unconfirmable.map(|judged| Refused::faint(judged))).collect();
         let eligible = Eligible::new(&known, &never, Vec::new());
         let mut best: Vec<&Judged> = best.into_iter().filter(|judged| eligible.may_win(&judged.candidate)).collect();
         best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
@@ -75,7 +68,7 @@ pub fn search(
                 known.push(Found::new(*accepted, alternatives));
                 refused.clear();
                 more = true;
-                round = look(&mut all_logs, &mut known)?;
+                round = round.next(&mut all_logs, &mut known, options)?;
             }
             Outcome::Refused(Refusal { may_be, .. }) => {
                 refused.push(Refused { slot: winner.candidate.slot(), joints: winner.candidate.joints(), may_be });
@@ -92,11 +85,6 @@ pub fn search(
         found.push(finding);
     }
     Ok(more)
-}
-
-/// Whether more logs can show a candidate: what happens once is in one of them, and what the smoothing or extremes mimic is so in all.
-fn can_be_shown(candidate: &Candidate) -> bool {
-    is_confirmable(candidate) && !is_event(candidate.placed.effect)
 }
 
 /// A member with its columns along the training logs.

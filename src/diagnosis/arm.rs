@@ -11,6 +11,7 @@ use crate::identification::model::{Model, STANDARD};
 use crate::robot::{Inertia, PARAMETERS, Robot};
 use crate::signal::{ZeroPhaseLowPass, second_derivative};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
 const BATCH: usize = 12;
@@ -24,6 +25,12 @@ const BELOW_SWING: f64 = 0.6;
 const SWING_ORDER: usize = 4;
 const SLOWEST_SWING_HZ: f64 = 1.5;
 const PLACES: usize = 10;
+
+/// Rounds in which the position behind an encoder's error is found.
+const ENCODER_ROUNDS: usize = 4;
+
+/// Mass and first moments, after which a link's moments of inertia come.
+const MOMENTS: usize = 4;
 
 /// The arm with the parameters found for its baseline.
 #[derive(Debug, Clone)]
@@ -98,6 +105,7 @@ impl Arm {
                 for ((&kept, &value), described) in model.base().kept().iter().zip(values).zip(described) {
                     standard[kept] = value - described;
                 }
+                self.split_off_rotors(model, &mut standard);
             }
             Trust::Nominal => {
                 standard = Model::standard_values(&self.known);
@@ -113,6 +121,27 @@ impl Arm {
             joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
             let drive = &mut joint.drive;
             [drive.armature, drive.viscous, drive.coulomb] = [values[10], values[11], values[12]];
+        }
+    }
+
+    /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is told and the
+    /// description knows of no rotor: descriptions that say nothing of rotors are more common than arms that have none.
+    fn split_off_rotors(&self, model: &Model, standard: &mut [f64]) {
+        let described = Model::standard_values(&self.known);
+        let (kept, regrouping) = (model.base().kept(), model.base().regrouping());
+        for joint in 0..model.dof() {
+            let (first, rotor) = (joint * STANDARD, joint * STANDARD + PARAMETERS);
+            if model.rotor_stands_alone(joint) || described[rotor] != 0.0 {
+                continue;
+            }
+            let shares = regrouping.column(rotor);
+            let own = (0..kept.len()).find(|&b| (first + MOMENTS..rotor).contains(&kept[b]) && shares[b] > 0.5);
+            let Some(own) = own else { continue };
+            let more = (standard[kept[own]] - described[kept[own]]) / shares[own];
+            if more > 0.0 {
+                standard[rotor] = more;
+                kept.iter().zip(shares.iter()).for_each(|(&kept, share)| standard[kept] -= share * more);
+            }
         }
     }
 
@@ -195,7 +224,7 @@ impl Arm {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn added(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
-        self.added_since(rows.before, placed, rows)
+        self.added_in(rows.before..rows.logs.len(), placed, rows)
     }
 
     /// [`Arm::added`] over all rows, those from before the change too.
@@ -203,17 +232,24 @@ impl Arm {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn added_throughout(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
-        self.added_since(0, placed, rows)
+        self.added_in(0..rows.logs.len(), placed, rows)
     }
 
-    fn added_since(&self, first: usize, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+    /// The same over all rows where they act in some of the logs only.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
         let absent = |log: &Log| vec![Channels::zeros(rows.dof(), log.time.len()); BATCH];
         let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
         let batches: Vec<Vec<Column>> = jobs
             .into_par_iter()
             .map(|batch| {
                 let logs = rows.logs.iter().enumerate();
-                let logs = logs.map(|(k, log)| if k < first { Ok(absent(log)) } else { self.added_to(batch, log) });
+                let logs = logs.map(|(k, log)| match acting.contains(&k) {
+                    true => self.added_to(batch, log),
+                    false => Ok(absent(log)),
+                });
                 let logs: Vec<Vec<Channels>> = logs.collect::<Result<_>>()?;
                 Ok((0..batch.len())
                     .map(|index| {
@@ -271,9 +307,15 @@ impl Arm {
                 match q == log.motion.q {
                     true => plain.clone(),
                     false => {
-                        // Where the encoder reads q + error, the joint is at q - error.
+                        // Where the encoder reads q + error(q), the joint is at q: found in rounds.
                         let measured = log.motion.q.channel(placed.joint);
-                        q.channel_mut(placed.joint).iter_mut().zip(measured).for_each(|(x, q)| *x = 2.0 * q - *x);
+                        let mut joint = measured.to_vec();
+                        for _ in 0..ENCODER_ROUNDS {
+                            let mut read = joint.clone();
+                            placed.effect.distort_position(&placed.parameters, &mut read);
+                            joint.iter_mut().zip(&read).zip(measured).for_each(|((q, read), seen)| *q += seen - read);
+                        }
+                        q.channel_mut(placed.joint).copy_from_slice(&joint);
                         let motion = Log::motion_of(q, log.period)?;
                         self.torque(&motion, &motion)
                     }
@@ -348,6 +390,21 @@ mod tests {
     use crate::robot::{InertiaCheck, load};
 
     /// Base parameters of the IRB 1600 as they are give its torque back, shared rightly among bodies and rotors.
+    #[test]
+    fn a_description_without_rotors_leaves_what_is_more_to_them() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let real = load(path, InertiaCheck::Required).unwrap();
+        let mut described = real.clone();
+        described.joints.iter_mut().for_each(|joint| joint.drive.armature = 0.0);
+        let model = Model::new(&described);
+        let mut arm = Arm::new(&described, Trust::Structure);
+        arm.take(&model, &model.base().values(&Model::standard_values(&real)));
+        assert!(!model.rotor_stands_alone(0) && !model.rotor_stands_alone(1));
+        for (found, real) in arm.found().joints.iter().zip(&real.joints) {
+            assert!((found.drive.armature - real.drive.armature).abs() < 1e-9, "{}", real.name);
+        }
+    }
+
     #[test]
     fn what_motion_does_not_tell_is_as_described() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");

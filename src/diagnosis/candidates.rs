@@ -3,9 +3,9 @@
 use super::arm::Arm;
 use super::column::Column;
 use super::grid::grid;
-use super::roles::{is_event, linear};
+use super::roles::{acts_upon_arm, is_event, linear};
 use super::rows::Rows;
-use crate::effects::{Effect, LIBRARY, Placed, Role, Scope};
+use crate::effects::{Effect, LIBRARY, Placed, Role, Scope, Site};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 
@@ -45,6 +45,11 @@ impl Candidate {
         joints
     }
 
+    /// Whether it has torque on any of `joints`.
+    pub fn acts_on(&self, joints: &[usize]) -> bool {
+        self.joints().iter().any(|joint| joints.contains(joint))
+    }
+
     /// What it is, whatever its parameters, and where it acts.
     pub fn slot(&self) -> Slot {
         (self.family(), self.log)
@@ -73,9 +78,18 @@ pub struct Family {
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
+    columns_in(arm, rows, None, placed)
+}
+
+/// Columns of placed effects of which each acts in one log only, or in all.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn columns_in(arm: &Arm, rows: &Rows, log: Option<usize>, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
     let units: Vec<Vec<Placed>> = placed.iter().map(units).collect();
     let flat: Vec<Placed> = units.iter().flatten().cloned().collect();
-    let mut added = arm.added(&flat, rows)?.into_iter();
+    let acting = log.map_or(rows.before..rows.logs.len(), |log| log..log + 1);
+    let mut added = arm.added_in(acting, &flat, rows)?.into_iter();
     Ok(placed
         .iter()
         .map(|one| {
@@ -97,24 +111,6 @@ pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Colu
             group
         })
         .collect())
-}
-
-/// Columns of placed effects of which each acts in one log only, or in all.
-///
-/// # Errors
-/// If a log is too short to differentiate.
-pub fn columns_in(arm: &Arm, rows: &Rows, log: Option<usize>, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
-    let mut groups = columns(arm, rows, placed)?;
-    if let Some(log) = log {
-        let own = rows.starts[log]..rows.starts[log + 1];
-        let outside = |column: &mut Column| {
-            for (_, values) in &mut column.parts {
-                values.iter_mut().enumerate().filter(|(row, _)| !own.contains(row)).for_each(|(_, value)| *value = 0.0);
-            }
-        };
-        groups.iter_mut().flatten().for_each(outside);
-    }
-    Ok(groups)
 }
 
 /// The effect with one amplitude or departure at a time.
@@ -142,27 +138,69 @@ fn size(placed: &Placed, index: usize) -> f64 {
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn all(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
-    let placed: Vec<Placed> = LIBRARY
+    let mut all = lasting(arm, rows, trust, only)?;
+    let events = throughout(arm, rows, wanted(rows, trust, only).filter(|effect| is_event(*effect)))?;
+    // What happens to the arm from outside happens in one log.
+    if rows.logs.len() > 1 {
+        for (log, ends) in rows.starts.windows(2).enumerate() {
+            let time = &rows.logs[log].time;
+            let meets = |event: &&Candidate| {
+                let [from, to] = event.placed.effect.acts_between(&event.placed.parameters);
+                time.first().is_some_and(|first| *first < to) && time.last().is_some_and(|last| *last > from)
+            };
+            let own = events.iter().filter(meets).map(|event| Candidate {
+                columns: event.columns.iter().map(|column| column.within(ends[0]..ends[1])).collect(),
+                placed: event.placed.clone(),
+                log: Some(log),
+            });
+            all.extend(own);
+        }
+    }
+    all.extend(events);
+    Ok(all)
+}
+
+/// All candidates but those that happen once.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
+    throughout(arm, rows, wanted(rows, trust, only).filter(|effect| !is_event(*effect)))
+}
+
+/// The same candidates for the arm as found since.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn renewed(
+    mut candidates: Vec<Candidate>,
+    arm: &Arm,
+    rows: &Rows,
+    trust: Trust,
+    only: &[String],
+) -> Result<Vec<Candidate>> {
+    candidates.retain(|candidate| !acts_upon_arm(candidate.placed.effect));
+    candidates.extend(throughout(arm, rows, wanted(rows, trust, only).filter(|effect| acts_upon_arm(*effect)))?);
+    Ok(candidates)
+}
+
+/// Effects of the library that may be there.
+fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'static dyn Effect> {
+    let changed = rows.before > 0;
+    LIBRARY
         .iter()
         .copied()
-        .filter(|effect| is_candidate(*effect, trust, only) || (rows.before > 0 && is_wanted(*effect, only)))
+        .filter(move |effect| is_candidate(*effect, trust, only) || (changed && is_wanted(*effect, only)))
+}
+
+/// Candidates of `effects` at all places, acting in all logs.
+fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
+    let placed: Vec<Placed> = effects
         .flat_map(|effect| places(effect, rows.dof()).flat_map(move |joint| grid(effect, joint, rows)))
         .collect();
     let groups = columns(arm, rows, &placed)?;
     let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate { placed, log: None, columns });
-    let mut candidates: Vec<Candidate> =
-        candidates.filter(|candidate| candidate.columns.iter().any(Column::is_sound)).collect();
-    // What happens to the arm from outside happens in one log.
-    if rows.logs.len() > 1 {
-        let events: Vec<Placed> =
-            candidates.iter().filter(|c| is_event(c.placed.effect)).map(|c| c.placed.clone()).collect();
-        for log in 0..rows.logs.len() {
-            let groups = columns_in(arm, rows, Some(log), &events)?;
-            let own = events.iter().cloned().zip(groups);
-            candidates.extend(own.map(|(placed, columns)| Candidate { placed, log: Some(log), columns }));
-        }
-    }
-    Ok(candidates)
+    Ok(candidates.filter(|candidate| candidate.columns.iter().any(Column::is_sound)).collect())
 }
 
 /// Whether an effect is to be looked for: against logs from before a change nothing hides it.
@@ -170,12 +208,13 @@ pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
     only.is_empty() || only.iter().any(|name| name == effect.about().name)
 }
 
-/// Whether an effect can be told from the baseline at all.
+/// Whether an effect can be told from the baseline at all. Base parameters take what bodies do as a whole, but only a part of what a
+/// sensor reads wrong: the test itself tells how much of that is left.
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
     is_wanted(effect, only)
         && !BASELINE.contains(&about.name)
-        && (trust == Trust::Nominal || !about.hidden_by_base_parameters)
+        && (trust == Trust::Nominal || !about.hidden_by_base_parameters || about.site == Site::Sensor)
 }
 
 /// Where an effect can be placed on an arm.
@@ -197,6 +236,7 @@ mod tests {
         let payload = find("payload").unwrap();
         assert!(is_candidate(payload, Trust::Nominal, &[]));
         assert!(!is_candidate(payload, Trust::Structure, &[]));
+        assert!(is_candidate(find("torque_gain").unwrap(), Trust::Structure, &[]));
         assert!(!is_candidate(payload, Trust::Nominal, &["backlash".into()]));
         assert!(!is_candidate(find("coulomb_friction").unwrap(), Trust::Nominal, &[]));
     }

@@ -1,5 +1,8 @@
 //! Columns of the tests: a torque per joint over the rows, held only for the joints on which it acts.
 
+use std::collections::BTreeSet;
+use std::ops::Range;
+
 /// A torque over the rows, `(joint, values)` for every joint on which it is not zero, in the order of the joints.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Column {
@@ -26,10 +29,7 @@ impl Column {
 
     /// Inner product over all joints and rows.
     pub fn dot(&self, other: &Column) -> f64 {
-        self.parts
-            .iter()
-            .filter_map(|(joint, a)| Some(a.iter().zip(other.part(*joint)?).map(|(x, y)| x * y).sum::<f64>()))
-            .sum()
+        self.parts.iter().filter_map(|(joint, a)| Some(inner_product(a, other.part(*joint)?))).sum()
     }
 
     /// Adds `factor` times `other`.
@@ -56,6 +56,27 @@ impl Column {
         Column { parts: parts.collect() }
     }
 
+    /// This over the first of two stretches of rows of these lengths, and `other` over the second.
+    pub fn then(&self, other: &Column, [first, second]: [usize; 2]) -> Self {
+        let joints = self.parts.iter().chain(&other.parts).map(|(joint, _)| *joint);
+        let joints: BTreeSet<usize> = joints.collect();
+        let of = |column: &Column, joint, rows| column.part(joint).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
+        let parts =
+            joints.into_iter().map(|joint| (joint, [of(self, joint, first), of(other, joint, second)].concat()));
+        Column { parts: parts.collect() }
+    }
+
+    /// The same with zeros outside a range of rows.
+    pub fn within(&self, rows: Range<usize>) -> Self {
+        let mut column = self.clone();
+        for (_, values) in &mut column.parts {
+            let end = rows.end.min(values.len());
+            values[..rows.start.min(end)].fill(0.0);
+            values[end..].fill(0.0);
+        }
+        column
+    }
+
     /// The same on some joints only.
     pub fn only(&self, joints: &[usize]) -> Self {
         Column { parts: self.parts.iter().filter(|(joint, _)| joints.contains(joint)).cloned().collect() }
@@ -65,6 +86,20 @@ impl Column {
     pub fn is_sound(&self) -> bool {
         !self.parts.is_empty() && self.parts.iter().flat_map(|(_, values)| values).all(|v| v.is_finite())
     }
+}
+
+/// The inner product, in sums side by side so that none waits for itself.
+pub fn inner_product(a: &[f64], b: &[f64]) -> f64 {
+    const TOGETHER: usize = 8;
+    let (mut xs, mut ys) = (a.chunks_exact(TOGETHER), b.chunks_exact(TOGETHER));
+    let mut sums = [0.0; TOGETHER];
+    for (x, y) in (&mut xs).zip(&mut ys) {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum += x[k] * y[k];
+        }
+    }
+    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// The sum of `columns` with their `values`.
@@ -103,6 +138,25 @@ mod tests {
         assert_eq!(a.parts, [(0, vec![6.0, 2.0]), (1, vec![1.0, 10.0])]);
         assert_eq!(combined(&[b.clone(), b.clone()], &[1.0, -1.0]).dot(&b), 0.0);
         assert!(!Column::default().is_sound());
+    }
+
+    #[test]
+    fn one_column_after_another() {
+        let (a, b) = (Column::on(0, vec![1.0, 2.0]), Column::on(2, vec![3.0]));
+        let both = a.then(&b, [2, 1]);
+        assert_eq!(both.parts, [(0, vec![1.0, 2.0, 0.0]), (2, vec![0.0, 0.0, 3.0])]);
+        assert_eq!(both.within(0..2).part(2), Some(&[0.0, 0.0, 0.0][..]));
+    }
+
+    #[test]
+    fn an_inner_product_of_any_length() {
+        for length in 0..40 {
+            let a: Vec<f64> = (0..length).map(f64::from).collect();
+            let b: Vec<f64> = (0..length).map(|k| f64::from(k) - 3.0).collect();
+            // Sums of whole numbers are exact.
+            let expected: i64 = (0..i64::from(length)).map(|k| k * (k - 3)).sum();
+            assert_eq!(inner_product(&a, &b), expected as f64);
+        }
     }
 
     #[test]

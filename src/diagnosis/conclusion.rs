@@ -32,6 +32,9 @@ use crate::simulation::engine::EngineKind;
 /// Share of a log that is held out where there is no other to judge by.
 const HELD_OUT: f64 = 0.3;
 
+/// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz.
+const SLOWEST_RATE_HZ: f64 = 50.0;
+
 /// Least acceleration that a motion is allowed, rad/s2.
 const SLOWEST: f64 = 0.5;
 
@@ -94,6 +97,14 @@ pub fn conclude<'a>(
     let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
     if let Some(log) = logs.find(|log| log.joints() != robot.dof()) {
         let problem = format!("has {} joints, the arm {}; give logs of this arm", log.joints(), robot.dof());
+        return Err(Error::request("log", problem));
+    }
+    let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
+    if let Some(log) = logs.find(|log| log.rate_hz() < SLOWEST_RATE_HZ) {
+        let problem = format!(
+            "is sampled at {:.3} Hz, and a diagnosis needs {SLOWEST_RATE_HZ} Hz or more; log faster",
+            log.rate_hz()
+        );
         return Err(Error::request("log", problem));
     }
     let described = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };

@@ -134,27 +134,29 @@ pub fn contest(
 ) -> Result<Contest> {
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.all_columns(&session.train, members)?;
-    let mut leader: Option<(f64, Candidate)> = None;
-    for judged in best.iter().take(SHORTLIST) {
+    let in_own_noise = |judged: &&Judged| -> Result<Option<(f64, Candidate)>> {
         let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
         let whitener = session.noise_under(&with).whitener;
         let fit = whitener.fit(&present, &session.train.torque);
-        let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { continue };
+        let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { return Ok(None) };
         let own = session.refined(own, &whitener, &fit)?;
         let left = fit.left() - own.test.statistic;
         let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64 + looked_for(&own);
-        if leader.as_ref().is_none_or(|(best, _)| criterion < *best) {
-            leader = Some((criterion, own.candidate));
-        }
-    }
+        Ok(Some((criterion, own.candidate)))
+    };
+    let shortlist: Vec<Option<(f64, Candidate)>> =
+        best[..best.len().min(SHORTLIST)].par_iter().map(in_own_noise).collect::<Result<_>>()?;
+    let leader = shortlist.into_iter().flatten().min_by(|(a, _), (b, _)| a.total_cmp(b));
     let leader = leader.map_or_else(|| best[0].candidate.clone(), |(_, candidate)| candidate);
 
     // From here on all are seen in the same whitening, that under the leader.
     let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
     let whitener = session.noise_under(&with).whitener;
     let fit = whitener.fit(&present, &session.train.torque);
-    let again: Vec<Candidate> =
-        all.iter().filter(|candidate| eligible.may_be(candidate)).cloned().chain([leader.clone()]).collect();
+    // What acts elsewhere is no other name for what is seen here.
+    let here = leader.joints();
+    let rivals = all.iter().filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
+    let again: Vec<Candidate> = rivals.cloned().chain([leader.clone()]).collect();
     let scan = Scan::new(session, &again, &whitener, &fit);
     let ranked = scan.best_per_family();
     let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
@@ -167,9 +169,8 @@ pub fn contest(
     };
     let winner = strong.remove(first);
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
-    // What acts elsewhere is no other name for what is seen here.
     let here = winner.candidate.joints();
-    strong.retain(|rival| rival.candidate.joints().iter().any(|joint| here.contains(joint)));
+    strong.retain(|rival| rival.candidate.acts_on(&here));
     let mut alternatives = Vec::new();
     for rival in &strong {
         // Nor is the same at another time.

@@ -80,7 +80,7 @@ mod tests {
         let (model, arm) = (Model::new(&robot), Arm::new(&robot, Trust::Nominal));
         let logs = [1, 2, 3].map(|seed| log(&arm, seed));
         let apart = Session::new(&model, Trust::Nominal, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();
-        let mut session = apart.over_all_logs().unwrap();
+        let mut session = apart.over_all_logs();
         let rows = &session.train.rows;
         assert_eq!((rows.len(), rows.logs.len()), (apart.train.rows.len() + apart.test.rows.len(), 3));
         let last = rows.starts[2]..rows.starts[3];

@@ -2,6 +2,8 @@
 
 use super::candidates::{Candidate, Slot};
 use super::found::Found;
+use super::judging::Judged;
+use super::roles::is_level;
 
 /// A candidate that was refused.
 #[derive(Debug, Clone)]
@@ -12,6 +14,14 @@ pub struct Refused {
     pub joints: Vec<usize>,
     /// Whether it may be so all the same: the logs are too few to tell, and it stays another name for what is found in its place.
     pub may_be: bool,
+}
+
+impl Refused {
+    /// One that is too faint to be sure of: it may be so, but a level tells nothing of a few rows.
+    pub fn faint(judged: &Judged) -> Self {
+        let candidate = &judged.candidate;
+        Refused { slot: candidate.slot(), joints: candidate.joints(), may_be: !is_level(candidate.placed.effect) }
+    }
 }
 
 /// The candidates of a round.

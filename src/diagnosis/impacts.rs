@@ -38,6 +38,9 @@ const TURNS: f64 = 0.01;
 /// Fewest moments to rank among.
 const FEWEST: usize = 200;
 
+/// Share of the moments among which those are in which the loads change as much, to rank among.
+const ALIKE: f64 = 0.2;
+
 /// Rows that impacts disturb: before and after a change of sign, s.
 const DISTURBED_S: [f64; 2] = [0.02, 0.15];
 
@@ -69,6 +72,10 @@ struct Trace {
     permitted: Vec<bool>,
     /// The values of `largest` where permitted, sorted.
     sorted: Vec<f64>,
+    /// How much the loads change in the time after each sample.
+    slew: Vec<f64>,
+    /// That and `largest` where permitted, sorted by the former.
+    by_slew: Vec<(f64, f64)>,
     /// Torque that each gear carries, `[joint][time]`, N m.
     load: Channels,
     /// What the model leaves of the torque, `[joint][time]`, N m.
@@ -112,6 +119,15 @@ impl Traces {
             }
         }
         fisher(ranks)
+    }
+
+    /// The same with each jump ranked among the moments only in which the loads change as much: a model that follows steps of the
+    /// torque late leaves jumps wherever such steps are, and on an arm that starts and stops these are where a load changes its sign.
+    pub fn log_p_among_alike(&self, joint: usize) -> f64 {
+        let ranks = |trace: &Trace| -> Vec<f64> {
+            trace.changes(joint).into_iter().filter_map(|change| trace.rank_among_alike(change)).map(f64::ln).collect()
+        };
+        fisher(self.0.iter().flat_map(ranks))
     }
 
     /// Number of changes of sign of a gear's load that can be looked at.
@@ -215,7 +231,11 @@ impl Trace {
             return None;
         }
         sorted.sort_by(f64::total_cmp);
-        Some(Trace { log, period, new, largest, permitted, sorted, load, left })
+        let slew = slew(&load, window);
+        let mut by_slew: Vec<(f64, f64)> =
+            (0..count).filter(|&k| permitted[k]).map(|k| (slew[k], largest[k])).collect();
+        by_slew.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Some(Trace { log, period, new, largest, permitted, sorted, slew, by_slew, load, left })
     }
 
     fn samples(&self, seconds: f64) -> usize {
@@ -242,6 +262,16 @@ impl Trace {
         let below = self.sorted.partition_point(|value| *value < least);
         let count = self.sorted.len() as f64;
         self.permitted[sample].then(|| (count - below as f64 + 1.0) / (count + 1.0))
+    }
+
+    /// The same among those moments only in which the loads change as much.
+    fn rank_among_alike(&self, sample: usize) -> Option<f64> {
+        let (all, least) = (self.by_slew.len(), self.largest[sample]);
+        let count = ((ALIKE * all as f64) as usize).clamp(FEWEST.min(all), all);
+        let place = self.by_slew.partition_point(|(slew, _)| *slew < self.slew[sample]);
+        let first = place.saturating_sub(count / 2).min(all - count);
+        let above = self.by_slew[first..first + count].iter().filter(|(_, largest)| *largest >= least).count();
+        self.permitted[sample].then(|| (above + 1) as f64 / (count + 1) as f64)
     }
 
     /// Half the play that link and motor cross in the time to the meeting of the teeth, and what that time leaves uncertain,
@@ -277,6 +307,19 @@ impl Trace {
 /// Samples in a time, at least one.
 fn samples_in(seconds: f64, period: f64) -> usize {
     ((seconds / period).round() as usize).max(1)
+}
+
+/// How much the loads change within so many samples after each: root mean square over the gears, each over its own.
+fn slew(load: &Channels, window: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; load.samples()];
+    for load in load.iter() {
+        let all = load.iter().map(|value| value * value).sum::<f64>() / load.len().max(1) as f64;
+        for (k, sum) in sum.iter_mut().enumerate() {
+            let after = load[(k + window).min(load.len() - 1)];
+            *sum += (after - load[k]).powi(2) / all.max(f64::MIN_POSITIVE);
+        }
+    }
+    sum.into_iter().map(f64::sqrt).collect()
 }
 
 /// What is new from sample to sample, in units of its noise; zero where it is not known.
@@ -389,6 +432,29 @@ mod tests {
         let runs = 400;
         let below = (0..runs).filter(|&seed| hit(seed, 0.0).log_p(0, &[]) < 0.05f64.ln()).count();
         assert!((5..=32).contains(&below), "{below} of {runs} below 5 %");
+    }
+
+    #[test]
+    fn jumps_where_all_loads_step_are_no_impacts() {
+        // Loads that step every half second, the first through zero, and a model that is late by 20 ms in all steps.
+        let step = |k: usize, high: f64, low: f64| if (k / 250) % 2 == 0 { high } else { low };
+        let load = Channels::from_vectors(&[
+            (0..10_000).map(|k| if k < 5_000 { step(k, 2.0, -2.0) } else { step(k, 4.0, 0.5) }).collect(),
+            (0..10_000).map(|k| step(k, 3.0, 1.0)).collect(),
+        ]);
+        let mut source = random::stream(6, "steps", 0);
+        let mut new: Vec<f64> = (0..10_000)
+            .map(|_| {
+                let white: f64 = StandardNormal.sample(&mut source);
+                white * white
+            })
+            .collect();
+        (250..10_000).step_by(250).for_each(|k| new[k + 10] += 200.0);
+        let left = Channels::zeros(2, 10_000);
+        let traces = Traces(vec![Trace::ranked(0, PERIOD, new, &[true; 10_000], [load, left]).unwrap()]);
+        assert!(traces.log_p(0, &[]) < -10.0 && traces.log_p_among_alike(0) > -5.0, "{traces:?}");
+        let hit = hit(1, 200.0);
+        assert!(hit.log_p_among_alike(0) < -10.0 && hit.log_p_among_alike(1) > -5.0);
     }
 
     #[test]

@@ -88,12 +88,30 @@ impl InnovationsFilter {
     pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
         let coefficients = &self.noise.coefficients;
         let scale = 1.0 / self.noise.innovation_std;
-        let mut state = vec![0.0; coefficients.len()];
+        let order = coefficients.len();
+        let mut state = vec![0.0; order];
         let mut white = Vec::with_capacity(self.rows.len());
-        for (step, &value) in self.steps.iter().zip(signal) {
+        // Where the last rows were all seen they are the state, which is taken from them when it is wanted again.
+        let (mut in_a_row, mut behind) = (0, false);
+        for (row, (step, &value)) in self.steps.iter().zip(signal).enumerate() {
+            if let Update::Known = step.update
+                && in_a_row >= order
+            {
+                let past = signal[row - order..row].iter().rev();
+                let predicted: f64 = coefficients.iter().zip(past).map(|(a, e)| a * e).sum();
+                white.push((value - predicted) * scale);
+                behind = true;
+                continue;
+            }
+            if behind {
+                state.iter_mut().zip(signal[row - order..row].iter().rev()).for_each(|(e, &past)| *e = past);
+                behind = false;
+            }
             if step.starts {
                 state.fill(0.0);
+                in_a_row = 0;
             }
+            in_a_row = if let Update::Unseen = step.update { 0 } else { in_a_row + 1 };
             let predicted: f64 = coefficients.iter().zip(&state).map(|(a, e)| a * e).sum();
             if !state.is_empty() {
                 state.rotate_right(1);

@@ -22,7 +22,7 @@ const UNCONFIRMED: f64 = 1e-6;
 const EACH: f64 = 0.05;
 
 /// What is left of a gear's impacts without those moments at which another gear's load changes sign too, from which on the
-/// other is not an alternative.
+/// other is not an alternative; and among moments only in which the loads change as much, where they must still show.
 const OWN: f64 = 0.01;
 
 /// Name of the effect.
@@ -60,7 +60,9 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
         let both = each.iter().all(|log_p| *log_p < EACH.ln());
         let told = both || test.changes(joint) == 0;
         let limit = options.alpha * if both { IMPACTS } else { UNCONFIRMED };
-        if level > limit || !told {
+        let alike = fisher([&train, &test].map(|traces| traces.log_p_among_alike(joint)));
+        tracing::debug!(alike, "impacts among moments alike");
+        if level > limit || !told || alike > OWN.ln() {
             break;
         }
         let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };

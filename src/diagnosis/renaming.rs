@@ -1,8 +1,7 @@
 //! Names given again once all is known: what was named first was named beside everything that was found after it.
 
-use super::Options;
 use super::acceptance::{Outcome, Trial};
-use super::candidates::{self, Candidate};
+use super::candidates::Candidate;
 use super::contest::{Contest, Scan, better_unseen, contest};
 use super::eligible::Eligible;
 use super::found::{Found, beside_play, members};
@@ -34,8 +33,7 @@ impl Again {
         let noise = session.noise_under(&session.all_columns(&session.train, &of_others)?);
         // What acts elsewhere is no other name for what is seen here.
         let here = found[index].member.candidate.joints();
-        let acts_here = |candidate: &&Candidate| candidate.joints().iter().any(|joint| here.contains(joint));
-        let all: Vec<Candidate> = everywhere.iter().filter(acts_here).cloned().collect();
+        let all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
         let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
         let eligible = Eligible::new(&others, &[], Vec::new());
         let mut best = scan.best_per_family();
@@ -53,19 +51,25 @@ fn can_be_asked(found: &Found) -> bool {
     !found.member.held && found.member.candidate.log.is_none()
 }
 
-/// Holds the contest for the name of every finding once more beside all others; tells whether a name has changed.
+/// Holds the contest for the name of every finding once more beside all others, among the candidates that there are `everywhere`; tells
+/// whether a name has changed.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicity, options: &Options) -> Result<bool> {
+pub fn rename(
+    session: &Session,
+    found: &mut [Found],
+    everywhere: &[Candidate],
+    multiplicity: &Multiplicity,
+    alpha: f64,
+) -> Result<bool> {
     let mut changed = false;
     if found.len() < 2 {
         return Ok(changed);
     }
-    let everywhere = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
     for index in (0..found.len()).filter(|&index| can_be_asked(&found[index])).collect::<Vec<_>>() {
         let Some(Again { others, noise: Noise { whitener, fit }, contest }) =
-            Again::new(session, found, index, &everywhere, multiplicity)?
+            Again::new(session, found, index, everywhere, multiplicity)?
         else {
             continue;
         };
@@ -79,15 +83,8 @@ pub fn rename(session: &Session, found: &mut [Found], multiplicity: &Multiplicit
             known.set_alternatives(beside_play(&others, &known.member, alternatives));
             continue;
         }
-        let trial = Trial {
-            session,
-            members: &of_others,
-            whitener: &whitener,
-            fit: &fit,
-            multiplicity,
-            alpha: options.alpha,
-            tries: None,
-        };
+        let trial =
+            Trial { session, members: &of_others, whitener: &whitener, fit: &fit, multiplicity, alpha, tries: None };
         let level = multiplicity.level(new.effect, winner.test.log_p());
         match trial.of(&winner, level)? {
             Outcome::Accepted(accepted) => {

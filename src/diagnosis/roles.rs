@@ -1,6 +1,6 @@
 //! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
 
-use crate::effects::{Effect, Role};
+use crate::effects::{Effect, Role, Site};
 
 /// Effects whose departure is a level: absent at zero, smaller the higher it is.
 const LEVELS: [&str; 1] = ["torque_saturation"];
@@ -52,6 +52,12 @@ pub fn straight_below(effect: &dyn Effect, index: usize) -> f64 {
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
     let parameters = effect.parameters().iter().enumerate();
     parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
+}
+
+/// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.
+pub fn acts_upon_arm(effect: &dyn Effect) -> bool {
+    let about = effect.about();
+    about.site != Site::Joint || about.uses_acceleration
 }
 
 /// Whether an effect comes and goes on its own, whatever the motion.

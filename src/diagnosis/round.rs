@@ -1,13 +1,16 @@
 //! A round's view of the data: the noise, the fit so far, and the tests of all candidates against it.
 
 use super::Options;
+use super::arm::Arm;
 use super::candidates::{self, Candidate};
 use super::contest::Scan;
 use super::found::{Found, members};
+use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Noise, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
+use crate::identification::effect_model::Trust;
 
 /// A round of a search.
 #[derive(Debug)]
@@ -22,21 +25,43 @@ pub struct Round {
     pub scan: Scan,
 }
 
+/// How candidates are found along rows: [`candidates::all`] or [`candidates::lasting`].
+type Find = fn(&Arm, &Rows, Trust, &[String]) -> Result<Vec<Candidate>>;
+
 impl Round {
-    /// Fits what was `found` so far, with estimates written back, and tests all candidates against the fit.
+    /// Fits what was `found` so far, with estimates written back, and tests all candidates that `find` gives against the fit.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
-        let mut members = members(found);
-        let present = session.all_columns(&session.train, &members)?;
-        let Noise { whitener, .. } = session.noise_under(&present);
-        session.settle(&mut members, &whitener)?;
-        found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
-        let all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
-        let columns = session.all_columns(&session.train, &members)?;
-        let fit = whitener.fit(&columns, &session.train.torque);
+    pub fn first(session: &mut Session, found: &mut [Found], find: Find, options: &Options) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        let all = find(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
         let scan = Scan::new(session, &all, &whitener, &fit);
         Ok(Round { whitener, fit, all, scan })
     }
+
+    /// The same again after more was found.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        drop(self.scan);
+        let Session { arm, train, trust, .. } = &*session;
+        let all = candidates::renewed(self.all, arm, &train.rows, *trust, &options.candidates)?;
+        let scan = Scan::new(session, &all, &whitener, &fit);
+        Ok(Round { whitener, fit, all, scan })
+    }
+}
+
+/// The noise under what was `found` and the fit of that, with estimates written back.
+fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
+    let mut members = members(found);
+    let present = session.all_columns(&session.train, &members)?;
+    let Noise { whitener, .. } = session.noise_under(&present);
+    session.settle(&mut members, &whitener)?;
+    found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
+    let columns = session.all_columns(&session.train, &members)?;
+    let fit = whitener.fit(&columns, &session.train.torque);
+    Ok((whitener, fit))
 }

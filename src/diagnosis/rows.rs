@@ -12,6 +12,7 @@ use crate::recording::Recording;
 use crate::signal::{ZeroPhaseLowPass, block_means, first_derivative, second_derivative};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Length of a block, s.
 const BLOCK_S: f64 = 0.02;
@@ -126,6 +127,8 @@ pub struct Rows {
     pub torque: Vec<Vec<f64>>,
     /// The first so many logs are from before the change in question: what changed plays no part there.
     pub before: usize,
+    /// What smooth functions of each joint's motion can do, `[joint][column][row]`, once the noise has been asked for.
+    pub rich: OnceLock<Vec<Vec<Vec<f64>>>>,
 }
 
 impl Rows {
@@ -155,6 +158,7 @@ impl Rows {
             valid: vec![Vec::new(); dof],
             torque: vec![Vec::new(); dof],
             before: 0,
+            rich: OnceLock::new(),
         };
         for recording in recordings {
             let mut log = prepared(recording, cutoff_hz)?;
@@ -211,6 +215,7 @@ impl Rows {
     /// These logs, and `others` after them.
     pub fn and(&self, others: &Rows) -> Rows {
         let (mut all, first) = (self.clone(), self.len());
+        all.rich = OnceLock::new();
         all.logs.extend(others.logs.iter().cloned());
         all.starts.extend(others.starts[1..].iter().map(|start| first + start));
         all.valid.iter_mut().zip(&others.valid).for_each(|(valid, other)| valid.extend(other));

@@ -2,9 +2,9 @@
 //! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
 
 use super::Options;
-use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
+use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
-use super::candidates::Family;
+use super::candidates::{self, Family};
 use super::contest::{Contest, better_unseen, contest};
 use super::eligible::{Eligible, Refused};
 use super::evidence::{Ranked, ranking};
@@ -59,10 +59,10 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let (mut in_a_row, mut asked) = (0, 0);
-    let mut round = Round::new(session, &mut found, options)?;
+    let mut round = Round::first(session, &mut found, candidates::all, options)?;
     found.extend(rattling_gears(session, &round.whitener, options)?);
     if !found.is_empty() {
-        round = Round::new(session, &mut found, options)?;
+        round = round.next(session, &mut found, options)?;
     }
     let first_whitener = round.whitener.clone();
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
@@ -72,9 +72,15 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         progress(found.len());
         let level_of = |judged: &Judged| multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
         let mut best = round.scan.best_per_family();
-        let only_training = |judged: &&&Judged| !is_confirmable(&judged.candidate);
-        let hopeless = best.iter().filter(only_training).filter(|judged| level_of(judged) > options.alpha);
-        let eligible = Eligible::new(&found, &refused, hopeless.map(|judged| judged.candidate.slot()).collect());
+        let only_training = || best.iter().filter(|judged| !is_confirmable(&judged.candidate));
+        let hopeless = only_training().filter(|judged| level_of(judged) > options.alpha);
+        let hopeless = hopeless.map(|judged| judged.candidate.slot()).collect();
+        // Nothing makes these surer; they may be what is found in their place.
+        let too_faint =
+            only_training().filter(|judged| level_of(judged) > options.alpha * strictness(&judged.candidate));
+        let never: Vec<Refused> =
+            refused.iter().cloned().chain(too_faint.map(|judged| Refused::faint(judged))).collect();
+        let eligible = Eligible::new(&found, &never, hopeless);
         best.retain(|judged| eligible.may_win(&judged.candidate));
         best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
         let Some(first) = best.first() else { break };
@@ -117,7 +123,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                 refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
                 (in_a_row, asked) = (0, 0);
                 found.push(Found::new(*accepted, alternatives));
-                round = Round::new(session, &mut found, options)?;
+                round = round.next(session, &mut found, options)?;
             }
             Outcome::Refused(Refusal { may_be, asked: in_vain }) => {
                 let (slot, joints) = (winner.candidate.slot(), winner.candidate.joints());
@@ -128,12 +134,12 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         }
     }
     let dropped = drop_superfluous(session, &mut found)?;
-    let renamed = rename(session, &mut found, &multiplicity, options)?;
+    let renamed = rename(session, &mut found, &round.all, &multiplicity, options.alpha)?;
     // The columns of all candidates along the training logs make room for those along all logs.
     let seen = |Round { whitener, scan, .. }: Round| (whitener, scan.sensitivity());
     let (mut whitener, mut sensitivity) = seen(round);
     if all_logs::search(session, &mut found, &multiplicity, options)? || renamed || dropped {
-        (whitener, sensitivity) = seen(Round::new(session, &mut found, options)?);
+        (whitener, sensitivity) = seen(Round::first(session, &mut found, candidates::all, options)?);
     }
     Ok(Selection { found, whitener, first_whitener, multiplicity, ranking, sensitivity })
 }

@@ -102,6 +102,19 @@ impl Side {
         baseline.extend(known.derivatives(&rows)?);
         Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), training })
     }
+
+    /// These logs, and those of another kind after them.
+    fn and(&self, other: &Side) -> Side {
+        let lengths = [self.rows.len(), other.rows.len()];
+        let baseline = self.baseline.iter().zip(&other.baseline).map(|(own, others)| own.then(others, lengths));
+        Side {
+            baseline: baseline.collect(),
+            torque: self.torque.then(&other.torque, lengths),
+            rows: self.rows.and(&other.rows),
+            errors: ErrorsOfMotion::default(),
+            training: self.training,
+        }
+    }
 }
 
 impl<'a> Session<'a> {
@@ -189,14 +202,11 @@ impl<'a> Session<'a> {
     }
 
     /// The same with all logs to identify from.
-    ///
-    /// # Errors
-    /// If a log is too short to differentiate.
-    pub fn over_all_logs(&self) -> Result<Session<'a>> {
+    pub fn over_all_logs(&self) -> Session<'a> {
         let Session { model, trust, cutoff_hz, passband, .. } = *self;
         let (known, arm, test) = (self.known.clone(), self.arm.clone(), self.test.clone());
-        let train = Side::new(model, &known, self.train.rows.and(&test.rows), true)?;
-        Ok(Session { model, trust, known, arm, train, test, apart: false, cutoff_hz, passband })
+        let train = self.train.and(&test);
+        Session { model, trust, known, arm, train, test, apart: false, cutoff_hz, passband }
     }
 
     /// Leaves out rows in which the low-pass bent the motion: what is left of a jerk there is no noise, and a few such rows

@@ -5,11 +5,11 @@
 //! noise with it, slow noise most of all, is made good by sending simulated noise through it (Kunsch and others call the
 //! idea indirect inference).
 
-use super::column::Column;
+use super::column::{Column, inner_product};
 use super::innovations::InnovationsFilter;
 use super::rows::Rows;
 use super::score::Projection;
-use crate::identification::noise::AutoregressiveNoise;
+use crate::identification::noise::{AutoregressiveNoise, white};
 use crate::random;
 use rayon::prelude::*;
 
@@ -52,12 +52,13 @@ impl Whitener {
     /// From what `torque` has beyond the columns in `present` (the baseline, effects) and the rich ones.
     pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
         let share = rows.share_as_logged();
+        let rich = rows.rich.get_or_init(|| (0..rows.dof()).into_par_iter().map(|joint| rich(rows, joint)).collect());
         let joints = (0..rows.dof())
             .into_par_iter()
             .map(|joint| {
                 let mut columns: Vec<Vec<f64>> =
                     present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
-                columns.extend(rich(rows, joint));
+                columns.extend_from_slice(&rich[joint]);
                 let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
                 JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint, share)
             })
@@ -161,12 +162,12 @@ impl JointWhitener {
         // What the regression takes of noise with given autocovariances is added to what is observed. The same draws in every
         // round make this a fixed point of a smooth map, and where most of the noise is taken its steps shrink slowly: every
         // other step goes on to where they would end.
+        let source = |draw| random::normals(0, &format!("noise bias of joint {joint}"), draw);
+        let draws = white((0..BIAS_DRAWS).map(source).collect(), valid.len());
         let corrected = |covariance: &[f64]| -> Vec<f64> {
             let noise = AutoregressiveNoise::from_autocovariance(&before_low_pass(covariance.to_vec(), share));
             let mut corrected = observed.clone();
-            for draw in 0..BIAS_DRAWS {
-                let mut source = random::stream(0, &format!("noise bias of joint {joint}"), draw);
-                let drawn = noise.simulate(valid.len(), &mut source);
+            for drawn in noise.of_white(&draws) {
                 let (before, after) = (lags(&drawn, valid), lags(&left(&drawn), valid));
                 for ((target, b), a) in corrected.iter_mut().zip(before).zip(after) {
                     *target += (b - a) / BIAS_DRAWS as f64;
@@ -280,14 +281,14 @@ fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 
 fn residual(basis: &[Vec<f64>], mut signal: Vec<f64>) -> Vec<f64> {
     for direction in basis {
-        let along: f64 = direction.iter().zip(&signal).map(|(d, x)| d * x).sum();
+        let along = inner_product(direction, &signal);
         signal.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
     }
     signal
 }
 
 fn norm(signal: &[f64]) -> f64 {
-    signal.iter().map(|x| x * x).sum::<f64>().sqrt()
+    inner_product(signal, signal).sqrt()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::{Instant, Placed};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
-use crate::robot::Robot;
+use crate::robot::{Pose, Robot};
 use std::cell::OnceCell;
 
 /// A known motion with all that laws may ask about it.
@@ -61,13 +61,23 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
     let mut torques: Vec<Channels> = placed.iter().map(|one| altered_bodies(one, along)).collect();
     let mut memories: Vec<Vec<f64>> = placed.iter().map(|one| vec![0.0; one.effect.memory()]).collect();
     let remembers = memories.iter().any(|memory| !memory.is_empty());
+    let needs_frames = placed.iter().any(|one| one.effect.uses_frames());
+    let acting = placed.iter().map(|one| one.effect.acts_between(&one.parameters));
+    let [from, to] =
+        acting.fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| [all[0].min(own[0]), all[1].max(own[1])]);
     let (mut now, mut last) = (Frame::new(dof), Frame::new(dof));
     let mut out = vec![0.0; dof];
     for sample in 0..along.samples() {
+        if !remembers && !(from..=to).contains(&along.time[sample]) {
+            continue;
+        }
         if remembers {
             std::mem::swap(&mut now, &mut last);
         }
         now.gather(along, sample, needs_load);
+        if needs_frames {
+            now.frames = Some(along.robot.frames(&now.q));
+        }
         if remembers && sample > 0 {
             let dt = along.time[sample] - along.time[sample - 1];
             let mean = last.mean(&now);
@@ -75,9 +85,10 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
                 one.effect.advance(&one.parameters, one.joint, &mean.instant(along), dt, memory);
             }
         }
+        let instant = now.instant(along);
         for ((one, memory), torque) in placed.iter().zip(&memories).zip(&mut torques) {
             out.fill(0.0);
-            one.effect.torque(&one.parameters, one.joint, &now.instant(along), memory, &mut out);
+            one.effect.torque(&one.parameters, one.joint, &instant, memory, &mut out);
             for (channel, &value) in out.iter().enumerate() {
                 if value != 0.0 {
                     torque.channel_mut(channel)[sample] += value;
@@ -120,12 +131,14 @@ struct Frame {
     qdd: Vec<f64>,
     direction: Vec<f64>,
     load: Vec<f64>,
+    /// Poses of the joint frames, where a law asks for them.
+    frames: Option<Vec<Pose>>,
 }
 
 impl Frame {
     fn new(dof: usize) -> Self {
         let zeros = || vec![0.0; dof];
-        Frame { t: 0.0, q: zeros(), qd: zeros(), qdd: zeros(), direction: zeros(), load: zeros() }
+        Frame { t: 0.0, q: zeros(), qd: zeros(), qdd: zeros(), direction: zeros(), load: zeros(), frames: None }
     }
 
     fn gather(&mut self, along: &Along, sample: usize, with_load: bool) {
@@ -156,6 +169,7 @@ impl Frame {
             qdd: middle(&self.qdd, &other.qdd),
             direction: middle(&self.direction, &other.direction),
             load: middle(&self.load, &other.load),
+            frames: None,
         }
     }
 
@@ -169,6 +183,7 @@ impl Frame {
             load: &self.load,
             robot: along.robot,
             chain: along.chain,
+            frames: self.frames.as_deref(),
         }
     }
 }

@@ -67,15 +67,24 @@ impl Effect for ExternalContact {
         &PARAMETERS
     }
 
+    fn uses_frames(&self) -> bool {
+        true
+    }
+
+    fn acts_between(&self, p: &[f64]) -> [f64; 2] {
+        [p[3] - 0.5 * p[5], p[4] + 0.5 * p[5]]
+    }
+
     fn torque(&self, p: &[f64], _: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
         let share = edge((x.t - p[3]) / p[5]) * edge((p[4] - x.t) / p[5]);
         let force = share * Vector3::new(p[0], p[1], p[2]);
         if force == Vector3::zeros() {
             return;
         }
-        let frames = x.robot.frames(x.q);
+        let own = if x.frames.is_none() { x.robot.frames(x.q) } else { Vec::new() };
+        let frames = x.frames.unwrap_or(&own);
         let tool = frames[x.q.len()].translation;
-        for ((joint, frame), torque) in x.robot.joints.iter().zip(&frames).zip(out) {
+        for ((joint, frame), torque) in x.robot.joints.iter().zip(frames).zip(out) {
             let axis = frame.rotation * joint.axis;
             let column = match joint.kind {
                 JointKind::Revolute => axis.cross(&(tool - frame.translation)),

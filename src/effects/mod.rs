@@ -75,7 +75,7 @@ pub use torque_saturation::TorqueSaturation;
 pub use viscous_friction::ViscousFriction;
 
 use crate::dynamics::Chain;
-use crate::robot::Robot;
+use crate::robot::{Pose, Robot};
 
 /// Where an effect can be placed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -192,6 +192,8 @@ pub struct Instant<'a> {
     pub robot: &'a Robot,
     /// Its geometry, for laws that need kinematics or inverse dynamics.
     pub chain: &'a Chain,
+    /// Poses of its joint frames and flange ([`Robot::frames`]), where they are known already.
+    pub frames: Option<&'a [Pose]>,
 }
 
 /// A physical law.
@@ -213,6 +215,17 @@ pub trait Effect: Sync {
     /// Adds the torque that the motors must deliver because of it to `out`, one entry per joint. `memory` is the law's own state.
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, memory: &[f64], out: &mut [f64]) {
         let _ = (p, joint, x, memory, out);
+    }
+
+    /// Whether its torque takes the poses of the joint frames.
+    fn uses_frames(&self) -> bool {
+        false
+    }
+
+    /// Times between which it has torque, s.
+    fn acts_between(&self, p: &[f64]) -> [f64; 2] {
+        let _ = p;
+        [f64::NEG_INFINITY, f64::INFINITY]
     }
 
     /// Number of values the law remembers from one instant to the next; zero at the start.

@@ -39,6 +39,7 @@ pub fn at<T>(q: f64, qd: f64, check: impl FnOnce(&Instant) -> T) -> T {
         load: &[12.0],
         robot: &robot,
         chain: &chain,
+        frames: None,
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::sequences::{Law, lagged_products, recur_backward, recur_forward};
 use crate::channels::Channels;
+use crate::random::Normals;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -57,11 +58,31 @@ impl AutoregressiveNoise {
         simulate_together(std::slice::from_ref(self), samples, source).pop().unwrap_or_default()
     }
 
+    /// Stretches of this noise, one from each signal of white noise of unit variance ([`white`]).
+    pub fn of_white(&self, white: &Channels) -> Vec<Vec<f64>> {
+        let mut table = white.clone();
+        let laws: Vec<Law> = (0..table.channels())
+            .map(|_| Law { gain: self.innovation_std, coefficients: &self.coefficients })
+            .collect();
+        recur_forward(&mut table, &laws);
+        table.iter().map(|noise| noise[RUN_IN..].to_vec()).collect()
+    }
+
     /// Turns every signal of `table` into L' signal, where L is the filter that makes this noise from unit white noise: the
     /// sum of squares of the result is the variance of signal . noise.
     pub fn color_backward(&self, table: &mut Channels) {
         recur_backward(table, self.innovation_std, &self.coefficients);
     }
+}
+
+/// Signals of white noise of unit variance, each from its source, with what [`AutoregressiveNoise::of_white`] needs to start from
+/// rest.
+pub fn white(sources: Vec<Normals>, samples: usize) -> Channels {
+    let mut table = Channels::zeros(sources.len(), RUN_IN + samples);
+    for (channel, mut source) in sources.into_iter().enumerate() {
+        source.fill(table.channel_mut(channel));
+    }
+    table
 }
 
 /// A stretch of each of several noises, one after the other from the same source.
@@ -100,6 +121,15 @@ mod tests {
         let e = second_order(400_000);
         let variance = autocovariance(&e, &vec![true; e.len()], 0)[0];
         assert!((variance / expected - 1.0).abs() < 0.02, "{variance} {expected}");
+    }
+
+    #[test]
+    fn white_noise_is_coloured_as_if_drawn_for_it() {
+        let noise = AutoregressiveNoise { coefficients: vec![1.2, -0.5], innovation_std: 2.0 };
+        let sources = (0..5).map(|draw| random::normals(3, "test", draw)).collect();
+        for (draw, own) in noise.of_white(&white(sources, 400)).iter().enumerate() {
+            assert_eq!(*own, noise.simulate(400, &mut random::stream(3, "test", draw as u64)));
+        }
     }
 
     #[test]

@@ -55,6 +55,7 @@ impl Controller for ComputedTorque<'_> {
             load: &rigid,
             robot: &self.nominal,
             chain: &self.chain,
+            frames: None,
         };
         let mut friction = vec![0.0; dof];
         for (joint, spec) in self.nominal.joints.iter().enumerate() {

@@ -187,7 +187,7 @@ impl Plant {
 
     /// An instant whose accelerations and loads are still to be filled in.
     fn instant<'a>(&'a self, t: f64, q: &'a [f64], qd: &'a [f64], direction: &'a [f64]) -> Instant<'a> {
-        Instant { t, q, qd, qdd: &[], direction, load: &[], robot: &self.robot, chain: &self.chain }
+        Instant { t, q, qd, qdd: &[], direction, load: &[], robot: &self.robot, chain: &self.chain, frames: None }
     }
 
     /// Torque the effects take at given directions, accelerations and loads.

@@ -225,6 +225,7 @@ mod tests {
             load: &zeros,
             robot: &robot,
             chain: &chain,
+            frames: None,
         };
         law.advance(&[1.0, 0.5], 0, &x, 0.5, &mut memory);
         assert!((memory[0] - 4.0 * (1.0 - (-1.0f64).exp())).abs() < 1e-12, "{memory:?}");

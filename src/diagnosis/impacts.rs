@@ -74,8 +74,6 @@ struct Trace {
     sorted: Vec<f64>,
     /// How much the loads change in the time after each sample.
     slew: Vec<f64>,
-    /// That and `largest` where permitted, sorted by the former.
-    by_slew: Vec<(f64, f64)>,
     /// Torque that each gear carries, `[joint][time]`, N m.
     load: Channels,
     /// What the model leaves of the torque, `[joint][time]`, N m.
@@ -121,13 +119,10 @@ impl Traces {
         fisher(ranks)
     }
 
-    /// The same with each jump ranked among the moments only in which the loads change as much: a model that follows steps of the
+    /// The same with each jump ranked only among moments without a change of sign in which the loads change as much: a model that follows steps of the
     /// torque late leaves jumps wherever such steps are, and on an arm that starts and stops these are where a load changes its sign.
     pub fn log_p_among_alike(&self, joint: usize) -> f64 {
-        let ranks = |trace: &Trace| -> Vec<f64> {
-            trace.changes(joint).into_iter().filter_map(|change| trace.rank_among_alike(change)).map(f64::ln).collect()
-        };
-        fisher(self.0.iter().flat_map(ranks))
+        fisher(self.0.iter().flat_map(|trace| trace.ranks_among_alike(joint)).map(f64::ln))
     }
 
     /// Number of changes of sign of a gear's load that can be looked at.
@@ -232,10 +227,7 @@ impl Trace {
         }
         sorted.sort_by(f64::total_cmp);
         let slew = slew(&load, window);
-        let mut by_slew: Vec<(f64, f64)> =
-            (0..count).filter(|&k| permitted[k]).map(|k| (slew[k], largest[k])).collect();
-        by_slew.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Some(Trace { log, period, new, largest, permitted, sorted, slew, by_slew, load, left })
+        Some(Trace { log, period, new, largest, permitted, sorted, slew, load, left })
     }
 
     fn samples(&self, seconds: f64) -> usize {
@@ -264,14 +256,24 @@ impl Trace {
         self.permitted[sample].then(|| (count - below as f64 + 1.0) / (count + 1.0))
     }
 
-    /// The same among those moments only in which the loads change as much.
-    fn rank_among_alike(&self, sample: usize) -> Option<f64> {
-        let (all, least) = (self.by_slew.len(), self.largest[sample]);
-        let count = ((ALIKE * all as f64) as usize).clamp(FEWEST.min(all), all);
-        let place = self.by_slew.partition_point(|(slew, _)| *slew < self.slew[sample]);
-        let first = place.saturating_sub(count / 2).min(all - count);
-        let above = self.by_slew[first..first + count].iter().filter(|(_, largest)| *largest >= least).count();
-        self.permitted[sample].then(|| (above + 1) as f64 / (count + 1) as f64)
+    /// Ranks of a gear's changes of sign among moments away from all of them in which the loads change as much.
+    fn ranks_among_alike(&self, joint: usize) -> Vec<f64> {
+        let (changes, window) = (self.changes(joint), self.samples(AFTER_S + BEFORE_S));
+        let mut away = self.permitted.clone();
+        for &change in &changes {
+            away[change.saturating_sub(window)..(change + window).min(self.permitted.len())].fill(false);
+        }
+        let mut others: Vec<usize> = (0..away.len()).filter(|&k| away[k]).collect();
+        others.sort_by(|&a, &b| self.slew[a].total_cmp(&self.slew[b]));
+        let count = ((ALIKE * others.len() as f64) as usize).max(FEWEST).min(others.len());
+        let rank = |change: usize| {
+            let place = others.partition_point(|&other| self.slew[other] < self.slew[change]);
+            let first = place.saturating_sub(count / 2).min(others.len() - count);
+            let alike = &others[first..first + count];
+            let above = alike.iter().filter(|&&other| self.largest[other] >= self.largest[change]).count();
+            (above + 1) as f64 / (count + 1) as f64
+        };
+        changes.into_iter().filter(|&change| self.permitted[change]).map(rank).collect()
     }
 
     /// Half the play that link and motor cross in the time to the meeting of the teeth, and what that time leaves uncertain,

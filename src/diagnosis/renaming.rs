@@ -1,8 +1,8 @@
 //! Names given again once all is known: what was named first was named beside everything that was found after it.
 
-use super::acceptance::{Outcome, Trial};
-use super::candidates::Candidate;
-use super::contest::{Contest, Scan, better_unseen, contest};
+use super::acceptance::{Outcome, Trial, is_confirmable};
+use super::candidates::{Candidate, Family};
+use super::contest::{Alternative, Contest, Scan, better_unseen, contest};
 use super::eligible::Eligible;
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
@@ -100,7 +100,8 @@ pub fn rename(
     Ok(changed)
 }
 
-/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding.
+/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What the smoothing mimics is
+/// so in all logs: they tell nothing more of gears.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -108,8 +109,10 @@ pub fn narrow(session: &Session, found: &mut [Found], round: &Round, multiplicit
     // Where much is left, rows tell rivals apart by what is wrong with both.
     let open = |found: &Found| {
         let much_left = round.whitener.much_is_left(&found.member.candidate.joints());
-        can_be_asked(found) && !much_left
+        can_be_asked(found) && is_confirmable(&found.member.candidate) && !much_left
     };
+    let mimicked =
+        |family: Family| round.all.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));
     for index in (0..found.len()).filter(|&index| open(&found[index])).collect::<Vec<_>>() {
         let Some(Again { others, contest: Contest { winner, alternatives, .. }, .. }) =
             Again::new(session, found, index, &round.all, multiplicity)?
@@ -119,6 +122,9 @@ pub fn narrow(session: &Session, found: &mut [Found], round: &Round, multiplicit
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "other names over all logs");
+        let stay = known.alternatives.iter().filter(|other| mimicked(other.family));
+        let stay = stay.filter(|other| alternatives.iter().all(|own| own.family != other.family));
+        let alternatives: Vec<Alternative> = alternatives.iter().chain(stay).cloned().collect();
         if old == new {
             known.set_alternatives(beside_play(&others, &known.member, alternatives));
             continue;

@@ -215,8 +215,8 @@ pub fn better_unseen(
     let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
     let unseen = whitener.on(&session.test.rows);
     let before = session.held_out_residual(&first, &whitener)?;
-    let mut best: Option<(f64, &Judged)> = None;
-    for rival in close.iter().filter(|rival| rival.candidate.log.is_none()) {
+    let rivals: Vec<&Judged> = close.iter().filter(|rival| rival.candidate.log.is_none()).collect();
+    let bound = |rival: &&Judged| -> Result<f64> {
         let mut joints = rival.candidate.joints();
         joints.extend(winner.candidate.joints());
         joints.sort_unstable();
@@ -224,10 +224,11 @@ pub fn better_unseen(
         let after = session.held_out_residual(&with(rival), &whitener)?;
         let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
         tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
-        if bound > best.as_ref().map_or(CLEARLY_BETTER, |(best, _)| *best) {
-            best = Some((bound, rival));
-        }
-    }
+        Ok(bound)
+    };
+    let bounds: Vec<f64> = rivals.par_iter().map(bound).collect::<Result<_>>()?;
+    let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > CLEARLY_BETTER);
+    let best = better.max_by(|(a, _), (b, _)| a.total_cmp(b));
     let Some((_, rival)) = best else { return Ok((winner, alternatives)) };
     alternatives.retain(|other| other.family != rival.candidate.family());
     alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });

@@ -439,7 +439,7 @@ mod tests {
     #[test]
     fn jumps_where_all_loads_step_are_no_impacts() {
         // Loads that step every half second, the first through zero, and a model that is late by 20 ms in all steps.
-        let step = |k: usize, high: f64, low: f64| if (k / 250) % 2 == 0 { high } else { low };
+        let step = |k: usize, high: f64, low: f64| if (k / 250).is_multiple_of(2) { high } else { low };
         let load = Channels::from_vectors(&[
             (0..10_000).map(|k| if k < 5_000 { step(k, 2.0, -2.0) } else { step(k, 4.0, 0.5) }).collect(),
             (0..10_000).map(|k| step(k, 3.0, 1.0)).collect(),

@@ -83,7 +83,7 @@ impl Whitener {
 
     /// [`Whitener::apply`] of many.
     pub fn apply_all(&self, columns: &[Column]) -> Vec<Column> {
-        columns.iter().map(|column| self.apply(column)).collect()
+        columns.par_iter().map(|column| self.apply(column)).collect()
     }
 
     /// The least-squares fit of `torque` by `columns`, none of them whitened yet.

@@ -160,7 +160,7 @@ pub struct About {
     /// Whether its torque depends on [`Instant::qdd`] or [`Instant::load`].
     pub uses_acceleration: bool,
     /// Whether the re-identified inertial parameters hide it, so that it shows only against trusted inertias or a
-    /// reference log.
+    /// reference log; of what a sensor reads wrong they hide a part.
     pub hidden_by_base_parameters: bool,
 }
 

@@ -48,12 +48,15 @@ impl Reach {
     }
 }
 
-/// Cosines number `orders` over the length of every log, on one joint.
+/// Fewest rows in a period of a slow cosine: half a second.
+const SHORTEST_SWING: usize = 25;
+
+/// Cosines number `orders` over the length of every log, on one joint; those that would not be slow over a short log are left out.
 pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Column> {
     let mut cosines = Vec::new();
     for log in 0..rows.logs.len() {
         let (start, end) = (rows.starts[log], rows.starts[log + 1]);
-        for k in orders.clone() {
+        for k in orders.clone().filter(|k| k * SHORTEST_SWING <= 2 * (end - start)) {
             let mut column = vec![0.0; rows.len()];
             for (place, value) in column[start..end].iter_mut().enumerate() {
                 *value = (PI * k as f64 * place as f64 / (end - start) as f64).cos();
@@ -141,6 +144,8 @@ fn delayed(signal: impl Iterator<Item = f64>, share: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::channels::Channels;
+    use crate::recording::Recording;
 
     #[test]
     fn a_delayed_step_comes_up_over_its_time_constant() {
@@ -149,6 +154,20 @@ mod tests {
         assert_eq!(out[99], 0.0);
         let expected = 1.0 - (-1.0f64).exp();
         assert!((out[149] - expected).abs() < 1e-12, "{}", out[149]);
+    }
+
+    #[test]
+    fn short_logs_hold_few_slow_cosines() {
+        let time: Vec<f64> = (0..2_000).map(|k| f64::from(k) / 500.0).collect();
+        let q = Channels::from_vectors(&[time.iter().map(|t| (3.0 * t).sin()).collect()]);
+        let tau = Channels::zeros(1, 2_000);
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let part = log.slice(0..500);
+        let rows = Rows::new(&[&log, &part], 10.0, 1).unwrap();
+        // 200 rows of four seconds hold eight full swings of half a second, 50 rows of one second two; each has two halves.
+        assert_eq!((rows.starts[1], rows.len()), (200, 250));
+        assert_eq!(slow_cosines(&rows, 0, 1..41).len(), 16 + 4);
+        assert_eq!(slow_cosines(&rows, 0, 0..1).len(), 2);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::cut_off::is_flat;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
-use super::roles::is_level;
+use super::roles::{is_lag, is_level};
 use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
@@ -40,6 +40,10 @@ const GEARS: f64 = 1e-7;
 /// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
+
+/// The same for a lag of the torque: the derivative of the torque weighs most at the highest frequencies, of which models of slow noise
+/// tell least.
+const LAGS: f64 = 1e-4;
 
 /// Share of the level at which training and held-out logs together are believed: on held-out logs the scatter over stretches
 /// stands in for the noise.
@@ -300,6 +304,8 @@ pub fn strictness(candidate: &Candidate) -> f64 {
         EXTREMES
     } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
         GEARS
+    } else if is_lag(candidate.placed.effect) {
+        LAGS
     } else {
         NOISE_IS_ESTIMATED
     }

@@ -8,6 +8,9 @@ const LEVELS: [&str; 1] = ["torque_saturation"];
 /// Effects that come from outside.
 const EVENTS: [&str; 1] = ["external_contact"];
 
+/// Effects that low-pass the torque.
+const LAGS: [&str; 1] = ["torque_lag"];
+
 /// Sizes of departures of which the torque is not linear, as multiples of the typical one: of times, and of the compliance of
 /// gears, which reaches from those of the base to those of a hand.
 const TIMES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
@@ -52,6 +55,11 @@ pub fn straight_below(effect: &dyn Effect, index: usize) -> f64 {
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
     let parameters = effect.parameters().iter().enumerate();
     parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
+}
+
+/// Whether an effect low-passes the torque, of which its column is the derivative.
+pub fn is_lag(effect: &dyn Effect) -> bool {
+    LAGS.contains(&effect.about().name)
 }
 
 /// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use std::path::PathBuf;
-use tauscope::effects::{LIBRARY, Placed};
+use tauscope::effects::{Hidden, LIBRARY, Placed};
 use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::fit::{Fitted, Logs, fit_effects};
 use tauscope::identification::model::Model;
@@ -26,7 +26,8 @@ fn case(name: &str) -> Case {
     let runs = testbed::record(&setup, &mut |_| {}).unwrap();
     let placed = setup.effects.last().unwrap().clone();
     assert_eq!(placed.effect.about().name, name);
-    let trust = if placed.effect.about().hidden_by_base_parameters { Trust::Nominal } else { Trust::Structure };
+    let hidden = placed.effect.about().hidden_by_base_parameters;
+    let trust = if hidden == Hidden::No { Trust::Structure } else { Trust::Nominal };
     let spec = &setup.scenario.identification;
     let smoothing = Smoothing::LowPass { cutoff_hz: spec.low_pass_hz.unwrap(), decimation: spec.decimation };
     let preparation = Preparation { smoothing, band: spec.reversal_band_rad_s };

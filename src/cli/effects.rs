@@ -1,7 +1,7 @@
 //! `tauscope effects`: the catalogue of physical effects.
 
 use super::{DONE, Global, print};
-use crate::effects::{self, About, Effect, LIBRARY, Parameter, Scope, Site};
+use crate::effects::{self, About, Effect, Hidden, LIBRARY, Parameter, Scope};
 use crate::error::Result;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use serde::Serialize;
@@ -72,12 +72,12 @@ fn describe(effect: &dyn Effect) -> String {
     for rival in about.rivals {
         rivals.add_row([rival.name, rival.how_to_tell]);
     }
-    let hidden = match (about.hidden_by_base_parameters, about.site) {
-        (false, _) => "",
-        (true, Site::Sensor) => {
+    let hidden = match about.hidden_by_base_parameters {
+        Hidden::No => "",
+        Hidden::InPart => {
             "\n\nRe-identified inertial parameters hide a part of it; all of it shows against trusted inertias or a reference log."
         }
-        (true, _) => {
+        Hidden::Wholly => {
             "\n\nRe-identified inertial parameters hide it; it shows against trusted inertias or a reference log."
         }
     };

@@ -3,13 +3,13 @@
 
 use super::beside::beside;
 use super::candidates::Candidate;
-use super::column::{Column, rms};
+use super::column::Column;
 use super::cross_validation::left_by_others;
 use super::cut_off::is_flat;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
-use super::roles::{is_lag, is_level};
+use super::roles::{is_lag, is_level, is_speed_law};
 use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
@@ -45,6 +45,10 @@ const EXTREMES: f64 = 1e-9;
 /// tell least.
 const LAGS: f64 = 1e-4;
 
+/// The same for friction over speed beside another law of it on the same joint: books write such curves in many forms, and none is
+/// that of a gear.
+const ANOTHER_FORM: f64 = 1e-5;
+
 /// Share of the level at which training and held-out logs together are believed: on held-out logs the scatter over stretches
 /// stands in for the noise.
 const CONFIRMED: f64 = 0.5;
@@ -52,15 +56,6 @@ const CONFIRMED: f64 = 0.5;
 /// Share of what is left that an effect must take to be worth a name where much is: there all that is little fits a little.
 /// Beside constants, the second look, it must be twice the share.
 const WORTH_A_NAME: f64 = 0.05;
-
-/// What held-out rows say of an effect.
-#[derive(Debug, Clone)]
-pub struct Gain {
-    /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away.
-    pub lower_bound: f64,
-    /// Root mean square of the residual before and after, `[joint]`, N m.
-    pub rms: [Vec<f64>; 2],
-}
 
 /// What came of a trial.
 #[derive(Debug)]
@@ -85,8 +80,8 @@ pub struct Refusal {
 pub struct Accepted {
     /// As part of the model.
     pub member: Member,
-    /// What the held-out rows say of it.
-    pub gain: Gain,
+    /// Lower bound (84 %) of the share of the whitened sum of squares that it takes away on rows it was not fitted to.
+    pub gain_lower_bound: f64,
     /// Probability of as good a best candidate without any effect.
     pub level: f64,
 }
@@ -161,16 +156,16 @@ impl Trial<'_> {
         if much_left || !believed || gains.share() <= 0.0 {
             return Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked: false }));
         }
-        let valid = &session.train.rows.valid;
-        let gain = Gain { lower_bound, rms: [rms(valid, &before), rms(valid, &after)] };
-        Ok(Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain, level })))
+        Ok(accepted(winner, lower_bound, level))
     }
 
     /// What the logs identified from say of the winner, or why it is refused by them alone.
     fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
         let refused = |may_be| Ok(Err(Refusal { may_be, asked: false }));
-        let limit = self.alpha * strictness(&winner.candidate);
-        let confirmable = is_confirmable(&winner.candidate);
+        let another_form = self.is_another_form(&winner.candidate);
+        let share = strictness(&winner.candidate);
+        let limit = self.alpha * if another_form { share.min(ANOTHER_FORM) } else { share };
+        let confirmable = is_confirmable(&winner.candidate) && !another_form;
         let highest = if confirmable { 1.0 } else { limit };
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let kind = winner.candidate.family().effect;
@@ -198,6 +193,13 @@ impl Trial<'_> {
         Ok(Ok(Seen { level, limit, elsewhere, confirmable }))
     }
 
+    /// Whether a candidate says how friction goes with speed on a joint of which the model says so in another way.
+    fn is_another_form(&self, candidate: &Candidate) -> bool {
+        let own = &candidate.placed;
+        is_speed_law(own.effect)
+            && self.members.iter().any(|member| member.placed.joint == own.joint && is_speed_law(member.placed.effect))
+    }
+
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may
     /// confirm: the two are independent.
     fn unseen(&self, winner: &Judged, seen: Seen) -> Result<Outcome> {
@@ -214,22 +216,22 @@ impl Trial<'_> {
                 return refused(false);
             }
             if bound > WORTH_A_NAME {
-                return Ok(held_out.accepted(winner, bound, level));
+                return Ok(accepted(winner, bound, level));
             }
             let bound = held_out.beside_constants(&self.session.test.rows, &winner.candidate.joints()).lower_bound();
             let enough = winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
-            return if enough { Ok(held_out.accepted(winner, bound, level)) } else { refused(false) };
+            return if enough { Ok(accepted(winner, bound, level)) } else { refused(false) };
         }
         // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
         let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect));
         if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
-            return Ok(held_out.accepted(winner, bound, level));
+            return Ok(accepted(winner, bound, level));
         }
         let Some(tries) = self.tries.filter(|_| confirmable) else { return refused(false) };
         let together = beside_errors.together(level, tries);
         tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
         let believed = (there || elsewhere < SEEN_ELSEWHERE_TOO.ln()) && together <= self.alpha * CONFIRMED;
-        if believed && gains.share() > 0.0 { Ok(held_out.accepted(winner, bound, together)) } else { refused(true) }
+        if believed && gains.share() > 0.0 { Ok(accepted(winner, bound, together)) } else { refused(true) }
     }
 
     /// What the held-out rows say of the winner. An event of one training log shows in no other: its gain is that on the
@@ -243,7 +245,6 @@ impl Trial<'_> {
         let joints = winner.candidate.joints();
         let test = &session.test.rows;
         let unseen = whitener.on(test);
-        let rms = [rms(&test.valid, &before), rms(&test.valid, &after)];
         let gains = match winner.candidate.log {
             None => Gains::new(&unseen, &before, &after, &joints, test.len()),
             Some(_) => {
@@ -255,8 +256,8 @@ impl Trial<'_> {
         let errors = session.test.errors.beside(&winner.candidate.placed);
         let beside_errors = Gains::beside(&unseen, &before, &after, &joints, &errors, test.len());
         let bound = gains.lower_bound();
-        tracing::debug!(bound, share = gains.share(), before = ?rms[0], after = ?rms[1], "held-out gain");
-        Ok(HeldOut { with, whitener, unseen, residuals: [before, after], rms, gains, beside_errors })
+        tracing::debug!(bound, share = gains.share(), "held-out gain");
+        Ok(HeldOut { with, whitener, unseen, residuals: [before, after], gains, beside_errors })
     }
 }
 
@@ -269,8 +270,6 @@ struct HeldOut {
     unseen: Whitener,
     /// What is left on the held-out rows before and after.
     residuals: [Column; 2],
-    /// Root mean square of the residual before and after, `[joint]`, N m.
-    rms: [Vec<f64>; 2],
     /// What it gains.
     gains: Gains,
     /// The same beside what errors of the positions put into the torque.
@@ -283,11 +282,10 @@ impl HeldOut {
         let [before, after] = &self.residuals;
         Gains::beside_constants(&self.unseen, before, after, joints, test)
     }
+}
 
-    fn accepted(&self, winner: &Judged, lower_bound: f64, level: f64) -> Outcome {
-        let gain = Gain { lower_bound, rms: self.rms.clone() };
-        Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain, level }))
-    }
+fn accepted(winner: &Judged, gain_lower_bound: f64, level: f64) -> Outcome {
+    Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain_lower_bound, level }))
 }
 
 /// Whether held-out logs can confirm what training logs leave open: what is taken for something else too easily is so on all logs.

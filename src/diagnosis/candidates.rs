@@ -5,7 +5,7 @@ use super::column::Column;
 use super::grid::grid;
 use super::roles::{acts_upon_arm, is_event, linear};
 use super::rows::Rows;
-use crate::effects::{Effect, LIBRARY, Placed, Role, Scope, Site};
+use crate::effects::{Effect, Hidden, LIBRARY, Placed, Role, Scope};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 
@@ -208,13 +208,12 @@ pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
     only.is_empty() || only.iter().any(|name| name == effect.about().name)
 }
 
-/// Whether an effect can be told from the baseline at all. Base parameters take what bodies do as a whole, but only a part of what a
-/// sensor reads wrong: the test itself tells how much of that is left.
+/// Whether an effect can be told from the baseline at all.
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
     is_wanted(effect, only)
         && !BASELINE.contains(&about.name)
-        && (trust == Trust::Nominal || !about.hidden_by_base_parameters || about.site == Site::Sensor)
+        && (trust == Trust::Nominal || about.hidden_by_base_parameters != Hidden::Wholly)
 }
 
 /// Where an effect can be placed on an arm.

@@ -1,7 +1,6 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
 use super::Options;
-use super::acceptance::Gain;
 use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
@@ -9,14 +8,14 @@ use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::found::Found;
 use super::gap::{Residuals, Share};
-use super::inertias::all_inertias;
+use super::inertias::{Gain, all_inertias};
 use super::known::Known;
 use super::residual_structure::residual_structure;
 use super::resimulation::resimulate;
 use super::selection::{Selection, select};
 use super::session::{Member, Session, Side};
 use super::unexplained::{Unexplained, unexplained};
-use super::verdict::{Diagnosis, next_experiment, not_found, take_back, verdict};
+use super::verdict::{Diagnosis, is_of_sampling, next_experiment, not_found, take_back, verdict};
 use super::whitening::Whitener;
 use crate::channels::Channels;
 use crate::effects::Placed;
@@ -223,6 +222,12 @@ fn answer<'a>(
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
+    let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
+    let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
+    let (sampling, named): (Vec<_>, Vec<_>) =
+        found.into_iter().zip(derived).partition(|(found, _)| is_of_sampling(found, period, &noise_floor));
+    let sampling_delay = sampling.first().map(|(Found { member, .. }, _)| [member.placed.parameters[0], member.std[0]]);
+    let (found, derived): (Vec<Found>, Vec<_>) = named.into_iter().unzip();
     let diagnosis = Diagnosis {
         verdict: verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,
@@ -239,13 +244,14 @@ fn answer<'a>(
         baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
         extended_test_rms,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
-        derived: derived(&members, &solved, session.train.baseline.len(), session.model.robot()),
+        derived,
         not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
         noise_floor,
         inertias,
         against_reference: session.train.rows.before > 0,
         before,
         found,
+        sampling_delay,
         unexplained,
         evidence,
     };

@@ -1,11 +1,12 @@
 //! One round of the search: the scan of all candidates, and the contest of the best for the name.
 
 use super::candidates::{Candidate, Family, Slot};
-use super::eligible::Eligible;
+use super::eligible::Contenders;
 use super::held_out::Gains;
 use super::judging::Judged;
-use super::multiplicity::{Multiplicity, Scanned};
-use super::roles::{linear, shapes};
+use super::multiplicity::Multiplicity;
+use super::roles::shapes;
+use super::scan::Scan;
 use super::score::{Projection, log_survival};
 use super::session::{Member, Noise, Session};
 use super::whitening::Whitener;
@@ -40,6 +41,10 @@ const CRITERION_GAP: f64 = 6.0;
 const ONE_MORE: [(&str, &str); 2] =
     [("torque_offset", "friction_asymmetry"), ("encoder_offset", "encoder_eccentricity")];
 
+/// Candidates that were seen in the noise under the model with them: criterion and candidate at its best shape there, None where it
+/// cannot be. They hold as long as the rest of the model stays the same.
+pub type InOwnNoise = BTreeMap<Slot, Option<(f64, Candidate)>>;
+
 /// What came of a contest.
 #[derive(Debug)]
 pub struct Contest {
@@ -60,66 +65,7 @@ pub struct Alternative {
     pub relative_likelihood: f64,
 }
 
-/// The tests of all candidates against one fit.
-#[derive(Debug)]
-pub struct Scan {
-    judged: Vec<Judged>,
-    /// Whether a change is looked for, which may go either way.
-    change: bool,
-}
-
-impl Scan {
-    /// Tests all candidates; those that cannot be told or make no sense are left out.
-    pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
-        let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
-        Scan { judged, change: session.train.rows.before > 0 }
-    }
-
-    /// How many independent tests the scan is worth.
-    pub fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
-        let scanned: Vec<Scanned> = self
-            .judged
-            .iter()
-            .map(|one| Scanned {
-                kind: one.candidate.family().effect,
-                columns: &one.whitened,
-                test: &one.test,
-                one_sided: one.candidate.one_sided() && !self.change,
-            })
-            .collect();
-        Multiplicity::new(fit, &scanned, &whitener.rows(), seed)
-    }
-
-    /// The likeliest candidate of every family, the best first.
-    pub fn best_per_family(&self) -> Vec<&Judged> {
-        let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
-        for judged in &self.judged {
-            let place = best.entry(judged.candidate.slot()).or_insert(judged);
-            if judged.test.log_p() < place.test.log_p() {
-                *place = judged;
-            }
-        }
-        let mut best: Vec<&Judged> = best.into_values().collect();
-        best.sort_by(|a, b| a.test.log_p().total_cmp(&b.test.log_p()));
-        best
-    }
-
-    /// For every family the index of its first linear parameter and the smallest standard deviation of it over the
-    /// family's grid.
-    pub fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
-        let mut smallest = BTreeMap::new();
-        for judged in &self.judged {
-            let (index, std) = (linear(judged.candidate.placed.effect)[0], judged.test.std[0]);
-            let place = smallest.entry(judged.candidate.family()).or_insert((index, std));
-            if std > 0.0 && std < place.1 {
-                *place = (index, std);
-            }
-        }
-        smallest
-    }
-}
-
-/// The winner among `best` (those `eligible`, one per slot, the best first), what else explains the same, and what comes close. What is looked for in
+/// The winner among `contenders`, what else of `all` candidates explains the same, and what comes close. What is looked for in
 /// many places must fit better, by as many tests as its kind is worth by `multiplicity`, to win over what is looked for in few.
 ///
 /// # Errors
@@ -127,14 +73,15 @@ impl Scan {
 pub fn contest(
     session: &Session,
     members: &[Member],
-    best: &[&Judged],
+    contenders: &Contenders,
     all: &[Candidate],
     multiplicity: &Multiplicity,
-    eligible: &Eligible,
+    in_own_noise: &mut InOwnNoise,
 ) -> Result<Contest> {
+    let Contenders { best, eligible, .. } = contenders;
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.all_columns(&session.train, members)?;
-    let in_own_noise = |judged: &&Judged| -> Result<Option<(f64, Candidate)>> {
+    let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
         let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
         let whitener = session.noise_under(&with).whitener;
         let fit = whitener.fit(&present, &session.train.torque);
@@ -144,10 +91,13 @@ pub fn contest(
         let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64 + looked_for(&own);
         Ok(Some((criterion, own.candidate)))
     };
-    let shortlist: Vec<Option<(f64, Candidate)>> =
-        best[..best.len().min(SHORTLIST)].par_iter().map(in_own_noise).collect::<Result<_>>()?;
-    let leader = shortlist.into_iter().flatten().min_by(|(a, _), (b, _)| a.total_cmp(b));
-    let leader = leader.map_or_else(|| best[0].candidate.clone(), |(_, candidate)| candidate);
+    let shortlist = &best[..best.len().min(SHORTLIST)];
+    let new = shortlist.par_iter().filter(|judged| !in_own_noise.contains_key(&judged.candidate.slot()));
+    let new = new.map(|judged| Ok((judged.candidate.slot(), seen(judged)?)));
+    let new: Vec<(Slot, Option<(f64, Candidate)>)> = new.collect::<Result<_>>()?;
+    in_own_noise.extend(new);
+    let seen = shortlist.iter().filter_map(|judged| in_own_noise[&judged.candidate.slot()].as_ref());
+    let leader = seen.min_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(&best[0].candidate, |(_, candidate)| candidate);
 
     // From here on all are seen in the same whitening, that under the leader.
     let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();

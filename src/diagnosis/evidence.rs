@@ -2,7 +2,7 @@
 
 use super::candidates::{Family, columns};
 use super::column::{Column, combined};
-use super::contest::Scan;
+use super::scan::Scan;
 use super::session::{Member, Session};
 use crate::error::Result;
 

@@ -1,6 +1,6 @@
 //! What a search found, as it goes into the model and the answer.
 
-use super::acceptance::{Accepted, Gain};
+use super::acceptance::Accepted;
 use super::candidates::{Candidate, Family};
 use super::contest::Alternative;
 use super::impacts::Play;
@@ -18,7 +18,8 @@ pub struct Found {
     pub family_wise_p: f64,
     /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
     pub gain_lower_bound: f64,
-    /// Root mean square of the held-out residual before and after, `[joint]`, N m.
+    /// Root mean square of what the held-out logs leave with those found before and with this one too, `[joint]`, N m; told when
+    /// the search has ended.
     pub rms: [Vec<f64>; 2],
     /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
     pub verdict: Verdict,
@@ -29,13 +30,13 @@ pub struct Found {
 impl Found {
     /// What a trial accepted.
     pub fn new(accepted: Accepted, alternatives: Vec<Alternative>) -> Self {
-        let Accepted { member, gain: Gain { lower_bound, rms }, level } = accepted;
+        let Accepted { member, gain_lower_bound, level } = accepted;
         let mut found = Found {
             member,
             alternatives: Vec::new(),
             family_wise_p: level,
-            gain_lower_bound: lower_bound,
-            rms,
+            gain_lower_bound,
+            rms: Default::default(),
             verdict: Verdict::Named,
             impacts: None,
         };

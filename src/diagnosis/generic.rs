@@ -14,6 +14,9 @@ const PLACES: usize = 10;
 /// Harmonics of the position.
 const HARMONICS: usize = 4;
 
+/// Cosines over each log with which torque or friction may drift.
+const DRIFTS: usize = 4;
+
 /// Delays with which something may follow the motion, s.
 const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 
@@ -110,6 +113,29 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
     let elsewhere = others().flat_map(|other| {
         [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
     });
+    let own_sign = own(&|_, v| v.signum());
+    let along = |other: usize| -> Vec<f64> {
+        rows.signal(|log| {
+            let (own, others) = (log.motion.qd.channel(joint), log.motion.qd.channel(other));
+            own.iter().zip(others).map(|(own, other)| own.signum() * other.abs()).collect()
+        })
+    };
+    let slow = |order: usize| {
+        let log = |log: &[usize]| {
+            let count = log[1] - log[0];
+            (0..count)
+                .map(move |row| (PI * order as f64 * (row as f64 + 0.5) / count as f64).cos())
+                .collect::<Vec<f64>>()
+        };
+        rows.starts.windows(2).flat_map(log).collect::<Vec<f64>>()
+    };
+    let slow: Vec<Vec<f64>> = (1..=DRIFTS).map(slow).collect();
+    let drifting = |signal: Vec<f64>| {
+        slow.iter()
+            .map(move |slow| signal.iter().zip(slow).map(|(x, slow)| x * slow).collect())
+            .collect::<Vec<Vec<f64>>>()
+    };
+    let drifts = [torque(joint), own_sign].into_iter().flat_map(drifting);
     let block = |structure, signals: Vec<Vec<f64>>| Block {
         structure,
         columns: signals.into_iter().map(|signal| Column::on(joint, rows.since_change(signal))).collect(),
@@ -122,6 +148,8 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         block("follows the joint's speed with a delay", followed.collect()),
         block("depends on the other joints' positions and speeds", elsewhere.collect()),
         block("goes with the torque of other joints", others().map(torque).collect()),
+        block("is friction that changes with the speed of other joints", others().map(along).collect()),
+        block("changes over each log with the joint's torque or friction", drifts.collect()),
     ]
 }
 

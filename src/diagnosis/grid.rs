@@ -21,7 +21,10 @@ const LONGEST_DRIFT: f64 = 3.0;
 
 /// Least distance of a power of speed from one: nearer ones are the same bend of friction over speed, of coefficients that grow
 /// beyond any bound.
-const APART: f64 = 0.1;
+const APART: f64 = 0.3;
+
+/// Exponents of the Stribeck curve: Tustin's exponential and Armstrong-Helouvry's Gaussian.
+const FORMS: [(&str, &str, [f64; 2]); 1] = [("stribeck_friction", "exponent", [1.0, 2.0])];
 
 /// Highest harmonic of a ripple scan, and lengths of contacts, s.
 const HIGHEST_HARMONIC: f64 = 60.0;
@@ -40,7 +43,8 @@ pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Place
     let mut all = vec![typical];
     for (index, parameter) in effect.parameters().iter().enumerate() {
         let values = match parameter.role {
-            Role::Amplitude | Role::Held => continue,
+            Role::Amplitude => continue,
+            Role::Held => forms(effect, parameter),
             Role::Departure => departures(effect, index, joint, rows),
             Role::Shape => {
                 let grid = shape_grid(parameter, alone, joint, rows);
@@ -61,20 +65,31 @@ pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Place
     all
 }
 
+/// Values of a parameter that is held: one for every form in which books write the law.
+fn forms(effect: &dyn Effect, parameter: &Parameter) -> Vec<f64> {
+    let written = FORMS.iter().find(|(name, of, _)| *name == effect.about().name && *of == parameter.name);
+    written.map_or_else(|| vec![parameter.typical], |(.., values)| values.to_vec())
+}
+
 /// Effects in the log's timing bend with their size; the others are straight as far as one looks.
 fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
     let parameter = &effect.parameters()[index];
+    let largest = largest_torque(rows, joint);
     if is_level(effect) {
-        let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
-        let largest = torque.fold(0.0f64, |m, (v, ok)| if *ok { m.max(v.abs()) } else { m });
         return CUT_OFF.iter().map(|share| share * largest).filter(|level| *level > 0.0).collect();
     }
     if !bends(effect, index) {
         return vec![parameter.typical];
     }
-    let sizes = sizes(effect, index);
+    let sizes = sizes(effect, index, largest);
     let negative = sizes.iter().map(|size| -size);
     negative.chain(sizes.iter().copied()).filter(|size| (parameter.lower..=parameter.upper).contains(size)).collect()
+}
+
+/// Largest torque of a joint in the rows that count, N m.
+pub fn largest_torque(rows: &Rows, joint: usize) -> f64 {
+    let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
+    torque.fold(0.0f64, |m, (v, ok)| if *ok { m.max(v.abs()) } else { m })
 }
 
 /// Bounds of a shape on a joint as it moves in these logs: what is called a transition at low speed must lie at low speed, and

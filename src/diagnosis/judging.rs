@@ -3,8 +3,8 @@
 use super::bodies;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined, rms};
-use super::grid::{is_sensible, within_bounds};
-use super::roles::{bends, is_level, linear, shapes, straight_below};
+use super::grid::{is_sensible, largest_torque, within_bounds};
+use super::roles::{bends, is_level, linear, shapes, sizes};
 use super::score::{Projection, Test};
 use super::session::{Member, Session, bounded};
 use super::whitening::Whitener;
@@ -50,14 +50,13 @@ impl Session<'_> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);
         let effect = candidate.placed.effect;
-        let change = self.train.rows.before > 0;
         let spread = bodies::prior(self.model.robot(), &candidate.placed);
         loop {
             let test = fit.test_with_prior(&whitened, &spread)?;
             if !test.values.iter().all(|value| value.is_finite()) {
                 return None;
             }
-            if is_physical(&candidate, &test, change) {
+            if self.is_physical(&candidate, &test) {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
                 let believable = is_level(effect)
@@ -98,6 +97,38 @@ impl Session<'_> {
         let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
         let all = Column::on(joint, self.train.rows.torque[joint].clone());
         of_effect <= share * rms(valid, &all)[joint]
+    }
+
+    /// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
+    fn is_physical(&self, candidate: &Candidate, test: &Test) -> bool {
+        let change = self.train.rows.before > 0;
+        let effect = candidate.placed.effect;
+        if is_level(effect) {
+            let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
+            return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
+        }
+        if candidate.one_sided() && !change && test.values[0] <= 0.0 {
+            return false;
+        }
+        if let [only] = linear(effect)[..]
+            && bends(effect, only)
+        {
+            // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
+            // as straight, and stands for everything below it.
+            let largest = largest_torque(&self.train.rows, candidate.placed.joint);
+            let smallest = sizes(effect, only, largest).first().copied().unwrap_or_default();
+            let size = candidate.placed.parameters[only];
+            let share = test.values[0] / size;
+            if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
+                return false;
+            }
+        }
+        let estimates = test.values.iter().zip(&test.std);
+        linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
+            let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+            (change && role == Role::Amplitude)
+                || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
+        })
     }
 
     /// Moves the shapes and sizes of a candidate to where its test is largest.
@@ -153,35 +184,6 @@ impl Session<'_> {
         }
         Ok(best)
     }
-}
-
-/// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
-fn is_physical(candidate: &Candidate, test: &Test, change: bool) -> bool {
-    let effect = candidate.placed.effect;
-    if is_level(effect) {
-        let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
-        return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
-    }
-    if candidate.one_sided() && !change && test.values[0] <= 0.0 {
-        return false;
-    }
-    if let [only] = linear(effect)[..]
-        && bends(effect, only)
-    {
-        // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
-        // as straight, and stands for everything below it.
-        let (size, smallest) = (candidate.placed.parameters[only], straight_below(effect, only));
-        let share = test.values[0] / size;
-        if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
-            return false;
-        }
-    }
-    let estimates = test.values.iter().zip(&test.std);
-    linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
-        let Parameter { lower, upper, role, .. } = effect.parameters()[index];
-        (change && role == Role::Amplitude)
-            || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
-    })
 }
 
 /// A value moved by a share of itself where it is positive and wide, else of its range.

@@ -62,6 +62,7 @@ pub mod resimulation;
 pub mod roles;
 pub mod round;
 pub mod rows;
+pub mod scan;
 pub mod score;
 pub mod screening;
 pub mod selection;

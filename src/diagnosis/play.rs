@@ -2,7 +2,6 @@
 
 use super::Options;
 use super::candidates::{Candidate, Family, columns, is_candidate};
-use super::column::rms;
 use super::contest::Alternative;
 use super::found::Found;
 use super::impacts::{Play, Traces};
@@ -10,7 +9,6 @@ use super::multiplicity::family_wise;
 use super::score::fisher;
 use super::session::{Member, Session};
 use super::verdict::Verdict;
-use super::whitening::Whitener;
 use crate::effects::{Effect, Placed, find};
 use crate::error::Result;
 
@@ -33,7 +31,7 @@ const NAME: &str = "backlash";
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Options) -> Result<Vec<Found>> {
+pub fn rattling_gears(session: &mut Session, options: &Options) -> Result<Vec<Found>> {
     let effect = find(NAME)?;
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Vec::new());
@@ -60,9 +58,12 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
         let both = each.iter().all(|log_p| *log_p < EACH.ln());
         let told = both || test.changes(joint) == 0;
         let limit = options.alpha * if both { IMPACTS } else { UNCONFIRMED };
+        if level > limit || !told {
+            break;
+        }
         let alike = fisher([&train, &test].map(|traces| traces.log_p_among_alike(joint)));
         tracing::debug!(alike, "impacts among moments alike");
-        if level > limit || !told || alike > OWN.ln() {
+        if alike > OWN.ln() {
             break;
         }
         let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
@@ -74,7 +75,7 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
             .collect();
         rattling.push(joint);
         rattling.extend(&rivals);
-        found.push(named(session, whitener, effect, (joint, &rivals), &play, (level, test.share(joint)))?);
+        found.push(named(effect, (joint, &rivals), &play, (level, test.share(joint))));
     }
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
@@ -92,28 +93,25 @@ pub fn rattling_gears(session: &mut Session, whitener: &Whitener, options: &Opti
 }
 
 fn named(
-    session: &Session,
-    whitener: &Whitener,
     effect: &'static dyn Effect,
     (joint, rivals): (usize, &[usize]),
     play: &Play,
     (level, share): (f64, f64),
-) -> Result<Found> {
+) -> Found {
     let placed = Placed { parameters: vec![play.half_gap], ..Placed::typical(effect, joint) };
     let candidate = Candidate { placed: placed.clone(), log: None, columns: Vec::new() };
     let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true };
-    let left = rms(&session.test.rows.valid, &session.held_out_residual(&[], whitener)?);
     let alternatives: Vec<Alternative> = rivals
         .iter()
         .map(|&joint| Alternative { family: Family { effect: NAME, joint }, relative_likelihood: 1.0 })
         .collect();
-    Ok(Found {
+    Found {
         verdict: if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },
         member,
         alternatives,
         family_wise_p: level,
         gain_lower_bound: share,
-        rms: [left.clone(), left],
+        rms: Default::default(),
         impacts: Some(play.clone()),
-    })
+    }
 }

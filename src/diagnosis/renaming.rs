@@ -2,11 +2,12 @@
 
 use super::acceptance::{Outcome, Trial, is_confirmable};
 use super::candidates::{Candidate, Family};
-use super::contest::{Alternative, Contest, Scan, better_unseen, contest};
-use super::eligible::Eligible;
+use super::contest::{Alternative, Contest, InOwnNoise, better_unseen, contest};
+use super::eligible::{Contenders, Standing};
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
 use super::round::Round;
+use super::scan::Scan;
 use super::session::{Noise, Session};
 use crate::error::Result;
 
@@ -35,13 +36,9 @@ impl Again {
         let here = found[index].member.candidate.joints();
         let all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
         let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
-        let eligible = Eligible::new(&others, &[], Vec::new());
-        let mut best = scan.best_per_family();
-        best.retain(|judged| eligible.may_win(&judged.candidate));
-        if best.is_empty() {
-            return Ok(None);
-        }
-        let contest = contest(session, &of_others, &best, &all, multiplicity, &eligible)?;
+        let anyone = |_: &Candidate, _| Standing::MayWin;
+        let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
+        let contest = contest(session, &of_others, &contenders, &all, multiplicity, &mut InOwnNoise::new())?;
         Ok(Some(Again { others, noise, contest }))
     }
 }

@@ -11,11 +11,18 @@ const EVENTS: [&str; 1] = ["external_contact"];
 /// Effects that low-pass the torque.
 const LAGS: [&str; 1] = ["torque_lag"];
 
-/// Sizes of departures of which the torque is not linear, as multiples of the typical one: of times, and of the compliance of
-/// gears, which reaches from those of the base to those of a hand.
+/// Sizes of departures of which the torque is not linear: times as multiples of the typical one, and the compliance of gears by
+/// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
+/// in all but that.
 const TIMES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-const COMPLIANCES: [f64; 6] = [0.25, 1.0, 4.0, 16.0, 64.0, 250.0];
+const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
 const COMPLIANCE: &str = "rad/(N m)";
+
+/// Effects that move all torques in time.
+const DELAYS: [&str; 1] = ["time_delay"];
+
+/// Effects that are functions of their joint's speed alone, as different books write them.
+const SPEED_LAWS: [&str; 2] = ["stribeck_friction", "nonlinear_viscous_friction"];
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
 pub fn linear(effect: &dyn Effect) -> Vec<usize> {
@@ -40,16 +47,15 @@ pub fn bends(effect: &dyn Effect, index: usize) -> bool {
     parameter.role == Role::Departure && ["s", COMPLIANCE].contains(&parameter.unit)
 }
 
-/// Sizes at which the columns of a departure that bends are taken, without signs.
-pub fn sizes(effect: &dyn Effect, index: usize) -> Vec<f64> {
+/// Sizes at which the columns of a departure that bends are taken on a joint of which the torque is `largest`, without signs, the
+/// smallest first: below that one the torque is as good as straight in it.
+pub fn sizes(effect: &dyn Effect, index: usize, largest: f64) -> Vec<f64> {
     let parameter = &effect.parameters()[index];
-    let multiples = if parameter.unit == COMPLIANCE { COMPLIANCES.as_slice() } else { TIMES.as_slice() };
-    multiples.iter().map(|multiple| multiple * parameter.typical.abs()).collect()
-}
-
-/// Size below which the torque of a departure that bends is as good as straight in it.
-pub fn straight_below(effect: &dyn Effect, index: usize) -> f64 {
-    sizes(effect, index)[0]
+    if parameter.unit == COMPLIANCE {
+        let sizes = TWISTS.iter().map(|twist| (twist / largest).min(parameter.upper));
+        return if largest > 0.0 { sizes.collect() } else { Vec::new() };
+    }
+    TIMES.iter().map(|multiple| multiple * parameter.typical.abs()).collect()
 }
 
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
@@ -60,6 +66,16 @@ fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
 /// Whether an effect low-passes the torque, of which its column is the derivative.
 pub fn is_lag(effect: &dyn Effect) -> bool {
     LAGS.contains(&effect.about().name)
+}
+
+/// Whether an effect moves the torque of the whole arm in time.
+pub fn is_delay(effect: &dyn Effect) -> bool {
+    DELAYS.contains(&effect.about().name)
+}
+
+/// Whether an effect is friction that depends on its joint's speed alone.
+pub fn is_speed_law(effect: &dyn Effect) -> bool {
+    SPEED_LAWS.contains(&effect.about().name)
 }
 
 /// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.

@@ -3,9 +3,9 @@
 use super::Options;
 use super::arm::Arm;
 use super::candidates::{self, Candidate};
-use super::contest::Scan;
 use super::found::{Found, members};
 use super::rows::Rows;
+use super::scan::Scan;
 use super::score::Projection;
 use super::session::{Noise, Session};
 use super::whitening::Whitener;
@@ -36,8 +36,7 @@ impl Round {
     pub fn first(session: &mut Session, found: &mut [Found], find: Find, options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         let all = find(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
-        let scan = Scan::new(session, &all, &whitener, &fit);
-        Ok(Round { whitener, fit, all, scan })
+        Ok(Self::of(session, whitener, fit, all))
     }
 
     /// The same again after more was found.
@@ -49,8 +48,12 @@ impl Round {
         drop(self.scan);
         let Session { arm, train, trust, .. } = &*session;
         let all = candidates::renewed(self.all, arm, &train.rows, *trust, &options.candidates)?;
+        Ok(Self::of(session, whitener, fit, all))
+    }
+
+    fn of(session: &Session, whitener: Whitener, fit: Projection, all: Vec<Candidate>) -> Self {
         let scan = Scan::new(session, &all, &whitener, &fit);
-        Ok(Round { whitener, fit, all, scan })
+        Round { whitener, fit, all, scan }
     }
 }
 

@@ -4,12 +4,12 @@
 use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
-use super::candidates::{self, Family};
-use super::contest::{Contest, better_unseen, contest};
-use super::eligible::{Eligible, Refused};
+use super::candidates::{self, Candidate, Family};
+use super::column::rms;
+use super::contest::{Contest, InOwnNoise, better_unseen, contest};
+use super::eligible::{Contenders, Refused, Standing};
 use super::evidence::{Ranked, ranking};
 use super::found::{Found, beside_play, members};
-use super::judging::Judged;
 use super::multiplicity::Multiplicity;
 use super::play::rattling_gears;
 use super::renaming::rename;
@@ -59,8 +59,9 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let (mut in_a_row, mut asked) = (0, 0);
+    let mut in_own_noise = InOwnNoise::default();
     let mut round = Round::first(session, &mut found, candidates::all, options)?;
-    found.extend(rattling_gears(session, &round.whitener, options)?);
+    found.extend(rattling_gears(session, options)?);
     if !found.is_empty() {
         round = round.next(session, &mut found, options)?;
     }
@@ -70,22 +71,15 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && in_a_row < REFUSALS {
         progress(found.len());
-        let level_of = |judged: &Judged| multiplicity.level(judged.candidate.family().effect, judged.test.log_p());
-        let mut best = round.scan.best_per_family();
-        let only_training = || best.iter().filter(|judged| !is_confirmable(&judged.candidate));
-        let hopeless = only_training().filter(|judged| level_of(judged) > options.alpha);
-        let hopeless = hopeless.map(|judged| judged.candidate.slot()).collect();
-        // Nothing makes these surer; they may be what is found in their place.
-        let too_faint =
-            only_training().filter(|judged| level_of(judged) > options.alpha * strictness(&judged.candidate));
-        let never: Vec<Refused> =
-            refused.iter().cloned().chain(too_faint.map(|judged| Refused::faint(judged))).collect();
-        let eligible = Eligible::new(&found, &never, hopeless);
-        best.retain(|judged| eligible.may_win(&judged.candidate));
-        best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
-        let Some(first) = best.first() else { break };
-        let level = level_of(first);
-        for judged in best.iter().take(LOGGED) {
+        // Nothing makes those surer of which only the training logs tell.
+        let standing = |candidate: &Candidate, level: f64| match strictness(candidate) {
+            share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
+            _ if level <= options.alpha => Standing::TooFaint,
+            _ => Standing::Hopeless,
+        };
+        let Some(contenders) = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing) else { break };
+        let level = contenders.level;
+        for judged in contenders.best.iter().take(LOGGED) {
             let (family, test) = (judged.candidate.family(), &judged.test);
             tracing::debug!(
                 ?family,
@@ -102,7 +96,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         }
         let members = members(&found);
         let Contest { winner, alternatives, close } =
-            contest(session, &members, &best, &round.all, &multiplicity, &eligible)?;
+            contest(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
         let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
         let Round { whitener, fit, .. } = &round;
@@ -122,12 +116,12 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
                 let joints = accepted.member.candidate.joints();
                 refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
                 (in_a_row, asked) = (0, 0);
+                in_own_noise.clear();
                 found.push(Found::new(*accepted, alternatives));
                 round = round.next(session, &mut found, options)?;
             }
             Outcome::Refused(Refusal { may_be, asked: in_vain }) => {
-                let (slot, joints) = (winner.candidate.slot(), winner.candidate.joints());
-                refused.push(Refused { slot, joints, may_be });
+                refused.push(Refused::new(&winner.candidate, may_be));
                 in_a_row += 1;
                 asked += usize::from(in_vain);
             }
@@ -141,7 +135,21 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     if all_logs::search(session, &mut found, &multiplicity, options)? || renamed || dropped {
         (whitener, sensitivity) = seen(Round::first(session, &mut found, candidates::all, options)?);
     }
+    tell_rms(session, &mut found, &whitener)?;
     Ok(Selection { found, whitener, first_whitener, multiplicity, ranking, sensitivity })
+}
+
+/// Tells of each effect what the held-out logs leave before and after it.
+fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<()> {
+    let all = members(found);
+    let left = |first: usize| -> Result<Vec<f64>> {
+        Ok(rms(&session.test.rows.valid, &session.held_out_residual(&all[..first], whitener)?))
+    };
+    let left = (0..=all.len()).map(left).collect::<Result<Vec<_>>>()?;
+    for (found, steps) in found.iter_mut().zip(left.windows(2)) {
+        found.rms = [steps[0].clone(), steps[1].clone()];
+    }
+    Ok(())
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

@@ -28,6 +28,10 @@ const LOOKED_FOR: f64 = 0.5;
 /// Share of the level of named effects at which the training logs by themselves make structure sure.
 const SURE: f64 = 0.02;
 
+/// Least share of what is left on a joint that structure must have to be worth telling: with many rows that of any simplification of
+/// a simulator or a sensor is sure.
+const WORTH_TELLING: f64 = 0.03;
+
 /// Probability below which a harmonic whose phase wanders is sure on the held-out logs too.
 const CONFIRMED: f64 = 0.01;
 
@@ -150,6 +154,9 @@ impl<'a> Fitted<'a> {
             if gained && (sure || (together < self.together && gains.chance() < SEEN_AGAIN)) {
                 // The fit minimises over all joints, so that it can give more than this joint has.
                 let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
+                if share < WORTH_TELLING {
+                    continue;
+                }
                 let instead_of = if sure { self.empty_beside(joint, &whitened) } else { Vec::new() };
                 best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p, sure, instead_of });
             }

@@ -1,18 +1,19 @@
 //! The answer: named, one of a few, unexplained, or none; with the evidence.
 
 use super::Options;
-use super::acceptance::Gain;
 use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
 use super::evidence::Evidence;
 use super::found::Found;
+use super::inertias::Gain;
 use super::multiplicity::Multiplicity;
 use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
+use super::roles::is_delay;
 use super::session::Session;
 use super::unexplained::Unexplained;
-use crate::effects::LIBRARY;
+use crate::effects::{LIBRARY, Placed};
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -22,6 +23,9 @@ const FIRM: f64 = 0.7;
 
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
+
+/// Size of a delay, over the noise of every joint, up to which it is of the sampling.
+const SMALL: f64 = 0.3;
 
 /// What the diagnosis says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -90,6 +94,8 @@ pub struct Diagnosis {
     pub before: Vec<Found>,
     /// Effects found.
     pub found: Vec<Found>,
+    /// A delay of the torque, and its standard deviation, s, that is of the sampling: in the model, and no effect.
+    pub sampling_delay: Option<[f64; 2]>,
     /// What follows from the parameters of each.
     pub derived: Vec<Vec<Derived>>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
@@ -139,6 +145,15 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
             one.verdict = Verdict::Unexplained;
         }
     }
+}
+
+/// Whether a finding is what sampling does: torque that is held over a step, or read at one end of it, lies up to half a sample
+/// beside the motion. That is worth no name as long as it is small in the noise, `[joint]`, of every joint.
+pub fn is_of_sampling(found: &Found, period: f64, noise: &[f64]) -> bool {
+    let Placed { effect, parameters, .. } = &found.member.placed;
+    let [before, after] = &found.rms;
+    let sizes = before.iter().zip(after).zip(noise).map(|((b, a), noise)| (b * b - a * a).max(0.0).sqrt() / noise);
+    is_delay(*effect) && parameters[0].abs() <= 0.5 * period && sizes.fold(0.0, f64::max) < SMALL
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the

@@ -1,6 +1,6 @@
 //! External contact: something pushes the tool for a part of the run.
 
-use super::{About, Effect, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
 use crate::robot::JointKind;
 use nalgebra::Vector3;
 
@@ -29,7 +29,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: false,
+    hidden_by_base_parameters: Hidden::No,
 };
 
 const fn force(name: &'static str, typical: f64) -> Parameter {

@@ -1,6 +1,6 @@
 //! Joint elasticity: the gear gives way between the motor, whose encoder is read, and the link.
 
-use super::{About, Effect, Gear, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Gear, Hidden, Parameter, Rival, Role, Scope, Site};
 
 /// A gear of stiffness K = 1 / compliance.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +32,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: false,
+    hidden_by_base_parameters: Hidden::No,
 };
 
 static PARAMETERS: [Parameter; 1] = [Parameter {
@@ -41,7 +41,7 @@ static PARAMETERS: [Parameter; 1] = [Parameter {
     unit: "rad/(N m)",
     role: Role::Departure,
     lower: 0.0,
-    upper: 1e-3,
+    upper: 1.0,
     typical: 4e-6,
 }];
 

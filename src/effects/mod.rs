@@ -159,9 +159,20 @@ pub struct About {
     pub dry: bool,
     /// Whether its torque depends on [`Instant::qdd`] or [`Instant::load`].
     pub uses_acceleration: bool,
-    /// Whether the re-identified inertial parameters hide it, so that it shows only against trusted inertias or a
-    /// reference log; of what a sensor reads wrong they hide a part.
-    pub hidden_by_base_parameters: bool,
+    /// What re-identified inertial parameters hide of it: that shows only against trusted inertias or a reference log.
+    pub hidden_by_base_parameters: Hidden,
+}
+
+/// What base parameters take of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hidden {
+    /// Nothing but by chance.
+    No,
+    /// A part, as of what a sensor reads wrong: a test tells how much is left.
+    InPart,
+    /// All of it.
+    Wholly,
 }
 
 /// An effect easily taken for another.

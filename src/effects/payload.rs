@@ -1,6 +1,6 @@
 //! Payload: a body on the flange that the model does not know.
 
-use super::{About, Effect, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Pose, Robot};
 use nalgebra::Matrix3;
 
@@ -33,7 +33,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: true,
+    hidden_by_base_parameters: Hidden::Wholly,
 };
 
 const fn amplitude(name: &'static str, unit: &'static str, lower: f64, typical: f64) -> Parameter {

@@ -1,6 +1,6 @@
 //! Rotor inertia: the motor's rotor, turning fast behind the gear, beyond what the robot description gives.
 
-use super::{About, Effect, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
 use crate::robot::Robot;
 
 /// Ia a.
@@ -25,7 +25,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: true,
+    hidden_by_base_parameters: Hidden::Wholly,
 };
 
 static PARAMETERS: [Parameter; 1] = [Parameter {

@@ -1,6 +1,6 @@
 //! Torque lag: the logged torque follows the real one as through a first-order filter.
 
-use super::{About, Effect, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
 
 /// T d(logged)/dt + logged = tau.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: false,
+    hidden_by_base_parameters: Hidden::No,
 };
 
 static PARAMETERS: [Parameter; 1] =

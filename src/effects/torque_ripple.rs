@@ -1,6 +1,6 @@
 //! Torque ripple: a torque that repeats n times per turn of the joint, from motor cogging or gear meshing.
 
-use super::{About, Effect, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
 
 /// Ac cos(n q) + As sin(n q).
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: false,
+    hidden_by_base_parameters: Hidden::No,
 };
 
 static PARAMETERS: [Parameter; 3] = [

@@ -1,6 +1,6 @@
 //! Viscous friction: torque proportional to speed.
 
-use super::{About, Effect, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
 
 /// Fv v.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +20,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
-    hidden_by_base_parameters: false,
+    hidden_by_base_parameters: Hidden::No,
 };
 
 static PARAMETERS: [Parameter; 1] = [Parameter {

@@ -1,6 +1,7 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
 use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
@@ -177,7 +178,31 @@ fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     Some(Finding::new(Kind::HeldSamples, Severity::Note, view.place("tau", joint), text))
 }
 
-/// A torque that comes down to zero again and again and never goes below (or above).
+/// Fewest samples of a stretch near zero that tell whether the torque went through it.
+const SHORTEST_VISIT: usize = 8;
+
+/// How much straighter a visit to zero must be with the sign put back.
+const STRAIGHTER: f64 = 0.5;
+
+/// Whether a visit to zero is one of a torque that went through: with the sign put back beyond its lowest sample it runs straight on,
+/// while one that turns is as smooth as it is.
+fn bounces(visit: &[f64]) -> bool {
+    let lowest = (0..visit.len()).min_by(|&a, &b| visit[a].abs().total_cmp(&visit[b].abs())).unwrap_or(0);
+    let through: Vec<f64> = visit.iter().enumerate().map(|(k, x)| if k < lowest { *x } else { -x }).collect();
+    bend(&through) < STRAIGHTER * bend(visit)
+}
+
+/// Sum of squares that the best parabola leaves.
+fn bend(signal: &[f64]) -> f64 {
+    let rows = signal.len();
+    let at = |k: usize| 2.0 * k as f64 / (rows - 1) as f64 - 1.0;
+    let powers = DMatrix::from_fn(rows, 3, |k, order| at(k).powi(order as i32));
+    let signal = DVector::from_column_slice(signal);
+    let normal = powers.tr_mul(&powers).cholesky().map(|normal| normal.solve(&powers.tr_mul(&signal)));
+    normal.map_or(f64::INFINITY, |values| (signal - powers * values).norm_squared())
+}
+
+/// A torque that comes down to zero again and again as if to go through, and never goes below (or above).
 fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     let (low, high) = extremes(tau);
     let size = size_quantile(tau.iter().copied(), 0.95);
@@ -186,15 +211,14 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     if !one_sided || size == 0.0 {
         return None;
     }
-    let mut visits = 0;
-    let mut away = false;
-    for value in tau {
-        if value.abs() < near && away {
-            (visits, away) = (visits + 1, false);
-        } else if value.abs() > 5.0 * near {
-            away = true;
-        }
-    }
+    let away = |value: &f64| value.abs() > 5.0 * near;
+    // Stretches between samples far from zero, each with one that is not.
+    let visits = tau.split_inclusive(away).collect::<Vec<_>>();
+    let visits = visits.iter().filter(|stretch| {
+        let (came, left) = (stretch.len() > SHORTEST_VISIT, stretch.last().is_some_and(away));
+        came && left && stretch.iter().any(|value| value.abs() < near) && bounces(stretch)
+    });
+    let visits = visits.count();
     (visits >= 2).then(|| {
         let text = format!(
             "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"

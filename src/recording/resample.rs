@@ -52,16 +52,42 @@ impl Clock {
     }
 }
 
-/// The log at the median rate: piecewise cubic (Catmull-Rom with finite-difference tangents for uneven steps), linear
-/// across gaps. Truth is left out: it belongs to the old samples.
+/// The log at even steps. Where only the stamps scatter, as those do that a host gives on arrival, the samples are even already;
+/// else they are brought to the median rate. Truth is left out: it belongs to the old samples.
 pub fn evenly(recording: &Recording) -> Recording {
-    let clock = Clock::new(recording);
     if recording.samples() < 2 {
         return recording.clone();
     }
+    let mut even = at_even_steps(recording);
+    if only_stamps_scatter(recording, &even) {
+        even = Recording { time: even.time, truth: None, ..recording.clone() };
+    }
+    even
+}
+
+/// Whether the positions are smoother as they are than brought from the stamped times to even ones.
+fn only_stamps_scatter(recording: &Recording, even: &Recording) -> bool {
+    let rougher = |joint: usize| {
+        let [own, moved] = [recording, even].map(|log| roughness(log.q.channel(joint)));
+        if own > 0.0 && moved > 0.0 { (own / moved).ln() } else { 0.0 }
+    };
+    recording.samples() == even.samples() && (0..recording.joints()).map(rougher).sum::<f64>() < 0.0
+}
+
+/// Sum of squares of the third differences, in which motion has next to no part.
+fn roughness(signal: &[f64]) -> f64 {
+    signal.windows(4).map(|x| (x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]).powi(2)).sum()
+}
+
+/// The log at the median rate: piecewise cubic (Catmull-Rom with finite-difference tangents for uneven steps), linear
+/// across gaps.
+fn at_even_steps(recording: &Recording) -> Recording {
+    let clock = Clock::new(recording);
     let (first, step) = (recording.time[0], 1.0 / clock.rate_hz);
-    // The median step of a stamped clock is rounded to its digits: a step that meets both ends does not drift.
-    let count = (recording.duration() / step).round().max(1.0) as usize;
+    // The median step of a stamped clock is rounded to its digits, or one of stamps that scatter: where no row is missing, a step
+    // that meets both ends does not drift.
+    let whole = clock.gaps.is_empty();
+    let count = if whole { recording.samples() - 1 } else { (recording.duration() / step).round().max(1.0) as usize };
     let step = recording.duration() / count as f64;
     let time: Vec<f64> = (0..=count).map(|sample| first + sample as f64 * step).collect();
     let last = recording.samples() - 2;
@@ -190,6 +216,20 @@ mod tests {
         for (t, q) in even.time.iter().zip(even.q.channel(0)).skip(2).take(290) {
             assert!((q - law(*t)).abs() < 1e-5, "{t}: {q} {}", law(*t));
         }
+    }
+
+    #[test]
+    fn stamps_that_scatter_move_no_sample() {
+        let mut recording = samples::full(1, 300);
+        let law = |t: f64| (5.0 * t).sin();
+        let values: Vec<f64> = (0..300).map(|index| law(0.01 * f64::from(index))).collect();
+        recording.q.channel_mut(0).copy_from_slice(&values);
+        recording.time =
+            (0..300).map(|index| 0.01 * f64::from(index) + if index % 3 == 1 { 0.002 } else { 0.0 }).collect();
+        let even = evenly(&recording);
+        assert!(!Clock::new(&even).is_irregular());
+        assert_eq!(even.q.channel(0), values);
+        assert_eq!(even.tau, recording.tau);
     }
 
     #[test]

@@ -2,13 +2,13 @@
 
 mod text;
 
-pub use text::{impacts, lines, mend, place, stopped_lines};
+pub use text::{impacts, lines, mend, place, sampling, stopped_lines};
 
-use crate::diagnosis::acceptance::Gain;
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::found::Found;
 use crate::diagnosis::gap::Share;
+use crate::diagnosis::inertias::Gain;
 use crate::diagnosis::residual_structure::ResidualStructure;
 use crate::diagnosis::screening::{Consequence, DataFault};
 use crate::diagnosis::{Diagnosis, Verdict};
@@ -195,6 +195,13 @@ pub fn result(
         log: String::new(),
         r#where: "training logs".into(),
         text: "no test log was given: the last part of every training log was held out".into(),
+        consequence: Consequence::Told,
+    }));
+    data_quality.extend(text::sampling(diagnosis).map(|text| Quality {
+        kind: QualityKind::Notice("sampling_delay"),
+        log: String::new(),
+        r#where: "tau".into(),
+        text,
         consequence: Consequence::Told,
     }));
     let structure = |of: &[ResidualStructure]| {

@@ -39,6 +39,7 @@ pub fn lines(
             low_pass.hz
         )
     }));
+    lines.extend(sampling(diagnosis).map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
         lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
@@ -129,6 +130,15 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
     format!("Verdict: {answer} (false alarms: at most {} % of runs).", 100.0 * diagnosis.alpha)
+}
+
+/// What is said of a delay that is of the sampling.
+pub fn sampling(diagnosis: &Diagnosis) -> Option<String> {
+    let [delay, std] = diagnosis.sampling_delay?.map(|seconds| significant(1e3 * seconds));
+    Some(format!(
+        "torque and positions lie {delay} +- {std} ms apart, less than half a sample and little in the noise: the model has it, and \
+         it is no finding"
+    ))
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {

@@ -16,6 +16,7 @@ use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
 use crate::report::diagnosis::joints;
+use crate::report::diagnosis::sampling;
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
@@ -257,6 +258,9 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
             "No test log was given: the last part of every training log was held out. A log of another motion is a harder \
              test.",
         ));
+    }
+    if let Some(text) = sampling(diagnosis) {
+        blocks.push(Block::text(sentence(&format!("{text}."))));
     }
     if let Some(low_pass) = diagnosis.passband {
         blocks.push(Block::text(format!(

@@ -1,0 +1,70 @@
+//! The tests of all candidates against one fit.
+
+use super::candidates::{Candidate, Family, Slot};
+use super::judging::Judged;
+use super::multiplicity::{Multiplicity, Scanned};
+use super::roles::linear;
+use super::score::Projection;
+use super::session::Session;
+use super::whitening::Whitener;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// The tests of all candidates against one fit.
+#[derive(Debug)]
+pub struct Scan {
+    judged: Vec<Judged>,
+    /// Whether a change is looked for, which may go either way.
+    change: bool,
+}
+
+impl Scan {
+    /// Tests all candidates; those that cannot be told or make no sense are left out.
+    pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
+        let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
+        Scan { judged, change: session.train.rows.before > 0 }
+    }
+
+    /// How many independent tests the scan is worth.
+    pub fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
+        let scanned: Vec<Scanned> = self
+            .judged
+            .iter()
+            .map(|one| Scanned {
+                kind: one.candidate.family().effect,
+                columns: &one.whitened,
+                test: &one.test,
+                one_sided: one.candidate.one_sided() && !self.change,
+            })
+            .collect();
+        Multiplicity::new(fit, &scanned, &whitener.rows(), seed)
+    }
+
+    /// The likeliest candidate of every family, the best first.
+    pub fn best_per_family(&self) -> Vec<&Judged> {
+        let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
+        for judged in &self.judged {
+            let place = best.entry(judged.candidate.slot()).or_insert(judged);
+            if judged.test.log_p() < place.test.log_p() {
+                *place = judged;
+            }
+        }
+        let mut best: Vec<&Judged> = best.into_values().collect();
+        best.sort_by(|a, b| a.test.log_p().total_cmp(&b.test.log_p()));
+        best
+    }
+
+    /// For every family the index of its first linear parameter and the smallest standard deviation of it over the
+    /// family's grid.
+    pub fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
+        let mut smallest = BTreeMap::new();
+        for judged in &self.judged {
+            let (index, std) = (linear(judged.candidate.placed.effect)[0], judged.test.std[0]);
+            let place = smallest.entry(judged.candidate.family()).or_insert((index, std));
+            if std > 0.0 && std < place.1 {
+                *place = (index, std);
+            }
+        }
+        smallest
+    }
+}

@@ -121,13 +121,13 @@ struct Seen {
 
 impl Trial<'_> {
     /// The winner of a contest as a member of the model, if it is to be one. `level` is the probability of as good a best
-    /// candidate in the noise that does not know it.
+    /// candidate in the noise that does not know it, `under` the noise that does, if it was worked out before.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn of(&self, winner: &Judged, level: f64) -> Result<Outcome> {
+    pub fn of(&self, winner: &Judged, level: f64, under: Option<Whitener>) -> Result<Outcome> {
         match self.seen(winner, level)? {
-            Ok(seen) => self.unseen(winner, seen),
+            Ok(seen) => self.unseen(winner, seen, under),
             Err(refusal) => Ok(Outcome::Refused(refusal)),
         }
     }
@@ -202,9 +202,9 @@ impl Trial<'_> {
 
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may
     /// confirm: the two are independent.
-    fn unseen(&self, winner: &Judged, seen: Seen) -> Result<Outcome> {
+    fn unseen(&self, winner: &Judged, seen: Seen, under: Option<Whitener>) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = seen;
-        let held_out = self.held_out(winner)?;
+        let held_out = self.held_out(winner, under)?;
         let HeldOut { gains, beside_errors, .. } = &held_out;
         // What rests on a moment or two of the training logs is no accident if it is there again.
         let there = confirmable && beside_errors.chance() < SEEN_AGAIN && gains.without_best_stretch() > 0.0;
@@ -236,10 +236,13 @@ impl Trial<'_> {
 
     /// What the held-out rows say of the winner. An event of one training log shows in no other: its gain is that on the
     /// training rows.
-    fn held_out(&self, winner: &Judged) -> Result<HeldOut> {
+    fn held_out(&self, winner: &Judged, under: Option<Whitener>) -> Result<HeldOut> {
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
-        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
+        let whitener = match under {
+            Some(whitener) => whitener,
+            None => session.noise_under(&session.all_columns(&session.train, &with)?).whitener,
+        };
         let before = session.held_out_residual(members, &whitener)?;
         let after = session.held_out_residual(&with, &whitener)?;
         let joints = winner.candidate.joints();

@@ -6,7 +6,7 @@
 
 use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
-use super::candidates::{self, Candidate, columns_in};
+use super::candidates::{Candidate, columns_in};
 use super::contest::{Contest, InOwnNoise, contest};
 use super::eligible::{Contenders, Refused, Standing};
 use super::found::{Found, beside_play, members};
@@ -20,13 +20,14 @@ use crate::error::Result;
 const REFUSALS: usize = 3;
 
 /// Searches all logs of `session` for more than was `found`, and asks them what else explains that; tells whether more
-/// was found.
+/// was found. The `candidates` are those along the training logs.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn search(
     session: &Session,
     found: &mut Vec<Found>,
+    candidates: Vec<Candidate>,
     multiplicity: &Multiplicity,
     options: &Options,
 ) -> Result<bool> {
@@ -39,7 +40,7 @@ pub fn search(
     let mut in_own_noise = InOwnNoise::default();
     let mut more = false;
     // What happens once is in one log.
-    let mut round = Round::first(&mut all_logs, &mut known, candidates::lasting, options)?;
+    let mut round = Round::over_all_logs(&mut all_logs, &mut known, candidates, options)?;
     while known.len() < options.max_findings && refused.len() < REFUSALS {
         // What the smoothing or extremes mimic is so in all of them.
         let standing = |candidate: &Candidate, _: f64| match is_confirmable(candidate) {

@@ -8,6 +8,7 @@ use super::rows::Rows;
 use crate::effects::{Effect, Hidden, LIBRARY, Placed, Role, Scope};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
+use rayon::prelude::*;
 
 /// Effects that the baseline holds already.
 const BASELINE: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
@@ -161,11 +162,33 @@ pub fn all(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<
 }
 
 /// All candidates but those that happen once.
+fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
+    throughout(arm, rows, wanted(rows, trust, only).filter(|effect| !is_event(*effect)))
+}
+
+/// Lasting candidates along all `rows`, of which those known to be along the first ones, `candidates`, are carried on along the
+/// `later` ones, unless they depend on the arm, which was found anew.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
-    throughout(arm, rows, wanted(rows, trust, only).filter(|effect| !is_event(*effect)))
+pub fn carried_on(
+    mut candidates: Vec<Candidate>,
+    arm: &Arm,
+    [rows, later]: [&Rows; 2],
+    trust: Trust,
+    only: &[String],
+) -> Result<Vec<Candidate>> {
+    candidates.retain(|candidate| !is_event(candidate.placed.effect) && !acts_upon_arm(candidate.placed.effect));
+    let placed: Vec<Placed> = candidates.iter().map(|candidate| candidate.placed.clone()).collect();
+    let lengths = [rows.len() - later.len(), later.len()];
+    candidates.par_iter_mut().zip(columns(arm, later, &placed)?).for_each(|(candidate, later)| {
+        for (own, later) in candidate.columns.iter_mut().zip(&later) {
+            *own = own.then(later, lengths);
+        }
+    });
+    let upon_arm = wanted(rows, trust, only).filter(|effect| !is_event(*effect) && acts_upon_arm(*effect));
+    candidates.extend(throughout(arm, rows, upon_arm)?);
+    Ok(candidates)
 }
 
 /// The same candidates for the arm as found since.

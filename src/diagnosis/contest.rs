@@ -148,17 +148,23 @@ pub fn contest(
     Ok(Contest { winner, alternatives, close: strong })
 }
 
+/// The winner of a contest once held-out logs were asked.
+#[derive(Debug)]
+pub struct Chosen {
+    /// The winner.
+    pub winner: Judged,
+    /// What else explains the same.
+    pub alternatives: Vec<Alternative>,
+    /// The noise under the model with the winner, if that was worked out.
+    pub whitener: Option<Whitener>,
+}
+
 /// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
 /// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
-pub fn better_unseen(
-    session: &Session,
-    members: &[Member],
-    winner: Judged,
-    mut alternatives: Vec<Alternative>,
-    close: &[Judged],
-) -> Result<(Judged, Vec<Alternative>)> {
+pub fn better_unseen(session: &Session, members: &[Member], contest: Contest) -> Result<Chosen> {
+    let Contest { winner, mut alternatives, close } = contest;
     if winner.candidate.log.is_some() {
-        return Ok((winner, alternatives));
+        return Ok(Chosen { winner, alternatives, whitener: None });
     }
     let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
     let first = with(&winner);
@@ -179,10 +185,10 @@ pub fn better_unseen(
     let bounds: Vec<f64> = rivals.par_iter().map(bound).collect::<Result<_>>()?;
     let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > CLEARLY_BETTER);
     let best = better.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    let Some((_, rival)) = best else { return Ok((winner, alternatives)) };
+    let Some((_, rival)) = best else { return Ok(Chosen { winner, alternatives, whitener: Some(whitener) }) };
     alternatives.retain(|other| other.family != rival.candidate.family());
     alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
-    Ok((rival.clone(), alternatives))
+    Ok(Chosen { winner: rival.clone(), alternatives, whitener: None })
 }
 
 fn is_one_more(winner: &Judged, rival: &Judged) -> bool {

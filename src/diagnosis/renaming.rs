@@ -2,7 +2,7 @@
 
 use super::acceptance::{Outcome, Trial, is_confirmable};
 use super::candidates::{Candidate, Family};
-use super::contest::{Alternative, Contest, InOwnNoise, better_unseen, contest};
+use super::contest::{Alternative, Chosen, Contest, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Standing};
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
@@ -71,8 +71,7 @@ pub fn rename(
             continue;
         };
         let of_others = members(&others);
-        let Contest { winner, alternatives, close } = contest;
-        let (winner, alternatives) = better_unseen(session, &of_others, winner, alternatives, &close)?;
+        let Chosen { winner, alternatives, whitener: under } = better_unseen(session, &of_others, contest)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
@@ -83,7 +82,7 @@ pub fn rename(
         let trial =
             Trial { session, members: &of_others, whitener: &whitener, fit: &fit, multiplicity, alpha, tries: None };
         let level = multiplicity.level(new.effect, winner.test.log_p());
-        match trial.of(&winner, level)? {
+        match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = beside_play(&others, &accepted.member, alternatives);
                 *known = Found::new(*accepted, alternatives);

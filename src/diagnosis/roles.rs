@@ -88,3 +88,21 @@ pub fn acts_upon_arm(effect: &dyn Effect) -> bool {
 pub fn is_event(effect: &dyn Effect) -> bool {
     EVENTS.contains(&effect.about().name)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn compliances_are_those_of_the_joint() {
+        // A gear that winds up by 0.1 rad under 500 N m, and one under 0.5 N m.
+        let elasticity = find("joint_elasticity").unwrap();
+        for largest in [500.0, 0.5] {
+            let sizes = sizes(elasticity, 0, largest);
+            assert!((sizes[0] * largest - 1e-4).abs() < 1e-12 && (sizes.last().unwrap() * largest - 0.1).abs() < 1e-12);
+        }
+        assert!(sizes(elasticity, 0, 0.0).is_empty());
+        assert_eq!(sizes(find("time_delay").unwrap(), 0, 500.0).len(), TIMES.len());
+    }
+}

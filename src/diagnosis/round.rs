@@ -1,16 +1,13 @@
 //! A round's view of the data: the noise, the fit so far, and the tests of all candidates against it.
 
 use super::Options;
-use super::arm::Arm;
 use super::candidates::{self, Candidate};
 use super::found::{Found, members};
-use super::rows::Rows;
 use super::scan::Scan;
 use super::score::Projection;
 use super::session::{Noise, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
-use crate::identification::effect_model::Trust;
 
 /// A round of a search.
 #[derive(Debug)]
@@ -25,17 +22,30 @@ pub struct Round {
     pub scan: Scan,
 }
 
-/// How candidates are found along rows: [`candidates::all`] or [`candidates::lasting`].
-type Find = fn(&Arm, &Rows, Trust, &[String]) -> Result<Vec<Candidate>>;
-
 impl Round {
-    /// Fits what was `found` so far, with estimates written back, and tests all candidates that `find` gives against the fit.
+    /// Fits what was `found` so far, with estimates written back, and tests all candidates against the fit.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn first(session: &mut Session, found: &mut [Found], find: Find, options: &Options) -> Result<Self> {
+    pub fn first(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
-        let all = find(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+        let all = candidates::all(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+        Ok(Self::of(session, whitener, fit, all))
+    }
+
+    /// The same over all logs, of which the first are those that `candidates` are known along.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn over_all_logs(
+        session: &mut Session,
+        found: &mut [Found],
+        candidates: Vec<Candidate>,
+        options: &Options,
+    ) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        let rows = [&session.train.rows, &session.test.rows];
+        let all = candidates::carried_on(candidates, &session.arm, rows, session.trust, &options.candidates)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 
@@ -58,7 +68,10 @@ impl Round {
 }
 
 /// The noise under what was `found` and the fit of that, with estimates written back.
-fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
     let mut members = members(found);
     let present = session.all_columns(&session.train, &members)?;
     let Noise { whitener, .. } = session.noise_under(&present);

@@ -4,16 +4,16 @@
 use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
-use super::candidates::{self, Candidate, Family};
+use super::candidates::{Candidate, Family};
 use super::column::rms;
-use super::contest::{Contest, InOwnNoise, better_unseen, contest};
+use super::contest::{Chosen, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Refused, Standing};
 use super::evidence::{Ranked, ranking};
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
 use super::play::rattling_gears;
 use super::renaming::rename;
-use super::round::Round;
+use super::round::{Round, settled};
 use super::session::{Member, Noise, Session};
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -47,7 +47,7 @@ pub struct Selection {
     pub multiplicity: Multiplicity,
     /// The best of every family in the first scan, before anything was found; the best first.
     pub ranking: Vec<Ranked>,
-    /// Of every family that could be tested in the end: index of its first linear parameter and its standard deviation.
+    /// Of every family that could be tested last on the training logs: index of its first linear parameter and its standard deviation.
     pub sensitivity: BTreeMap<Family, (usize, f64)>,
 }
 
@@ -60,7 +60,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     let mut refused: Vec<Refused> = Vec::new();
     let (mut in_a_row, mut asked) = (0, 0);
     let mut in_own_noise = InOwnNoise::default();
-    let mut round = Round::first(session, &mut found, candidates::all, options)?;
+    let mut round = Round::first(session, &mut found, options)?;
     found.extend(rattling_gears(session, options)?);
     if !found.is_empty() {
         round = round.next(session, &mut found, options)?;
@@ -95,9 +95,8 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             break;
         }
         let members = members(&found);
-        let Contest { winner, alternatives, close } =
-            contest(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
-        let (winner, alternatives) = better_unseen(session, &members, winner, alternatives, &close)?;
+        let contest = contest(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
+        let Chosen { winner, alternatives, whitener: under } = better_unseen(session, &members, contest)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
         let Round { whitener, fit, .. } = &round;
         let trial = Trial {
@@ -109,7 +108,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
             alpha: options.alpha,
             tries,
         };
-        match trial.of(&winner, level)? {
+        match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = beside_play(&found, &accepted.member, alternatives);
                 // What was refused where this acts was seen in a noise that did not know it.
@@ -129,11 +128,11 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     }
     let dropped = drop_superfluous(session, &mut found)?;
     let renamed = rename(session, &mut found, &round.all, &multiplicity, options.alpha)?;
-    // The columns of all candidates along the training logs make room for those along all logs.
-    let seen = |Round { whitener, scan, .. }: Round| (whitener, scan.sensitivity());
-    let (mut whitener, mut sensitivity) = seen(round);
-    if all_logs::search(session, &mut found, &multiplicity, options)? || renamed || dropped {
-        (whitener, sensitivity) = seen(Round::first(session, &mut found, candidates::all, options)?);
+    let Round { mut whitener, scan, all, .. } = round;
+    let sensitivity = scan.sensitivity();
+    drop(scan);
+    if all_logs::search(session, &mut found, all, &multiplicity, options)? || renamed || dropped {
+        (whitener, _) = settled(session, &mut found)?;
     }
     tell_rms(session, &mut found, &whitener)?;
     Ok(Selection { found, whitener, first_whitener, multiplicity, ranking, sensitivity })

@@ -148,6 +148,17 @@ fn torque_faults() {
 }
 
 #[test]
+fn a_torque_that_turns_near_zero_has_its_sign() {
+    let mut sieved = log(&irb(), 250.0, 12.0);
+    let tau = sieved.recording.tau.channel_mut(1);
+    for (i, tau) in tau.iter_mut().enumerate() {
+        *tau = -10.0 * (1.01 + (0.01 * i as f64).cos()) - 0.05 * (i % 7) as f64 / 7.0;
+    }
+    let report = examine(&sieved, None).unwrap();
+    assert!(report.findings.iter().all(|finding| finding.kind != Kind::UnsignedTorque), "{:?}", report.findings);
+}
+
+#[test]
 fn dead_time_is_measured() {
     let robot = irb();
     let mut sieved = log(&robot, 250.0, 12.0);

@@ -4,6 +4,7 @@
 mod changes;
 mod extended;
 mod faults;
+mod forms;
 
 use std::sync::LazyLock;
 use tauscope::effects::Placed;

@@ -61,7 +61,7 @@ pub fn search(
         let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, tries: None };
         match trial.by_others(&winner, level)? {
             Outcome::Accepted(accepted) => {
-                let alternatives = beside_play(&known, &accepted.member, alternatives);
+                let alternatives = beside_play(&all_logs, &known, &accepted.member, alternatives);
                 known.push(Found::new(*accepted, alternatives));
                 refused.clear();
                 in_own_noise.clear();

@@ -4,7 +4,8 @@ use super::acceptance::Accepted;
 use super::candidates::{Candidate, Family};
 use super::contest::Alternative;
 use super::impacts::Play;
-use super::session::Member;
+use super::roles::{PLAY, is_like_play};
+use super::session::{Member, Session};
 use super::verdict::Verdict;
 
 /// An effect that was found.
@@ -62,15 +63,25 @@ pub fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
 }
 
-/// The alternatives of a new member, and the play of its gear if that has one: how the teeth give under load looks like more of
-/// either.
-pub fn beside_play(found: &[Found], member: &Member, mut alternatives: Vec<Alternative>) -> Vec<Alternative> {
+/// The alternatives of a new member, and the play of its gear where that has one or impacts leave it open: how the teeth give under
+/// load looks like more of either, and a link that lies on one side of its play or the other like an encoder that is not true.
+pub fn beside_play(
+    session: &Session,
+    found: &[Found],
+    member: &Member,
+    mut alternatives: Vec<Alternative>,
+) -> Vec<Alternative> {
     let Candidate { placed, .. } = &member.candidate;
     if placed.effect.gear(&placed.parameters).is_some() {
         let rattling =
             found.iter().filter(|other| other.impacts.is_some()).map(|other| other.member.candidate.family());
         let own = rattling.filter(|family| family.joint == placed.joint);
         alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
+    }
+    let play = Family { effect: PLAY, joint: placed.joint };
+    let is_open = is_like_play(placed.effect) && session.open_play.contains(&placed.joint);
+    if is_open && alternatives.iter().all(|other| other.family != play) {
+        alternatives.push(Alternative { family: play, relative_likelihood: 1.0 });
     }
     alternatives
 }

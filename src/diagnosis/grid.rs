@@ -66,7 +66,7 @@ pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Place
 }
 
 /// Values of a parameter that is held: one for every form in which books write the law.
-fn forms(effect: &dyn Effect, parameter: &Parameter) -> Vec<f64> {
+pub fn forms(effect: &dyn Effect, parameter: &Parameter) -> Vec<f64> {
     let written = FORMS.iter().find(|(name, of, _)| *name == effect.about().name && *of == parameter.name);
     written.map_or_else(|| vec![parameter.typical], |(.., values)| values.to_vec())
 }

@@ -3,7 +3,7 @@
 use super::bodies;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined, rms};
-use super::grid::{is_sensible, largest_torque, within_bounds};
+use super::grid::{forms, is_sensible, largest_torque, within_bounds};
 use super::roles::{bends, is_level, linear, shapes, sizes};
 use super::score::{Projection, Test};
 use super::session::{Member, Session, bounded};
@@ -26,6 +26,9 @@ const SIZE_FACTOR: f64 = 2.0;
 /// Standard deviations by which an estimate may lie beyond a bound.
 const BEYOND_BOUND: f64 = 3.0;
 
+/// By how much more surely, in the logarithm of the probability, a form of a law must show that is not the usual one.
+const UNUSUAL: f64 = 3.0;
+
 /// A candidate with its test in some whitening.
 #[derive(Debug, Clone)]
 pub struct Judged {
@@ -41,6 +44,15 @@ impl Judged {
     /// The candidate as part of the model.
     pub fn member(&self) -> Member {
         Member::new(&self.candidate, &self.test.values)
+    }
+
+    /// Logarithm of the probability by chance, by which shapes and forms of one family compare.
+    pub fn likeliness(&self) -> f64 {
+        let placed = &self.candidate.placed;
+        let unusual =
+            |(parameter, value): (&Parameter, &f64)| parameter.role == Role::Held && *value != parameter.typical;
+        let is_unusual = placed.effect.parameters().iter().zip(&placed.parameters).any(unusual);
+        self.test.log_p() + if is_unusual { UNUSUAL } else { 0.0 }
     }
 }
 
@@ -131,11 +143,36 @@ impl Session<'_> {
         })
     }
 
-    /// Moves the shapes and sizes of a candidate to where its test is largest.
+    /// A candidate in the form of its law that is the likeliest, with its shapes and sizes where its test is largest.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let Candidate { placed, log, .. } = start.candidate.clone();
+        let mut best = self.refined_in_form(start, whitener, fit)?;
+        for (index, parameter) in placed.effect.parameters().iter().enumerate() {
+            if parameter.role != Role::Held {
+                continue;
+            }
+            for value in forms(placed.effect, parameter).into_iter().filter(|value| *value != placed.parameters[index])
+            {
+                let mut other = placed.clone();
+                other.parameters[index] = value;
+                let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&other))?.concat();
+                let Some(start) = self.judge(&Candidate { placed: other, log, columns }, whitener, fit) else {
+                    continue;
+                };
+                let refined = self.refined_in_form(start, whitener, fit)?;
+                if refined.likeliness() < best.likeliness() {
+                    best = refined;
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// Moves the shapes and sizes of a candidate to where its test is largest.
+    fn refined_in_form(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
         let effect = start.candidate.placed.effect;
         let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
         let mut best = start;

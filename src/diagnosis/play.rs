@@ -6,6 +6,7 @@ use super::contest::Alternative;
 use super::found::Found;
 use super::impacts::{Play, Traces};
 use super::multiplicity::family_wise;
+use super::roles::PLAY;
 use super::score::fisher;
 use super::session::{Member, Session};
 use super::verdict::Verdict;
@@ -23,22 +24,22 @@ const EACH: f64 = 0.05;
 /// other is not an alternative; and among moments only in which the loads change as much, where they must still show.
 const OWN: f64 = 0.01;
 
-/// Name of the effect.
-const NAME: &str = "backlash";
+/// Probability of a joint's impacts by chance up to which they leave its play open.
+const OPEN: f64 = 0.02;
 
-/// Gears with play that impacts in the logs show, the surest first. Their steady torque joins the session's
+/// Gears with play that impacts in the logs show, the surest first; the session is told which others they leave open. Their steady torque joins the session's
 /// baseline, and the rows that impacts disturb are left out.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn rattling_gears(session: &mut Session, options: &Options) -> Result<Vec<Found>> {
-    let effect = find(NAME)?;
+    let effect = find(PLAY)?;
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Vec::new());
     }
     let dof = session.model.dof();
     let known: Vec<usize> =
-        session.known.effects.iter().filter(|placed| placed.effect.about().name == NAME).map(|one| one.joint).collect();
+        session.known.effects.iter().filter(|placed| placed.effect.about().name == PLAY).map(|one| one.joint).collect();
     let train = Traces::new(&session.arm, &session.train.rows);
     let test = Traces::new(&session.arm, &session.test.rows);
     let mut rattling: Vec<usize> = Vec::new();
@@ -77,6 +78,10 @@ pub fn rattling_gears(session: &mut Session, options: &Options) -> Result<Vec<Fo
         rattling.extend(&rivals);
         found.push(named(effect, (joint, &rivals), &play, (level, test.share(joint))));
     }
+    let named = |joint: &usize| found.iter().any(|one| one.member.placed.joint == *joint);
+    let chance = |joint: usize| fisher([&train, &test].map(|traces| traces.log_p(joint, &rattling)));
+    let open = (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < OPEN.ln());
+    session.open_play = open.collect();
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
     let fitted = session.known.fitted().len();
@@ -103,7 +108,7 @@ fn named(
     let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true };
     let alternatives: Vec<Alternative> = rivals
         .iter()
-        .map(|&joint| Alternative { family: Family { effect: NAME, joint }, relative_likelihood: 1.0 })
+        .map(|&joint| Alternative { family: Family { effect: PLAY, joint }, relative_likelihood: 1.0 })
         .collect();
     Found {
         verdict: if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },

@@ -76,7 +76,7 @@ pub fn rename(
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
         if old == new {
-            known.set_alternatives(beside_play(&others, &known.member, alternatives));
+            known.set_alternatives(beside_play(session, &others, &known.member, alternatives));
             continue;
         }
         let trial =
@@ -84,7 +84,7 @@ pub fn rename(
         let level = multiplicity.level(new.effect, winner.test.log_p());
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
-                let alternatives = beside_play(&others, &accepted.member, alternatives);
+                let alternatives = beside_play(session, &others, &accepted.member, alternatives);
                 *known = Found::new(*accepted, alternatives);
                 changed = true;
             }
@@ -122,13 +122,13 @@ pub fn narrow(session: &Session, found: &mut [Found], round: &Round, multiplicit
         let stay = stay.filter(|other| alternatives.iter().all(|own| own.family != other.family));
         let alternatives: Vec<Alternative> = alternatives.iter().chain(stay).cloned().collect();
         if old == new {
-            known.set_alternatives(beside_play(&others, &known.member, alternatives));
+            known.set_alternatives(beside_play(session, &others, &known.member, alternatives));
             continue;
         }
         // One that all logs let stand beside the best of them has the names that they leave.
         if alternatives.iter().any(|other| other.family == old) {
             let left = alternatives.into_iter().filter(|other| other.family != old).collect();
-            known.set_alternatives(beside_play(&others, &known.member, left));
+            known.set_alternatives(beside_play(session, &others, &known.member, left));
         }
         known.may_also_be(new);
     }

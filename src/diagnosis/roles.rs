@@ -24,6 +24,12 @@ const DELAYS: [&str; 1] = ["time_delay"];
 /// Effects that are functions of their joint's speed alone, as different books write them.
 const SPEED_LAWS: [&str; 2] = ["stribeck_friction", "nonlinear_viscous_friction"];
 
+/// Gears with play.
+pub const PLAY: &str = "backlash";
+
+/// Effects that look like play between its impacts.
+const LIKE_PLAY: [&str; 3] = ["encoder_offset", "encoder_eccentricity", "joint_elasticity"];
+
 /// Indices of the parameters for which there are columns: amplitudes and departures.
 pub fn linear(effect: &dyn Effect) -> Vec<usize> {
     with_role(effect, |role| matches!(role, Role::Amplitude | Role::Departure))
@@ -76,6 +82,11 @@ pub fn is_delay(effect: &dyn Effect) -> bool {
 /// Whether an effect is friction that depends on its joint's speed alone.
 pub fn is_speed_law(effect: &dyn Effect) -> bool {
     SPEED_LAWS.contains(&effect.about().name)
+}
+
+/// Whether play of the same gear looks like an effect, but for its impacts.
+pub fn is_like_play(effect: &dyn Effect) -> bool {
+    LIKE_PLAY.contains(&effect.about().name)
 }
 
 /// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.

@@ -45,7 +45,7 @@ impl Scan {
         let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
         for judged in &self.judged {
             let place = best.entry(judged.candidate.slot()).or_insert(judged);
-            if judged.test.log_p() < place.test.log_p() {
+            if judged.likeliness() < place.likeliness() {
                 *place = judged;
             }
         }

@@ -110,7 +110,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         };
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
-                let alternatives = beside_play(&found, &accepted.member, alternatives);
+                let alternatives = beside_play(session, &found, &accepted.member, alternatives);
                 // What was refused where this acts was seen in a noise that did not know it.
                 let joints = accepted.member.candidate.joints();
                 refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));

@@ -62,6 +62,8 @@ pub struct Session<'a> {
     pub test: Side,
     /// Whether these are others than those identified from.
     pub apart: bool,
+    /// Joints whose gears may have play: impacts show some, and not surely.
+    pub open_play: Vec<usize>,
     /// Cut-off of the positions' low-pass, Hz.
     pub cutoff_hz: f64,
     /// The low-pass that torque went through before it was logged, if any.
@@ -196,7 +198,8 @@ impl<'a> Session<'a> {
         }
         let apart = !test_logs.iter().any(|log| train_logs.iter().any(|other| std::ptr::eq(*log, *other)));
         let arm = known.arm.clone();
-        let mut session = Session { model, trust, known, arm, train, test, apart, cutoff_hz, passband };
+        let open_play = Vec::new();
+        let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoff_hz, passband };
         session.leave_out_distorted()?;
         Ok(session)
     }
@@ -205,8 +208,8 @@ impl<'a> Session<'a> {
     pub fn over_all_logs(&self) -> Session<'a> {
         let Session { model, trust, cutoff_hz, passband, .. } = *self;
         let (known, arm, test) = (self.known.clone(), self.arm.clone(), self.test.clone());
-        let train = self.train.and(&test);
-        Session { model, trust, known, arm, train, test, apart: false, cutoff_hz, passband }
+        let (train, open_play) = (self.train.and(&test), self.open_play.clone());
+        Session { model, trust, known, arm, train, test, apart: false, open_play, cutoff_hz, passband }
     }
 
     /// Leaves out rows in which the low-pass bent the motion: what is left of a jerk there is no noise, and a few such rows

@@ -213,7 +213,7 @@ fn answer<'a>(
     let train = session.residual_on(&session.train, &[], &first_whitener)?;
     let baseline = session.residual_on(&session.test, &[], &first_whitener)?;
     let extended = session.held_out_residual(&members, &whitener)?;
-    let evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
+    let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
@@ -224,10 +224,13 @@ fn answer<'a>(
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
     let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
     let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
+    let all = found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects));
     let (sampling, named): (Vec<_>, Vec<_>) =
-        found.into_iter().zip(derived).partition(|(found, _)| is_of_sampling(found, period, &noise_floor));
-    let sampling_delay = sampling.first().map(|(Found { member, .. }, _)| [member.placed.parameters[0], member.std[0]]);
-    let (found, derived): (Vec<Found>, Vec<_>) = named.into_iter().unzip();
+        all.partition(|((found, _), _)| is_of_sampling(found, period, &noise_floor));
+    let sampling_delay =
+        sampling.first().map(|((Found { member, .. }, _), _)| [member.placed.parameters[0], member.std[0]]);
+    let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
+    evidence.effects = effects;
     let diagnosis = Diagnosis {
         verdict: verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,

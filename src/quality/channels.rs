@@ -1,7 +1,6 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
 use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
-use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
@@ -51,9 +50,14 @@ pub fn findings(view: &View) -> Vec<Finding> {
 /// Whether a channel has so few digits that most of its changes are by the last one: it then rests between them, and at
 /// its extremes, without anything being wrong.
 fn coarse(values: &[f64]) -> bool {
-    let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
-    let resolution = changes().fold(f64::INFINITY, f64::min);
-    size_quantile(changes(), 0.5) < COARSE * resolution
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    size_quantile(changes, 0.5) < COARSE * resolution(values)
+}
+
+/// The smallest change of a channel.
+fn resolution(values: &[f64]) -> f64 {
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    changes.fold(f64::INFINITY, f64::min)
 }
 
 /// Runs of equal values: start and length.
@@ -178,48 +182,28 @@ fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     Some(Finding::new(Kind::HeldSamples, Severity::Note, view.place("tau", joint), text))
 }
 
-/// Fewest samples of a stretch near zero that tell whether the torque went through it.
-const SHORTEST_VISIT: usize = 8;
+/// Shares of a torque's size: up to the first it visits zero if it comes from beyond twice that and comes down to the second; up to
+/// the last it meets zero, at which one that turns of its own stops by chance alone; visits of which one that does so is enough.
+const NEAR: f64 = 0.03;
+const VISITS: f64 = 0.02;
+const MEETS: f64 = 0.004;
+const MANY: usize = 5;
 
-/// How much straighter a visit to zero must be with the sign put back.
-const STRAIGHTER: f64 = 0.5;
-
-/// Whether a visit to zero is one of a torque that went through: with the sign put back beyond its lowest sample it runs straight on,
-/// while one that turns is as smooth as it is.
-fn bounces(visit: &[f64]) -> bool {
-    let lowest = (0..visit.len()).min_by(|&a, &b| visit[a].abs().total_cmp(&visit[b].abs())).unwrap_or(0);
-    let through: Vec<f64> = visit.iter().enumerate().map(|(k, x)| if k < lowest { *x } else { -x }).collect();
-    bend(&through) < STRAIGHTER * bend(visit)
-}
-
-/// Sum of squares that the best parabola leaves.
-fn bend(signal: &[f64]) -> f64 {
-    let rows = signal.len();
-    let at = |k: usize| 2.0 * k as f64 / (rows - 1) as f64 - 1.0;
-    let powers = DMatrix::from_fn(rows, 3, |k, order| at(k).powi(order as i32));
-    let signal = DVector::from_column_slice(signal);
-    let normal = powers.tr_mul(&powers).cholesky().map(|normal| normal.solve(&powers.tr_mul(&signal)));
-    normal.map_or(f64::INFINITY, |values| (signal - powers * values).norm_squared())
-}
-
-/// A torque that comes down to zero again and again as if to go through, and never goes below (or above).
+/// A torque that comes down to zero again and again, meets it, and never goes below (or above).
 fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     let (low, high) = extremes(tau);
     let size = size_quantile(tau.iter().copied(), 0.95);
-    let near = 0.03 * size;
     let (one_sided, what) = if low >= 0.0 { (true, "never negative") } else { (high <= 0.0, "never positive") };
-    if !one_sided || size == 0.0 {
+    // A torque with few digits meets zero wherever it comes near.
+    if !one_sided || size == 0.0 || resolution(tau) > MEETS * size {
         return None;
     }
-    let away = |value: &f64| value.abs() > 5.0 * near;
-    // Stretches between samples far from zero, each with one that is not.
-    let visits = tau.split_inclusive(away).collect::<Vec<_>>();
-    let visits = visits.iter().filter(|stretch| {
-        let (came, left) = (stretch.len() > SHORTEST_VISIT, stretch.last().is_some_and(away));
-        came && left && stretch.iter().any(|value| value.abs() < near) && bounces(stretch)
-    });
-    let visits = visits.count();
-    (visits >= 2).then(|| {
+    let lowest = |stretch: &[f64]| stretch.iter().fold(f64::INFINITY, |least, value| least.min(value.abs()));
+    let away = |value: &f64| value.abs() > 2.0 * NEAR * size;
+    let visits: Vec<f64> = tau.split(away).map(lowest).filter(|lowest| *lowest < VISITS * size).collect();
+    let met = visits.iter().filter(|lowest| **lowest < MEETS * size).count();
+    let visits = visits.len();
+    ((met >= 1 && visits >= MANY) || (met >= 2 && 2 * met >= visits)).then(|| {
         let text = format!(
             "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"
         );

@@ -27,8 +27,8 @@ const OWN: f64 = 0.01;
 /// Probability of a joint's impacts by chance up to which they leave its play open.
 const OPEN: f64 = 0.02;
 
-/// Gears with play that impacts in the logs show, the surest first; the session is told which others they leave open. Their steady torque joins the session's
-/// baseline, and the rows that impacts disturb are left out.
+/// Gears with play that impacts in the logs show, the surest first; the session is told which others they leave open. Their
+/// steady torque joins the session's baseline, and the rows that impacts disturb are left out.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

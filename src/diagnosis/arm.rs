@@ -171,6 +171,18 @@ impl Arm {
         Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
     }
 
+    /// What the positions hold beyond what is smooth puts into the torque of the arm as found: kinks of the motion, and noise.
+    pub fn beyond_smoothing(&self, rows: &Rows) -> Column {
+        let each = rows.logs.par_iter().map(|log| {
+            let plain = self.torque(&log.motion, &log.motion);
+            let whole = log.whole.as_ref().unwrap_or(&log.motion);
+            let mut torque = self.torque(whole, whole);
+            torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, smooth)| *value -= smooth);
+            torque
+        });
+        over_rows(rows, &each.collect::<Vec<Channels>>())
+    }
+
     /// Second derivative of the torque that the gears of the arm as found carry, over the rows, N m/s2.
     ///
     /// # Errors

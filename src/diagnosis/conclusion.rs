@@ -118,17 +118,18 @@ pub fn conclude<'a>(
     let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
     let simulation = as_described(&session, &input.present)?;
     let mut selection = select(&mut session, options, progress)?;
+    let mut left = unexplained(&session, &selection, options.alpha)?;
     let mut inertias = None;
     if options.trust == Trust::Nominal && input.reference.is_empty() {
         let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
-        if let Some(free) = all_inertias(&session, &selection, free, train, test, options, progress)? {
-            (session, selection) = (free.session, free.selection);
+        if let Some(free) = all_inertias(&session, (&selection, &left), free, train, test, options, progress)? {
+            (session, selection, left) = (free.session, free.selection, free.unexplained);
             inertias = Some(free.gain);
         }
     }
     let present = input.present.clone();
     let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present };
-    answer(session, selection, circumstances, options)
+    answer(session, selection, left, circumstances, options)
 }
 
 /// The arm as its reference logs show it, with the effects found there: they were there before the change.
@@ -202,17 +203,16 @@ struct Circumstances {
 fn answer<'a>(
     session: Session<'a>,
     selection: Selection,
+    unexplained: Vec<Unexplained>,
     circumstances: Circumstances,
     options: &Options,
 ) -> Result<Conclusion<'a>> {
     let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
-    let Selection { mut found, whitener, first_whitener, multiplicity, ranking, sensitivity } = selection;
+    let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
-    let unexplained = unexplained(&session, &members, &whitener, options.alpha)?;
     let valid = |side: &'_ Side| side.rows.valid.clone();
     let train = session.residual_on(&session.train, &[], &first_whitener)?;
     let baseline = session.residual_on(&session.test, &[], &first_whitener)?;
-    let extended = session.held_out_residual(&members, &whitener)?;
     let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;

@@ -12,6 +12,8 @@ use crate::error::Result;
 pub struct ErrorsOfMotion {
     /// The error of the smoothing, on each joint.
     pub smoothing: Vec<Column>,
+    /// What the positions hold beyond what is smooth, on each joint; none where no less would do.
+    pub beyond: Vec<Column>,
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
     pub bend: Vec<Column>,
@@ -23,12 +25,17 @@ impl ErrorsOfMotion {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn new(arm: &Arm, rows: &Rows) -> Result<Self> {
-        Ok(ErrorsOfMotion { smoothing: of_joints(arm.smoothing_error(rows)?), bend: of_joints(arm.bend(rows)?) })
+        let is_smoother = rows.logs.iter().any(|log| log.whole.is_some());
+        Ok(ErrorsOfMotion {
+            smoothing: of_joints(arm.smoothing_error(rows)?),
+            beyond: if is_smoother { of_joints(arm.beyond_smoothing(rows)) } else { Vec::new() },
+            bend: of_joints(arm.bend(rows)?),
+        })
     }
 
     /// All of them.
     pub fn all(&self) -> Vec<Column> {
-        self.smoothing.iter().chain(&self.bend).cloned().collect()
+        self.smoothing.iter().chain(&self.beyond).chain(&self.bend).cloned().collect()
     }
 
     /// Those that stand beside an effect: none where torque is cut off, since the smoothing errs there too; not the second
@@ -37,7 +44,7 @@ impl ErrorsOfMotion {
         if is_level(placed.effect) {
             Vec::new()
         } else if placed.effect.gear(&placed.parameters).is_some() {
-            self.smoothing.clone()
+            self.smoothing.iter().chain(&self.beyond).cloned().collect()
         } else {
             self.all()
         }

@@ -1,6 +1,6 @@
 //! Grids of the parameters that are not linear: where shapes and departures of an effect are looked for on a joint.
 
-use super::roles::{bends, is_level, shapes, sizes};
+use super::roles::{COMPLIANCE, bends, is_level, shapes};
 use super::rows::Rows;
 use crate::effects::{Effect, Parameter, Placed, Role};
 
@@ -26,6 +26,12 @@ const APART: f64 = 0.3;
 /// Exponents of the Stribeck curve: Tustin's exponential and Armstrong-Helouvry's Gaussian.
 const FORMS: [(&str, &str, [f64; 2]); 1] = [("stribeck_friction", "exponent", [1.0, 2.0])];
 
+/// Sizes of departures of which the torque is not linear: times as multiples of the typical one, and the compliance of gears by
+/// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
+/// in all but that.
+const TIMES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
+
 /// Highest harmonic of a ripple scan, and lengths of contacts, s.
 const HIGHEST_HARMONIC: f64 = 60.0;
 const CONTACTS_S: [f64; 3] = [1.5, 3.0, 6.0];
@@ -43,8 +49,7 @@ pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Place
     let mut all = vec![typical];
     for (index, parameter) in effect.parameters().iter().enumerate() {
         let values = match parameter.role {
-            Role::Amplitude => continue,
-            Role::Held => forms(effect, parameter),
+            Role::Amplitude | Role::Held => continue,
             Role::Departure => departures(effect, index, joint, rows),
             Role::Shape => {
                 let grid = shape_grid(parameter, alone, joint, rows);
@@ -65,29 +70,44 @@ pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Place
     all
 }
 
-/// Values of a parameter that is held: one for every form in which books write the law.
-pub fn forms(effect: &dyn Effect, parameter: &Parameter) -> Vec<f64> {
+/// Values of a parameter that is held: one for every form in which books write the law. A grid holds the usual one.
+pub fn forms(effect: &dyn Effect, parameter: &Parameter) -> &'static [f64] {
     let written = FORMS.iter().find(|(name, of, _)| *name == effect.about().name && *of == parameter.name);
-    written.map_or_else(|| vec![parameter.typical], |(.., values)| values.to_vec())
+    written.map_or(&[], |(.., values)| values)
 }
 
 /// Effects in the log's timing bend with their size; the others are straight as far as one looks.
 fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
     let parameter = &effect.parameters()[index];
-    let largest = largest_torque(rows, joint);
     if is_level(effect) {
+        let largest = largest_torque(rows, joint);
         return CUT_OFF.iter().map(|share| share * largest).filter(|level| *level > 0.0).collect();
     }
     if !bends(effect, index) {
         return vec![parameter.typical];
     }
-    let sizes = sizes(effect, index, largest);
+    let sizes = sizes(parameter, joint, rows);
     let negative = sizes.iter().map(|size| -size);
     negative.chain(sizes.iter().copied()).filter(|size| (parameter.lower..=parameter.upper).contains(size)).collect()
 }
 
+/// Sizes at which the columns of a departure that bends are taken on a joint, without signs, the smallest first: below that one
+/// the torque is as good as straight in it.
+pub fn sizes(parameter: &Parameter, joint: usize, rows: &Rows) -> Vec<f64> {
+    if parameter.unit == COMPLIANCE {
+        return compliances(parameter, largest_torque(rows, joint));
+    }
+    TIMES.iter().map(|multiple| multiple * parameter.typical.abs()).collect()
+}
+
+/// Compliances of a gear of which the torque is at most `largest`, N m.
+fn compliances(parameter: &Parameter, largest: f64) -> Vec<f64> {
+    let compliances = TWISTS.iter().map(|twist| (twist / largest).min(parameter.upper));
+    if largest > 0.0 { compliances.collect() } else { Vec::new() }
+}
+
 /// Largest torque of a joint in the rows that count, N m.
-pub fn largest_torque(rows: &Rows, joint: usize) -> f64 {
+fn largest_torque(rows: &Rows, joint: usize) -> f64 {
     let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
     torque.fold(0.0f64, |m, (v, ok)| if *ok { m.max(v.abs()) } else { m })
 }
@@ -199,5 +219,22 @@ mod tests {
         (contact.parameters[3], contact.parameters[4]) = (19.59, 19.56);
         assert!(!is_sensible(&contact));
         assert!(is_sensible(&Placed::typical(find("stribeck_friction").unwrap(), 0)));
+    }
+    #[test]
+    fn compliances_are_those_of_the_joint() {
+        // A gear that winds up by 0.1 rad under 500 N m, and one under 0.5 N m.
+        let compliance = &find("joint_elasticity").unwrap().parameters()[0];
+        for largest in [500.0, 0.5] {
+            let sizes = compliances(compliance, largest);
+            assert!((sizes[0] * largest - 1e-4).abs() < 1e-12 && (sizes.last().unwrap() * largest - 0.1).abs() < 1e-12);
+        }
+        assert!(compliances(compliance, 0.0).is_empty());
+    }
+
+    #[test]
+    fn other_forms_of_a_law_stay_out_of_the_grid() {
+        let stribeck = find("stribeck_friction").unwrap();
+        let exponent = stribeck.parameters().iter().find(|parameter| parameter.name == "exponent").unwrap();
+        assert!(forms(stribeck, exponent).len() == 2 && forms(stribeck, exponent).contains(&exponent.typical));
     }
 }

@@ -6,12 +6,12 @@
 
 use super::Options;
 use super::column::rms;
+use super::found::Found;
 use super::held_out::Gains;
 use super::known::Known;
 use super::selection::{Selection, select};
-use super::session::{Member, Session};
-use super::unexplained::unexplained;
-use super::whitening::Whitener;
+use super::session::Session;
+use super::unexplained::{Unexplained, unexplained};
 use crate::effects::Site;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -39,34 +39,37 @@ pub struct Free<'a> {
     pub session: Session<'a>,
     /// What was found with the inertias free.
     pub selection: Selection,
+    /// What stays unexplained then.
+    pub unexplained: Vec<Unexplained>,
     /// What it gains on the held-out logs over the search with inertias trusted.
     pub gain: Gain,
 }
 
-/// The search with all inertias free, if those of the description are what is wrong.
+/// The search with all inertias free, if those of the description are what is wrong: what was found with them trusted, and what that
+/// left unexplained, decides whether it is made.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn all_inertias<'a>(
     trusted: &Session<'a>,
-    selection: &Selection,
+    (selection, left): (&Selection, &[Unexplained]),
     known: Known<'a>,
     train: &[&Recording],
     test: &[&Recording],
     options: &Options,
     progress: &mut dyn FnMut(usize),
 ) -> Result<Option<Free<'a>>> {
-    let members: Vec<Member> = selection.found.iter().map(|found| found.member.clone()).collect();
-    let bodies = members.iter().filter(|member| member.placed.effect.about().site == Site::Body).count();
-    let left = surely_left(trusted, &members, &selection.whitener, options)?;
+    let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
+    let bodies = selection.found.iter().filter(is_body).count();
+    let left = surely_left(left);
     if bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS {
         return Ok(None);
     }
     let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
     let free = select(&mut session, options, progress)?;
-    let own: Vec<Member> = free.found.iter().map(|found| found.member.clone()).collect();
-    let left_free = surely_left(&session, &own, &free.whitener, options)?;
-    if left_free > left || (left_free == left && own.len() >= members.len()) {
+    let unexplained = unexplained(&session, &free, options.alpha)?;
+    let left_free = surely_left(&unexplained);
+    if left_free > left || (left_free == left && free.found.len() >= selection.found.len()) {
         return Ok(None);
     }
     // Both are seen on rows that count for both, in the noise of the better one.
@@ -74,17 +77,17 @@ pub fn all_inertias<'a>(
     for (valid, other) in rows.valid.iter_mut().zip(&trusted.test.rows.valid) {
         valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
     }
-    let before = trusted.held_out_residual(&members, &selection.whitener)?;
-    let after = session.held_out_residual(&own, &free.whitener)?;
+    let (before, after) = (&selection.held_out, &free.held_out);
     let joints: Vec<usize> = (0..rows.dof()).collect();
-    let lower_bound = Gains::new(&free.whitener.on(&rows), &before, &after, &joints, rows.len()).lower_bound();
-    let rms = [rms(&rows.valid, &before), rms(&rows.valid, &after)];
-    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, gain: Gain { lower_bound, rms } }))
+    let lower_bound = Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound();
+    let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
+    let gain = Gain { lower_bound, rms };
+    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, unexplained, gain }))
 }
 
 /// Number of joints of which something surely stays unexplained.
-fn surely_left(session: &Session, members: &[Member], whitener: &Whitener, options: &Options) -> Result<usize> {
-    Ok(unexplained(session, members, whitener, options.alpha)?.iter().filter(|left| left.sure).count())
+fn surely_left(unexplained: &[Unexplained]) -> usize {
+    unexplained.iter().filter(|left| left.sure).count()
 }
 
 /// Least share of the whitened sum of squares that all inertias together must gain to be called wrong.

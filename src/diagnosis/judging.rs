@@ -3,8 +3,8 @@
 use super::bodies;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined, rms};
-use super::grid::{forms, is_sensible, largest_torque, within_bounds};
-use super::roles::{bends, is_level, linear, shapes, sizes};
+use super::grid::{forms, is_sensible, sizes, within_bounds};
+use super::roles::{bends, is_level, linear, shapes};
 use super::score::{Projection, Test};
 use super::session::{Member, Session, bounded};
 use super::whitening::Whitener;
@@ -93,6 +93,18 @@ impl Session<'_> {
         }
     }
 
+    /// Tests an effect at the parameters of `placed`.
+    fn judged_at(
+        &self,
+        placed: Placed,
+        log: Option<usize>,
+        whitener: &Whitener,
+        fit: &Projection,
+    ) -> Result<Option<Judged>> {
+        let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&placed))?.concat();
+        Ok(self.judge(&Candidate { placed, log, columns }, whitener, fit))
+    }
+
     /// Whether the torque of an estimate is not more than what can be of its joint's: on the rows that count, and for friction
     /// in all others too, to which a law that hardly reaches the rows that count is carried on.
     fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
@@ -127,8 +139,8 @@ impl Session<'_> {
         {
             // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
             // as straight, and stands for everything below it.
-            let largest = largest_torque(&self.train.rows, candidate.placed.joint);
-            let smallest = sizes(effect, only, largest).first().copied().unwrap_or_default();
+            let sizes = sizes(&effect.parameters()[only], candidate.placed.joint, &self.train.rows);
+            let smallest = sizes.first().copied().unwrap_or_default();
             let size = candidate.placed.parameters[only];
             let share = test.values[0] / size;
             if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
@@ -148,20 +160,13 @@ impl Session<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
-        let Candidate { placed, log, .. } = start.candidate.clone();
+        let (placed, log) = (start.candidate.placed.clone(), start.candidate.log);
         let mut best = self.refined_in_form(start, whitener, fit)?;
         for (index, parameter) in placed.effect.parameters().iter().enumerate() {
-            if parameter.role != Role::Held {
-                continue;
-            }
-            for value in forms(placed.effect, parameter).into_iter().filter(|value| *value != placed.parameters[index])
-            {
+            for value in forms(placed.effect, parameter).iter().filter(|value| **value != placed.parameters[index]) {
                 let mut other = placed.clone();
-                other.parameters[index] = value;
-                let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&other))?.concat();
-                let Some(start) = self.judge(&Candidate { placed: other, log, columns }, whitener, fit) else {
-                    continue;
-                };
+                other.parameters[index] = *value;
+                let Some(start) = self.judged_at(other, log, whitener, fit)? else { continue };
                 let refined = self.refined_in_form(start, whitener, fit)?;
                 if refined.likeliness() < best.likeliness() {
                     best = refined;
@@ -176,10 +181,6 @@ impl Session<'_> {
         let effect = start.candidate.placed.effect;
         let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
         let mut best = start;
-        let at = |placed: Placed| -> Result<Option<Judged>> {
-            let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&placed))?.concat();
-            Ok(self.judge(&Candidate { placed, log, columns }, whitener, fit))
-        };
         let shapes = shapes(effect);
         let mut share = 0.25;
         for _ in 0..HALVINGS {
@@ -191,7 +192,7 @@ impl Session<'_> {
                     let wanted = moved(parameter, *value, sign * share);
                     *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
                     if is_sensible(&placed)
-                        && let Some(judged) = at(placed)?
+                        && let Some(judged) = self.judged_at(placed, log, whitener, fit)?
                         && judged.test.statistic > best.test.statistic
                     {
                         best = judged;
@@ -214,7 +215,7 @@ impl Session<'_> {
                 let size = if value.abs() < least { least } else { value };
                 placed.parameters[index] = bounded(parameter, size);
             }
-            match at(placed)? {
+            match self.judged_at(placed, log, whitener, fit)? {
                 Some(judged) => best = judged,
                 None => break,
             }

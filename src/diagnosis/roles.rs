@@ -11,12 +11,8 @@ const EVENTS: [&str; 1] = ["external_contact"];
 /// Effects that low-pass the torque.
 const LAGS: [&str; 1] = ["torque_lag"];
 
-/// Sizes of departures of which the torque is not linear: times as multiples of the typical one, and the compliance of gears by
-/// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
-/// in all but that.
-const TIMES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
-const COMPLIANCE: &str = "rad/(N m)";
+/// Unit of the compliance of gears.
+pub const COMPLIANCE: &str = "rad/(N m)";
 
 /// Effects that move all torques in time.
 const DELAYS: [&str; 1] = ["time_delay"];
@@ -53,17 +49,6 @@ pub fn bends(effect: &dyn Effect, index: usize) -> bool {
     parameter.role == Role::Departure && ["s", COMPLIANCE].contains(&parameter.unit)
 }
 
-/// Sizes at which the columns of a departure that bends are taken on a joint of which the torque is `largest`, without signs, the
-/// smallest first: below that one the torque is as good as straight in it.
-pub fn sizes(effect: &dyn Effect, index: usize, largest: f64) -> Vec<f64> {
-    let parameter = &effect.parameters()[index];
-    if parameter.unit == COMPLIANCE {
-        let sizes = TWISTS.iter().map(|twist| (twist / largest).min(parameter.upper));
-        return if largest > 0.0 { sizes.collect() } else { Vec::new() };
-    }
-    TIMES.iter().map(|multiple| multiple * parameter.typical.abs()).collect()
-}
-
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
     let parameters = effect.parameters().iter().enumerate();
     parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
@@ -98,22 +83,4 @@ pub fn acts_upon_arm(effect: &dyn Effect) -> bool {
 /// Whether an effect comes and goes on its own, whatever the motion.
 pub fn is_event(effect: &dyn Effect) -> bool {
     EVENTS.contains(&effect.about().name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::effects::find;
-
-    #[test]
-    fn compliances_are_those_of_the_joint() {
-        // A gear that winds up by 0.1 rad under 500 N m, and one under 0.5 N m.
-        let elasticity = find("joint_elasticity").unwrap();
-        for largest in [500.0, 0.5] {
-            let sizes = sizes(elasticity, 0, largest);
-            assert!((sizes[0] * largest - 1e-4).abs() < 1e-12 && (sizes.last().unwrap() * largest - 0.1).abs() < 1e-12);
-        }
-        assert!(sizes(elasticity, 0, 0.0).is_empty());
-        assert_eq!(sizes(find("time_delay").unwrap(), 0, 500.0).len(), TIMES.len());
-    }
 }

@@ -9,7 +9,7 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::signal::{ZeroPhaseLowPass, block_means, first_derivative, second_derivative};
+use crate::signal::{ZeroPhaseLowPass, block_means, smooth_derivatives};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -28,6 +28,10 @@ pub const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
 
 /// Lowest cut-off worth trying, of the one that leaves only white noise.
 const LOWEST_SHARE: f64 = 0.25;
+
+/// Highest cut-off, and the edge above which positions hold nothing but noise anyway, as shares of the rate.
+const HIGHEST_SHARE: f64 = 0.2;
+const NOISE_SHARE: f64 = 0.25;
 
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
@@ -55,6 +59,9 @@ const END_S: f64 = 0.1;
 /// Points of integrals over frequency.
 const POINTS: usize = 4000;
 
+/// Share of the band within which the direction is not certain of a motion that is hardly smoothed.
+const HARDLY_SMOOTHED: f64 = 0.5;
+
 /// Share of a joint's motion that reversals may not take.
 const KEPT_SHARE: f64 = 0.85;
 
@@ -70,6 +77,8 @@ pub struct Log {
     pub time: Vec<f64>,
     /// The motion from smooth positions.
     pub motion: Motion,
+    /// The motion from positions smoothed no more than their noise asks, where `motion` is smoother.
+    pub whole: Option<Motion>,
     /// Measured torque, `[joint][time]`; not a number where it must not be used.
     pub torque: Channels,
     /// Time between samples, s.
@@ -90,8 +99,8 @@ impl Log {
     pub fn motion_of(q: Channels, period: f64) -> Result<Motion> {
         let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
         for joint in 0..motion.joints() {
-            first_derivative(motion.q.channel(joint), period, motion.qd.channel_mut(joint))?;
-            second_derivative(motion.q.channel(joint), period, motion.qdd.channel_mut(joint))?;
+            let Motion { q, qd, qdd } = &mut motion;
+            smooth_derivatives(q.channel(joint), period, qd.channel_mut(joint), qdd.channel_mut(joint))?;
         }
         Ok(motion)
     }
@@ -137,17 +146,19 @@ impl Rows {
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
     pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
-        Self::logged_through(None, recordings, cutoff_hz, fewest)
+        Self::logged_through(None, recordings, [cutoff_hz; 2], fewest)
     }
 
-    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged.
+    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged. A row counts only where the joint also moves
+    /// surely with positions smoothed at `whole_hz`, above which they hold nothing but noise: where friction holds a joint for a
+    /// moment, smoother positions move on.
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
     pub fn logged_through(
         through: Option<LowPass>,
         recordings: &[&Recording],
-        cutoff_hz: f64,
+        [cutoff_hz, whole_hz]: [f64; 2],
         fewest: usize,
     ) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
@@ -161,7 +172,7 @@ impl Rows {
             rich: OnceLock::new(),
         };
         for recording in recordings {
-            let mut log = prepared(recording, cutoff_hz)?;
+            let mut log = prepared(recording, [cutoff_hz, whole_hz])?;
             log.passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
             let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
             let margin = blocks(MEMORY / cutoff_hz);
@@ -318,8 +329,8 @@ pub fn cutoff(recordings: &[&Recording]) -> Result<f64> {
 }
 
 fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
-    let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz < 0.12 * rate_hz).collect();
-    let edges: Vec<f64> = candidates.iter().copied().chain([0.15 * rate_hz]).collect();
+    let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz <= HIGHEST_SHARE * rate_hz).collect();
+    let edges: Vec<f64> = candidates.iter().copied().chain([NOISE_SHARE * rate_hz]).collect();
     let filters: Vec<ZeroPhaseLowPass> =
         edges.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate_hz)).collect::<Result<_>>()?;
     let mut passed = Vec::with_capacity(filters.len());
@@ -357,7 +368,8 @@ fn share(gain: impl Fn(f64) -> f64, rate_hz: f64) -> f64 {
     (0..POINTS).map(|k| gain((k as f64 + 0.5) / POINTS as f64 * 0.5 * rate_hz).powi(2)).sum::<f64>() / POINTS as f64
 }
 
-fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
+/// The motion of a log with its positions smoothed by a low-pass, which is returned too.
+fn smooth(recording: &Recording, cutoff_hz: f64) -> Result<(Motion, ZeroPhaseLowPass)> {
     let rate = recording.rate_hz();
     let low_pass = ZeroPhaseLowPass::new(ORDER, cutoff_hz, rate)?;
     let mut q = recording.q.clone();
@@ -366,11 +378,18 @@ fn prepared(recording: &Recording, cutoff_hz: f64) -> Result<Log> {
             .apply_in_place(q.channel_mut(joint))
             .map_err(|e| Error::request(format!("joint `{}`", recording.joints[joint]), e.to_string()))?;
     }
-    let motion = Log::motion_of(q, 1.0 / rate)?;
+    Ok((Log::motion_of(q, 1.0 / rate)?, low_pass))
+}
+
+fn prepared(recording: &Recording, [cutoff_hz, whole_hz]: [f64; 2]) -> Result<Log> {
+    let rate = recording.rate_hz();
+    let (motion, low_pass) = smooth(recording, cutoff_hz)?;
+    let whole = if whole_hz > cutoff_hz { Some(smooth(recording, whole_hz)?.0) } else { None };
     let block = ((BLOCK_S * rate).round() as usize).max(1);
     Ok(Log {
         time: recording.time.clone(),
         motion,
+        whole,
         torque: recording.tau.clone(),
         period: 1.0 / rate,
         low_pass,
@@ -392,19 +411,22 @@ fn rests(recording: &Recording) -> [bool; 2] {
     [!moved(0), !moved(samples - 1 - stretch)]
 }
 
-/// Blocks of a joint away from the ends of the log and from reversals. The full memory of the low-pass is left out around
-/// reversals where that leaves most of the motion; a joint that turns round all the time keeps more.
+/// Blocks of a joint away from the ends of the log and from reversals, of the motion and of the hardly smoothed one where there is
+/// one. The full memory of the low-pass is left out around reversals where that leaves most of the motion; a joint that turns round
+/// all the time keeps more.
 fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
     let speed = log.motion.qd.channel(joint);
     let fastest = speed.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let band = REVERSAL_BAND.min((BAND_SHARE * fastest).max(LEAST_BAND));
-    let slow: Vec<bool> = speed
-        .chunks_exact(log.block)
-        .map(|block| {
-            let turns = block.iter().any(|v| v.signum() != block[0].signum());
-            turns || block.iter().any(|v| v.abs() < band)
-        })
-        .collect();
+    let is_slow = |block: &[f64], band: f64| {
+        let turns = block.iter().any(|v| v.signum() != block[0].signum());
+        turns || block.iter().any(|v| v.abs() < band)
+    };
+    let mut slow: Vec<bool> = speed.chunks_exact(log.block).map(|block| is_slow(block, band)).collect();
+    if let Some(whole) = &log.whole {
+        let blocks = whole.qd.channel(joint).chunks_exact(log.block);
+        slow.iter_mut().zip(blocks).for_each(|(slow, block)| *slow |= is_slow(block, HARDLY_SMOOTHED * band));
+    }
     let away = |neighbours: usize| -> Vec<bool> {
         (0..slow.len())
             .map(|row| {

@@ -5,7 +5,7 @@ use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
 use super::candidates::{Candidate, Family};
-use super::column::rms;
+use super::column::{Column, rms};
 use super::contest::{Chosen, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Refused, Standing};
 use super::evidence::{Ranked, ranking};
@@ -43,6 +43,8 @@ pub struct Selection {
     pub whitener: Whitener,
     /// The noise before anything was found.
     pub first_whitener: Whitener,
+    /// What the model with all of them leaves of the held-out logs.
+    pub held_out: Column,
     /// How many independent tests the scan is worth.
     pub multiplicity: Multiplicity,
     /// The best of every family in the first scan, before anything was found; the best first.
@@ -134,21 +136,21 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     if all_logs::search(session, &mut found, all, &multiplicity, options)? || renamed || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
-    tell_rms(session, &mut found, &whitener)?;
-    Ok(Selection { found, whitener, first_whitener, multiplicity, ranking, sensitivity })
+    let held_out = tell_rms(session, &mut found, &whitener)?;
+    Ok(Selection { found, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
 }
 
-/// Tells of each effect what the held-out logs leave before and after it.
-fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<()> {
+/// Tells of each effect what of the held-out logs is left before and after it; returns what is left after all.
+fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
     let all = members(found);
-    let left = |first: usize| -> Result<Vec<f64>> {
-        Ok(rms(&session.test.rows.valid, &session.held_out_residual(&all[..first], whitener)?))
-    };
-    let left = (0..=all.len()).map(left).collect::<Result<Vec<_>>>()?;
-    for (found, steps) in found.iter_mut().zip(left.windows(2)) {
-        found.rms = [steps[0].clone(), steps[1].clone()];
+    let rms = |residual: &Column| rms(&session.test.rows.valid, residual);
+    let mut left = session.held_out_residual(&[], whitener)?;
+    for (count, found) in found.iter_mut().enumerate() {
+        let after = session.held_out_residual(&all[..=count], whitener)?;
+        found.rms = [rms(&left), rms(&after)];
+        left = after;
     }
-    Ok(())
+    Ok(left)
 }
 
 /// Drops effects that the others have made superfluous, the least needed first; tells whether it did.

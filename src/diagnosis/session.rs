@@ -143,8 +143,9 @@ impl<'a> Session<'a> {
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
         let (train_logs, test_logs): (&[&Recording], &[&Recording]) = (&train, test);
         let all: Vec<&Recording> = train_logs.iter().chain(test_logs).copied().collect();
+        let whole_hz = cutoff(&all)?;
         let side = |through, logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
-            let mut rows = Rows::logged_through(through, logs, cutoff_hz, fewest)?;
+            let mut rows = Rows::logged_through(through, logs, [cutoff_hz, whole_hz], fewest)?;
             rows.before = before;
             Side::new(model, &known, rows, fewest == FEWEST_ROWS)
         };
@@ -156,7 +157,7 @@ impl<'a> Session<'a> {
         };
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
-        let cutoffs = cutoffs_up_to(cutoff(&all)?);
+        let cutoffs = cutoffs_up_to(whole_hz);
         let best_of = |through: Option<LowPass>| -> Option<(f64, [Side; 2])> {
             let mut best: Option<(f64, f64, [Side; 2])> = None;
             for &hz in &cutoffs {

@@ -5,8 +5,10 @@ use super::beside::against_slow_noise;
 use super::column::Column;
 use super::generic::{Block, Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
+use super::found::members;
 use super::held_out::{Gains, SEEN_AGAIN};
-use super::score::Projection;
+use super::score::{Projection, Test};
+use super::selection::Selection;
 use super::session::{Member, Session};
 use super::solution::solve;
 use super::whitening::Whitener;
@@ -37,6 +39,13 @@ const CONFIRMED: f64 = 0.01;
 
 /// A name is empty beside structure when what it adds to that is more likely than this without it.
 const EMPTY: f64 = 1e-3;
+
+/// Share of what a name takes by itself that structure must take beyond it to stand for it: less may be any simplification of its law.
+const LITTLE: f64 = 0.05;
+
+/// Level, over all kinds of structure of a joint, at which training and held-out logs together show that a name on it is not all: that
+/// something is there is known, and what is asked is only whether the name is it.
+const NOT_ALL: f64 = 0.01;
 
 /// Kinds of structure that are looked for beside the blocks: drifts, and harmonics that come and go.
 const OTHER_KINDS: usize = 2;
@@ -76,17 +85,22 @@ fn drift(session: &Session, fit: &Projection, whitener: &Whitener, joint: usize,
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn unexplained(session: &Session, members: &[Member], whitener: &Whitener, alpha: f64) -> Result<Vec<Unexplained>> {
-    let model = Fitted::new(session, members, whitener, alpha)?;
+pub fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Vec<Unexplained>> {
+    let model = Fitted::new(session, selection, alpha)?;
     let each: Vec<Option<Unexplained>> =
         (0..session.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
     Ok(each.into_iter().flatten().collect())
 }
 
+/// Whether a member may turn out to be structure of `joint`: it acts there alone, and not by its impacts, which the rows do not tell.
+fn is_weighed(member: &Member, joint: usize) -> bool {
+    !member.held && member.candidate.joints() == [joint]
+}
+
 /// The model as found, on training and held-out rows.
 struct Fitted<'a> {
     session: &'a Session<'a>,
-    members: &'a [Member],
+    members: Vec<Member>,
     whitener: &'a Whitener,
     unseen: Whitener,
     /// Columns of the model, those of the baseline first.
@@ -97,23 +111,24 @@ struct Fitted<'a> {
     beside_errors: Projection,
     unseen_errors: Vec<Column>,
     /// Residual on the held-out rows.
-    before: Column,
+    before: &'a Column,
     /// Level of training and held-out logs together, and that of the training logs from which structure is sure.
     together: f64,
     sure: f64,
 }
 
 impl<'a> Fitted<'a> {
-    fn new(session: &'a Session, members: &'a [Member], whitener: &'a Whitener, alpha: f64) -> Result<Self> {
-        let columns = session.all_columns(&session.train, members)?;
+    fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
+        let (members, whitener) = (members(&selection.found), &selection.whitener);
+        let columns = session.all_columns(&session.train, &members)?;
         let fit = whitener.fit(&columns, &session.train.torque);
         Ok(Fitted {
             beside_errors: fit.with(&whitener.apply_all(&session.train.errors.all())),
             unseen_errors: session.test.errors.all(),
             unseen: whitener.on(&session.test.rows),
-            unseen_columns: session.all_columns(&session.test, members)?,
+            unseen_columns: session.all_columns(&session.test, &members)?,
             fit,
-            before: session.held_out_residual(members, whitener)?,
+            before: &selection.held_out,
             together: STRICTER * alpha,
             sure: SURE * alpha,
             session,
@@ -129,36 +144,34 @@ impl<'a> Fitted<'a> {
         let left: f64 = self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         let reach = Reach::new(&train.rows, joint);
         let kinds = blocks(self.session, train, joint, reach);
-        let tests = (train.rows.dof() * (kinds.len() + OTHER_KINDS)) as f64;
+        let (here, joints) = (kinds.len() as f64, train.rows.dof() as f64);
+        let tests = joints * (here + OTHER_KINDS as f64);
+        let has_names = self.members.iter().any(|member| is_weighed(member, joint));
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds.into_iter().zip(blocks(self.session, test, joint, reach)) {
+            let structure = block.structure;
             let whitened = self.whitener.apply_all(&block.columns);
             let Some(found) = self.beside_errors.test(&whitened) else { continue };
-            let log_p = against_slow_noise(&train.rows, self.whitener, &self.beside_errors, &whitened, &found);
-            let family_wise_p = (tests * log_p.exp()).min(1.0);
-            tracing::debug!(joint, structure = block.structure, family_wise_p, plain = found.log_p(), "structure");
+            let p = against_slow_noise(&train.rows, self.whitener, &self.beside_errors, &whitened, &found).exp();
+            let family_wise_p = (tests * p).min(1.0);
+            tracing::debug!(joint, structure, family_wise_p, plain = found.log_p(), "structure");
             if family_wise_p > LOOKED_FOR || best.as_ref().is_some_and(|best| family_wise_p >= best.family_wise_p) {
                 continue;
             }
             let gains = self.gains(joint, &block, &again);
             let together = gains.together(family_wise_p, 1.0);
-            tracing::debug!(
-                joint,
-                structure = block.structure,
-                together,
-                share = gains.share(),
-                "structure on held-out rows"
-            );
+            tracing::debug!(joint, structure, together, share = gains.share(), "structure on held-out rows");
             let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
-            let sure = family_wise_p < self.sure && gains.lower_bound() > 0.0;
-            if gained && (sure || (together < self.together && gains.chance() < SEEN_AGAIN)) {
-                // The fit minimises over all joints, so that it can give more than this joint has.
-                let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
-                if share < WORTH_TELLING {
-                    continue;
-                }
-                let instead_of = if sure { self.empty_beside(joint, &whitened) } else { Vec::new() };
-                best = Some(Unexplained { joint, share, structure: block.structure, family_wise_p, sure, instead_of });
+            let sure = gained && family_wise_p < self.sure && gains.lower_bound() > 0.0;
+            let shown = sure || (gained && together < self.together && gains.chance() < SEEN_AGAIN);
+            let is_not_all = has_names && gains.together((here * p).min(1.0), 1.0) < NOT_ALL;
+            // The fit minimises over all joints, so that it can give more than this joint has.
+            let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
+            let weighs = sure || is_not_all;
+            let instead_of = if weighs { self.empty_beside(joint, &whitened, &found) } else { Vec::new() };
+            if (shown && share > WORTH_TELLING) || !instead_of.is_empty() {
+                tracing::debug!(joint, structure, ?instead_of, "structure is told");
+                best = Some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of });
             }
         }
         best.or_else(|| self.wandering_harmonic(joint, tests)).or_else(|| {
@@ -179,25 +192,28 @@ impl<'a> Fitted<'a> {
         for (column, value) in self.unseen_columns.iter().chain(&again.columns).zip(solved.values) {
             after.add(-value, column);
         }
-        Gains::beside(&self.unseen, &self.before, &after, &[joint], &self.unseen_errors, test.rows.len())
+        Gains::beside(&self.unseen, self.before, &after, &[joint], &self.unseen_errors, test.rows.len())
     }
 
-    /// Members on this joint alone that add nothing to a block.
-    fn empty_beside(&self, joint: usize, block: &[Column]) -> Vec<usize> {
+    /// Members on this joint alone that add nothing to a block, which itself adds `more` than little to them.
+    fn empty_beside(&self, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
+        let more = more.statistic - more.freedom as f64;
         let mut first = self.session.train.baseline.len();
         let mut empty = Vec::new();
         for (place, member) in self.members.iter().enumerate() {
             let own = first..first + member.columns();
             first = own.end;
-            // What its impacts show does not rest on the rows.
-            if member.held || member.candidate.joints() != [joint] {
+            if !is_weighed(member, joint) {
                 continue;
             }
             let others: Vec<Column> =
                 self.columns[..own.start].iter().chain(&self.columns[own.end..]).cloned().collect();
-            let fit = self.whitener.fit(&others, &self.session.train.torque).with(block);
-            let test = fit.test(&self.whitener.apply_all(&self.columns[own]));
-            if test.is_none_or(|test| test.log_p() > EMPTY.ln()) {
+            let fit = self.whitener.fit(&others, &self.session.train.torque);
+            let own = self.whitener.apply_all(&self.columns[own]);
+            let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
+            let beside = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
+            tracing::debug!(joint, family = ?member.candidate.family(), alone, beside, "name beside structure");
+            if beside > EMPTY.ln() && more > LITTLE * alone {
                 empty.push(place);
             }
         }

@@ -50,14 +50,17 @@ pub fn findings(view: &View) -> Vec<Finding> {
 /// Whether a channel has so few digits that most of its changes are by the last one: it then rests between them, and at
 /// its extremes, without anything being wrong.
 fn coarse(values: &[f64]) -> bool {
-    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
-    size_quantile(changes, 0.5) < COARSE * resolution(values)
+    size_quantile(changes(values), 0.5) < COARSE * resolution(values)
 }
 
 /// The smallest change of a channel.
 fn resolution(values: &[f64]) -> f64 {
-    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
-    changes.fold(f64::INFINITY, f64::min)
+    changes(values).fold(f64::INFINITY, f64::min)
+}
+
+/// Sizes of the changes of a channel from one sample to the next, where there are any.
+fn changes(values: &[f64]) -> impl Iterator<Item = f64> {
+    values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0)
 }
 
 /// Runs of equal values: start and length.

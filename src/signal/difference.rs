@@ -44,6 +44,38 @@ pub fn second_derivative(input: &[f64], sample_period_s: f64, output: &mut [f64]
     Ok(())
 }
 
+/// Weights of central differences of eighth order, of the samples 1, 2, 3 and 4 to either side (Fornberg, Mathematics of Computation
+/// 51, 1988); the second derivative has one of the sample itself too.
+const FIRST: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+const SECOND: [f64; 4] = [8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0];
+const SECOND_OF_ITSELF: f64 = -205.0 / 72.0;
+
+/// First and second derivative of `input`, `[time]`, which holds nothing near half the sample rate: central differences of eighth
+/// order, exact for polynomials of eighth degree, and of second order in the four samples at either end. They amplify noise near half the
+/// sample rate more than [`first_derivative`] and [`second_derivative`], of which the latter takes 3 % off what swings at a tenth of
+/// the sample rate.
+///
+/// # Errors
+/// When the lengths differ, there are fewer than 4 samples, or the sample period is not a positive number.
+pub fn smooth_derivatives(input: &[f64], sample_period_s: f64, first: &mut [f64], second: &mut [f64]) -> Result<()> {
+    first_derivative(input, sample_period_s, first)?;
+    second_derivative(input, sample_period_s, second)?;
+    let scale = 1.0 / sample_period_s;
+    let inside = first.iter_mut().zip(second).skip(FIRST.len());
+    for ((first, second), window) in inside.zip(input.windows(2 * FIRST.len() + 1)) {
+        let middle = window[FIRST.len()];
+        let (mut slope, mut bend) = (0.0, SECOND_OF_ITSELF * middle);
+        for k in 0..FIRST.len() {
+            let (before, after) = (window[FIRST.len() - 1 - k], window[FIRST.len() + 1 + k]);
+            slope += FIRST[k] * (after - before);
+            bend += SECOND[k] * (after + before);
+        }
+        *first = scale * slope;
+        *second = scale * scale * bend;
+    }
+    Ok(())
+}
+
 fn check(input: &[f64], sample_period_s: f64, output: &[f64], fewest: usize) -> Result<()> {
     check_same_length(SUBJECT, input, output)?;
     if input.len() < fewest {
@@ -108,7 +140,45 @@ mod tests {
         assert!(message.contains("output holds 4"), "{message}");
     }
 
+    #[test]
+    fn smooth_derivatives_follow_what_swings_fast() {
+        // A fifth of the sample rate, where three samples see an eighth less acceleration; 201 samples, of which four at either end.
+        let pulse = std::f64::consts::TAU * 0.2;
+        let input: Vec<f64> = (0..201).map(|k| (pulse * f64::from(k)).sin()).collect();
+        let (mut first, mut second) = (vec![0.0; 201], vec![0.0; 201]);
+        smooth_derivatives(&input, 1.0, &mut first, &mut second).unwrap();
+        for k in 4..197 {
+            let (sin, cos) = (pulse * k as f64).sin_cos();
+            assert!((first[k] - pulse * cos).abs() < 0.01 * pulse, "{} {}", first[k], pulse * cos);
+            assert!((second[k] + pulse * pulse * sin).abs() < 0.003 * pulse * pulse, "{} {}", second[k], pulse * pulse * sin);
+        }
+        let mut plain = vec![0.0; 201];
+        second_derivative(&input, 1.0, &mut plain).unwrap();
+        assert!(plain[51].abs() < 0.88 * second[51].abs());
+        assert_eq!((second[3], second[197]), (plain[3], plain[197]));
+    }
+
     proptest! {
+        #[test]
+        fn smooth_derivatives_of_polynomials_are_exact(c in prop::array::uniform9(-1.0..1.0_f64)) {
+            let period = 0.1;
+            let polynomial = |t: f64, derivative: i32| -> f64 {
+                let term = |(k, c): (usize, &f64)| {
+                    let factor: f64 = (0..derivative).map(|d| f64::from(k as i32 - d)).product();
+                    if k as i32 >= derivative { c * factor * t.powi(k as i32 - derivative) } else { 0.0 }
+                };
+                c.iter().enumerate().map(term).sum()
+            };
+            let times: Vec<f64> = (0..21).map(|k| (f64::from(k) - 10.0) * period).collect();
+            let input: Vec<f64> = times.iter().map(|&t| polynomial(t, 0)).collect();
+            let (mut first, mut second) = (vec![0.0; 21], vec![0.0; 21]);
+            smooth_derivatives(&input, period, &mut first, &mut second).unwrap();
+            for k in 4..17 {
+                prop_assert!((first[k] - polynomial(times[k], 1)).abs() < 1e-10);
+                prop_assert!((second[k] - polynomial(times[k], 2)).abs() < 1e-9);
+            }
+        }
+
         #[test]
         fn quadratics_and_cubics_are_exact(c in prop::array::uniform4(-1.0..1.0_f64), n in 4_usize..30) {
             let period = 0.25;

@@ -11,7 +11,7 @@ mod sliding;
 pub mod spectrum;
 
 pub use decimate::{block_means, downsample};
-pub use difference::{first_derivative, second_derivative};
+pub use difference::{first_derivative, second_derivative, smooth_derivatives};
 pub use filter::Filter;
 pub use low_pass::ZeroPhaseLowPass;
 pub use noise::white_noise;

@@ -1,7 +1,8 @@
 //! The arm as identified so far: what effects in gears and sensors, and friction under load, act upon.
 
 use super::column::Column;
-use super::rows::{Log, Rows, WIDEST_HZ};
+use super::cutoffs::WIDEST_HZ;
+use super::rows::{Log, Rows};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
 use crate::effects::{Along, Placed, Scope, Site, contributions};
@@ -160,7 +161,7 @@ impl Arm {
         let each = rows.logs.par_iter().map(|log| {
             let mut q = log.motion.q.clone();
             for joint in 0..q.channels() {
-                log.low_pass.apply_in_place(q.channel_mut(joint))?;
+                log.low_pass[joint].apply_in_place(q.channel_mut(joint))?;
             }
             let smoother = Log::motion_of(q, log.period)?;
             let mut torque = self.torque(&smoother, &smoother);
@@ -361,7 +362,7 @@ impl Arm {
             let carried = self.load(&link);
             let mut twist: Vec<f64> = carried.channel(joint).iter().map(|&torque| play(torque)).collect();
             // The play is crossed in a jump, of which the smooth positions can follow as much as they pass.
-            log.low_pass.apply_in_place(&mut twist)?;
+            log.low_pass[joint].apply_in_place(&mut twist)?;
             if let Some(filter) = &below_swing {
                 filter.apply_in_place(&mut twist)?;
             }
@@ -389,7 +390,7 @@ impl Arm {
 }
 
 /// Torque of all logs at their own rate as a column over the rows.
-fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
+pub fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
     Column::new((0..rows.dof()).map(|joint| {
         let each = rows.logs.iter().zip(logs);
         each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()

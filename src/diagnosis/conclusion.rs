@@ -208,7 +208,8 @@ fn answer<'a>(
     options: &Options,
 ) -> Result<Conclusion<'a>> {
     let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
-    let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } = selection;
+    let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
+        selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let valid = |side: &'_ Side| side.rows.valid.clone();
     let train = session.residual_on(&session.train, &[], &first_whitener)?;
@@ -235,7 +236,7 @@ fn answer<'a>(
         verdict: verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,
         candidates: options.candidates.clone(),
-        cutoff_hz: session.cutoff_hz,
+        cutoffs_hz: session.cutoffs_hz.clone(),
         passband: session.passband,
         held_out_from_training,
         effective_tests: multiplicity.all(),

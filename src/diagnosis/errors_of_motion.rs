@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::column::Column;
-use super::roles::is_level;
+use super::roles::{is_level, is_of_reversals};
 use super::rows::Rows;
 use crate::effects::Placed;
 use crate::error::Result;
@@ -17,6 +17,8 @@ pub struct ErrorsOfMotion {
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
     pub bend: Vec<Column>,
+    /// What is the same at every reversal of a joint, `[joint]`, a column for each row within the smear of the smoothing.
+    pub reversals: Vec<Vec<Column>>,
 }
 
 impl ErrorsOfMotion {
@@ -30,6 +32,7 @@ impl ErrorsOfMotion {
             smoothing: of_joints(arm.smoothing_error(rows)?),
             beyond: if is_smoother { of_joints(arm.beyond_smoothing(rows)) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
+            reversals: (0..rows.dof()).map(|joint| at_reversals(rows, joint)).collect(),
         })
     }
 
@@ -39,16 +42,39 @@ impl ErrorsOfMotion {
     }
 
     /// Those that stand beside an effect: none where torque is cut off, since the smoothing errs there too; not the second
-    /// derivative of the torque beside an elastic gear, whose column that is.
+    /// derivative of the torque beside an elastic gear, whose column that is; beside friction that comes up after reversals what is the
+    /// same at each of them, since friction that holds a joint for a moment looks like it through smooth positions.
     pub fn beside(&self, placed: &Placed) -> Vec<Column> {
         if is_level(placed.effect) {
             Vec::new()
         } else if placed.effect.gear(&placed.parameters).is_some() {
             self.smoothing.iter().chain(&self.beyond).cloned().collect()
+        } else if is_of_reversals(placed.effect) {
+            self.all().into_iter().chain(self.reversals.get(placed.joint).into_iter().flatten().cloned()).collect()
         } else {
             self.all()
         }
     }
+}
+
+/// Of every row near a reversal, within the smear of the smoothing, a column that is one there after each reversal upwards and minus one
+/// after each downwards.
+fn at_reversals(rows: &Rows, joint: usize) -> Vec<Column> {
+    let smear = rows.smear[joint];
+    let mut columns = vec![vec![0.0; rows.len()]; 2 * smear + 1];
+    for (log, ends) in rows.logs.iter().zip(rows.starts.windows(2)) {
+        let speed = log.motion.qd.channel(joint);
+        let turns = speed.windows(2).enumerate().filter(|(_, pair)| pair[0].signum() != pair[1].signum());
+        for (sample, pair) in turns {
+            let row = ends[0] + sample / log.block;
+            for (lag, column) in columns.iter_mut().enumerate() {
+                if let Some(at) = (row + lag).checked_sub(smear).filter(|at| (ends[0]..ends[1]).contains(at)) {
+                    column[at] += pair[1].signum();
+                }
+            }
+        }
+    }
+    columns.into_iter().map(|column| Column::on(joint, column)).collect()
 }
 
 fn of_joints(column: Column) -> Vec<Column> {

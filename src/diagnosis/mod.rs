@@ -4,7 +4,7 @@
 //! |---|---|
 //! | faults of the data, before any physics | [`screening`] |
 //! | what the simulation has already, logs from before a change | [`known`] |
-//! | logs to rows: smooth positions, block means, reversals left out | [`rows`] |
+//! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`rows`], [`smoothing`] |
 //! | the low-pass that torque went through before it was logged | [`passband`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
@@ -37,6 +37,7 @@ pub mod conclusion;
 pub mod contest;
 pub mod cross_validation;
 pub mod cut_off;
+pub mod cutoffs;
 pub mod derived;
 pub mod eligible;
 pub mod errors_of_motion;
@@ -67,6 +68,7 @@ pub mod score;
 pub mod screening;
 pub mod selection;
 pub mod session;
+pub mod smoothing;
 pub mod solution;
 pub mod stretches;
 pub mod unexplained;

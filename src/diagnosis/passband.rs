@@ -6,7 +6,8 @@
 //! and the one is taken under which the model leaves least.
 
 use super::column::{Column, rms};
-use super::rows::{Rows, inner_power};
+use super::cutoffs::inner_power;
+use super::rows::Rows;
 use super::score::Projection;
 use crate::error::Result;
 use crate::recording::Recording;

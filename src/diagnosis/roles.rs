@@ -20,6 +20,9 @@ const DELAYS: [&str; 1] = ["time_delay"];
 /// Effects that are functions of their joint's speed alone, as different books write them.
 const SPEED_LAWS: [&str; 2] = ["stribeck_friction", "nonlinear_viscous_friction"];
 
+/// Friction that comes up over a distance after reversals.
+const OF_REVERSALS: [&str; 1] = ["presliding_hysteresis"];
+
 /// Gears with play.
 pub const PLAY: &str = "backlash";
 
@@ -67,6 +70,11 @@ pub fn is_delay(effect: &dyn Effect) -> bool {
 /// Whether an effect is friction that depends on its joint's speed alone.
 pub fn is_speed_law(effect: &dyn Effect) -> bool {
     SPEED_LAWS.contains(&effect.about().name)
+}
+
+/// Whether an effect is friction that shows after reversals alone.
+pub fn is_of_reversals(effect: &dyn Effect) -> bool {
+    OF_REVERSALS.contains(&effect.about().name)
 }
 
 /// Whether play of the same gear looks like an effect, but for its impacts.

@@ -4,37 +4,18 @@
 //! become means over the same short blocks, which keeps white noise white.
 
 use super::column::Column;
+use super::cutoffs::{ORDER, POINTS};
 use super::passband::LowPass;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::signal::{ZeroPhaseLowPass, block_means, smooth_derivatives};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 /// Length of a block, s.
 const BLOCK_S: f64 = 0.02;
-
-/// Order of the low-pass of the positions, in each direction: steep, so that a slow motion does not leak past the cut-off.
-const ORDER: usize = 6;
-
-/// Cut-offs that are tried, Hz.
-const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0];
-
-/// The widest of them, Hz.
-pub const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
-
-/// Lowest cut-off worth trying, of the one that leaves only white noise.
-const LOWEST_SHARE: f64 = 0.25;
-
-/// Highest cut-off, and the edge above which positions hold nothing but noise anyway, as shares of the rate.
-const HIGHEST_SHARE: f64 = 0.2;
-const NOISE_SHARE: f64 = 0.25;
-
-/// What a band above the motion may hold over the share of the encoder's white noise in it.
-const WHITE: f64 = 1.5;
 
 /// Velocity under which the direction of a joint is not certain, rad/s or m/s, but no more than this share of the joint's
 /// fastest and no less than the least; and the rows on either side that go with it.
@@ -55,9 +36,6 @@ const MEMORY_OF_LOGGER: f64 = 2.5;
 
 /// Stretch at an end that tells whether the arm moves there, s.
 const END_S: f64 = 0.1;
-
-/// Points of integrals over frequency.
-const POINTS: usize = 4000;
 
 /// Share of the band within which the direction is not certain of a motion that is hardly smoothed.
 const HARDLY_SMOOTHED: f64 = 0.5;
@@ -83,8 +61,8 @@ pub struct Log {
     pub torque: Channels,
     /// Time between samples, s.
     pub period: f64,
-    /// The low-pass that positions went through.
-    pub low_pass: ZeroPhaseLowPass,
+    /// The low-pass that the positions of each joint went through.
+    pub low_pass: Vec<ZeroPhaseLowPass>,
     /// The low-pass that torque went through before it was logged, if any.
     passed: Option<ZeroPhaseLowPass>,
     /// Samples in a block.
@@ -134,6 +112,8 @@ pub struct Rows {
     pub valid: Vec<Vec<bool>>,
     /// Measured torque, `[joint][row]`.
     pub torque: Vec<Vec<f64>>,
+    /// Rows over which the low-pass of each joint's positions smears what happens at once, to either side.
+    pub smear: Vec<usize>,
     /// The first so many logs are from before the change in question: what changed plays no part there.
     pub before: usize,
     /// What smooth functions of each joint's motion can do, `[joint][column][row]`, once the noise has been asked for.
@@ -146,10 +126,11 @@ impl Rows {
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
     pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
-        Self::logged_through(None, recordings, [cutoff_hz; 2], fewest)
+        let joints = recordings.first().map_or(0, |recording| recording.joints());
+        Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), fewest)
     }
 
-    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged. A row counts only where the joint also moves
+    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row counts only where the joint also moves
     /// surely with positions smoothed at `whole_hz`, above which they hold nothing but noise: where friction holds a joint for a
     /// moment, smoother positions move on.
     ///
@@ -158,7 +139,7 @@ impl Rows {
     pub fn logged_through(
         through: Option<LowPass>,
         recordings: &[&Recording],
-        [cutoff_hz, whole_hz]: [f64; 2],
+        (cutoffs_hz, whole_hz): (&[f64], f64),
         fewest: usize,
     ) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
@@ -168,22 +149,23 @@ impl Rows {
             starts: vec![0],
             valid: vec![Vec::new(); dof],
             torque: vec![Vec::new(); dof],
+            smear: cutoffs_hz.iter().map(|hz| (0.5 * MEMORY / hz / BLOCK_S).ceil() as usize).collect(),
             before: 0,
             rich: OnceLock::new(),
         };
+        let lowest_hz = cutoffs_hz.iter().copied().fold(f64::INFINITY, f64::min);
         for recording in recordings {
-            let mut log = prepared(recording, [cutoff_hz, whole_hz])?;
+            let mut log = prepared(recording, cutoffs_hz, whole_hz)?;
             log.passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
             let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
-            let margin = blocks(MEMORY / cutoff_hz);
             // What torque there was before and after the log, its low-pass knew.
             let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
             let ends = rests(recording)
-                .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / cutoff_hz).max(unknown_s)));
+                .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / lowest_hz).max(unknown_s)));
             for joint in 0..dof {
                 // A torque that is not a number is one that must not be used.
                 let torque = log.blocks(recording.tau.channel(joint));
-                let valid = usable(&log, joint, margin, ends)
+                let valid = usable(&log, joint, blocks(MEMORY / cutoffs_hz[joint]), ends)
                     .into_iter()
                     .zip(&torque)
                     .map(|(ok, value)| ok && value.is_finite());
@@ -307,73 +289,13 @@ impl Rows {
     }
 }
 
-/// Cut-offs worth trying up to the one that leaves only white noise, Hz: a lower one distorts the motion a little, and lets
-/// less of the encoder's noise into the accelerations.
-pub fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
-    let lowest = highest_hz * LOWEST_SHARE;
-    CUTOFFS_HZ.into_iter().filter(|hz| (lowest..=highest_hz).contains(hz)).collect()
-}
-
-/// The lowest cut-off, Hz, above which the positions of all joints of all logs hold nothing but white noise.
-///
-/// # Errors
-/// If a log is too short for the filters.
-pub fn cutoff(recordings: &[&Recording]) -> Result<f64> {
-    let jobs: Vec<(&Recording, usize)> =
-        recordings.iter().flat_map(|&recording| (0..recording.joints()).map(move |joint| (recording, joint))).collect();
-    let each: Vec<f64> = jobs
-        .par_iter()
-        .map(|(recording, joint)| cutoff_of(recording.q.channel(*joint), recording.rate_hz()))
-        .collect::<Result<_>>()?;
-    Ok(each.into_iter().fold(CUTOFFS_HZ[0], f64::max))
-}
-
-fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
-    let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz <= HIGHEST_SHARE * rate_hz).collect();
-    let edges: Vec<f64> = candidates.iter().copied().chain([NOISE_SHARE * rate_hz]).collect();
-    let filters: Vec<ZeroPhaseLowPass> =
-        edges.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate_hz)).collect::<Result<_>>()?;
-    let mut passed = Vec::with_capacity(filters.len());
-    for filter in &filters {
-        let mut out = vec![0.0; q.len()];
-        filter.apply(q, &mut out)?;
-        passed.push(out);
-    }
-    let top = filters.len() - 1;
-    let above: Vec<f64> = q.iter().zip(&passed[top]).map(|(x, low)| x - low).collect();
-    let all = |hz: f64| 1.0 - filters[top].gain(hz);
-    let noise = inner_power(&above, rate_hz) / share(all, rate_hz);
-    // From the top down: the first band that holds more than noise must still pass.
-    let mut lowest = 0;
-    for band in (0..top).rev() {
-        let inside: Vec<f64> = passed[band + 1].iter().zip(&passed[band]).map(|(wide, narrow)| wide - narrow).collect();
-        let expected = noise * share(|hz| filters[band + 1].gain(hz) - filters[band].gain(hz), rate_hz);
-        if inner_power(&inside, rate_hz) > WHITE * expected {
-            lowest = (band + 1).min(candidates.len() - 1);
-            break;
-        }
-    }
-    Ok(candidates.get(lowest).copied().unwrap_or(CUTOFFS_HZ[0]))
-}
-
-/// Mean square away from both ends, where the filters settle.
-pub fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
-    let cut = (2.0 * rate_hz) as usize;
-    let inner = if signal.len() > 4 * cut { &signal[cut..signal.len() - cut] } else { signal };
-    inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
-}
-
-/// Share of white noise that a zero-phase filter of this gain passes.
-fn share(gain: impl Fn(f64) -> f64, rate_hz: f64) -> f64 {
-    (0..POINTS).map(|k| gain((k as f64 + 0.5) / POINTS as f64 * 0.5 * rate_hz).powi(2)).sum::<f64>() / POINTS as f64
-}
-
-/// The motion of a log with its positions smoothed by a low-pass, which is returned too.
-fn smooth(recording: &Recording, cutoff_hz: f64) -> Result<(Motion, ZeroPhaseLowPass)> {
+/// The motion of a log with the positions of each joint smoothed by a low-pass, which is returned too.
+fn smooth(recording: &Recording, cutoffs_hz: &[f64]) -> Result<(Motion, Vec<ZeroPhaseLowPass>)> {
     let rate = recording.rate_hz();
-    let low_pass = ZeroPhaseLowPass::new(ORDER, cutoff_hz, rate)?;
+    let low_pass: Vec<ZeroPhaseLowPass> =
+        cutoffs_hz.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate)).collect::<Result<_>>()?;
     let mut q = recording.q.clone();
-    for joint in 0..q.channels() {
+    for (joint, low_pass) in low_pass.iter().enumerate() {
         low_pass
             .apply_in_place(q.channel_mut(joint))
             .map_err(|e| Error::request(format!("joint `{}`", recording.joints[joint]), e.to_string()))?;
@@ -381,10 +303,11 @@ fn smooth(recording: &Recording, cutoff_hz: f64) -> Result<(Motion, ZeroPhaseLow
     Ok((Log::motion_of(q, 1.0 / rate)?, low_pass))
 }
 
-fn prepared(recording: &Recording, [cutoff_hz, whole_hz]: [f64; 2]) -> Result<Log> {
+fn prepared(recording: &Recording, cutoffs_hz: &[f64], whole_hz: f64) -> Result<Log> {
     let rate = recording.rate_hz();
-    let (motion, low_pass) = smooth(recording, cutoff_hz)?;
-    let whole = if whole_hz > cutoff_hz { Some(smooth(recording, whole_hz)?.0) } else { None };
+    let (motion, low_pass) = smooth(recording, cutoffs_hz)?;
+    let is_smoother = cutoffs_hz.iter().any(|hz| *hz < whole_hz);
+    let whole = if is_smoother { Some(smooth(recording, &vec![whole_hz; cutoffs_hz.len()])?.0) } else { None };
     let block = ((BLOCK_S * rate).round() as usize).max(1);
     Ok(Log {
         time: recording.time.clone(),
@@ -462,14 +385,6 @@ mod tests {
     }
 
     #[test]
-    fn cut_off_lies_just_above_the_motion() {
-        let slow = cutoff_of(&swing(0.4, 0.1), RATE).unwrap();
-        assert!(slow <= 4.0, "{slow}");
-        let fast = cutoff_of(&swing(9.0, 1e-3), RATE).unwrap();
-        assert!((10.0..=16.0).contains(&fast), "{fast}");
-    }
-
-    #[test]
     fn rows_near_reversals_and_ends_do_not_count() {
         let mut q = Channels::from_vectors(&[swing(0.4, 0.0)]);
         // At rest in the beginning.
@@ -486,6 +401,24 @@ mod tests {
         // At the end the arm moves: nothing counts within five periods of the low-pass, 1 s.
         assert!(rows.valid[0][950..].iter().all(|&ok| !ok) && rows.valid[0][930..950].contains(&true));
         assert!(Rows::new(&[&log.time_slice(0.0..1.5)], 5.0, FEWEST_ROWS).unwrap_err().to_string().contains("`a`"));
+    }
+
+    #[test]
+    fn a_joint_that_friction_holds_does_not_count() {
+        // Away from reversals, held for 0.16 s about 5.56 s: smooth positions move on.
+        let mut q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let held = q.channel(0)[2740];
+        let jump = q.channel(0)[2820] - held;
+        q.channel_mut(0)[2740..2820].fill(held);
+        q.channel_mut(0)[2820..].iter_mut().for_each(|q| *q -= jump);
+        let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+        let tau = Channels::zeros(1, 10_000);
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let counts = |whole_hz: f64| {
+            let rows = Rows::logged_through(None, &[&log], (&[3.0], whole_hz), FEWEST_ROWS).unwrap();
+            rows.valid[0][275..281].iter().filter(|&&ok| ok).count()
+        };
+        assert_eq!([counts(3.0), counts(20.0)], [6, 0]);
     }
 
     #[test]

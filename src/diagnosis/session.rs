@@ -3,12 +3,14 @@
 use super::arm::Arm;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
+use super::cutoffs::{WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
 use super::passband::{self, LowPass};
 use super::roles::{is_level, linear, shapes};
-use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows, WIDEST_HZ, cutoff, cutoffs_up_to};
+use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
 use super::score::Projection;
+use super::smoothing;
 use super::solution::{Solved, solve};
 use super::whitening::{Whitener, rich};
 use crate::effects::{Parameter, Placed};
@@ -64,8 +66,8 @@ pub struct Session<'a> {
     pub apart: bool,
     /// Joints whose gears may have play: impacts show some, and not surely.
     pub open_play: Vec<usize>,
-    /// Cut-off of the positions' low-pass, Hz.
-    pub cutoff_hz: f64,
+    /// Cut-off of the low-pass of each joint's positions, Hz.
+    pub cutoffs_hz: Vec<f64>,
     /// The low-pass that torque went through before it was logged, if any.
     pub passband: Option<LowPass>,
 }
@@ -144,24 +146,25 @@ impl<'a> Session<'a> {
         let (train_logs, test_logs): (&[&Recording], &[&Recording]) = (&train, test);
         let all: Vec<&Recording> = train_logs.iter().chain(test_logs).copied().collect();
         let whole_hz = cutoff(&all)?;
-        let side = |through, logs: &[&Recording], before: usize, cutoff_hz: f64, fewest: usize| -> Result<Side> {
-            let mut rows = Rows::logged_through(through, logs, [cutoff_hz, whole_hz], fewest)?;
+        let side = |through, logs: &[&Recording], before: usize, cutoffs: &[f64], fewest: usize| -> Result<Side> {
+            let mut rows = Rows::logged_through(through, logs, (cutoffs, whole_hz), fewest)?;
             rows.before = before;
             Side::new(model, &known, rows, fewest == FEWEST_ROWS)
         };
-        let both = |through, hz: f64| -> Result<[Side; 2]> {
+        let both = |through, cutoffs: &[f64]| -> Result<[Side; 2]> {
             Ok([
-                side(through, train_logs, before, hz, FEWEST_ROWS)?,
-                side(through, test_logs, 0, hz, FEWEST_TEST_ROWS)?,
+                side(through, train_logs, before, cutoffs, FEWEST_ROWS)?,
+                side(through, test_logs, 0, cutoffs, FEWEST_TEST_ROWS)?,
             ])
         };
+        let alike = |hz: f64| vec![hz; model.dof()];
         // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
         // encoder's noise into them.
         let cutoffs = cutoffs_up_to(whole_hz);
         let best_of = |through: Option<LowPass>| -> Option<(f64, [Side; 2])> {
             let mut best: Option<(f64, f64, [Side; 2])> = None;
             for &hz in &cutoffs {
-                let Ok(sides) = both(through, hz) else { continue };
+                let Ok(sides) = both(through, &alike(hz)) else { continue };
                 let [Side { rows, torque, baseline, .. }, _] = &sides;
                 let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
                 tracing::debug!(hz, unexpected, "cut-off");
@@ -174,16 +177,17 @@ impl<'a> Session<'a> {
         let (mut cutoff_hz, [mut train, mut test]) = match best_of(None) {
             Some(best) => best,
             // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, both(None, WIDEST_HZ)?),
+            None => (WIDEST_HZ, both(None, &alike(WIDEST_HZ))?),
         };
         let mut passband = None;
         if let Some(edge_hz) = passband::edge(&all)? {
-            let narrow = |hz: f64| side(Some(LowPass { order: 1, hz }), train_logs, before, cutoff_hz, FEWEST_ROWS);
+            let narrow =
+                |hz: f64| side(Some(LowPass { order: 1, hz }), train_logs, before, &alike(cutoff_hz), FEWEST_ROWS);
             if let Ok(Side { rows: Rows { valid, .. }, .. }) = narrow(passband::lowest(edge_hz)) {
                 let left = |through| {
                     // All are seen on the same rows.
                     let Side { mut rows, torque, baseline, .. } =
-                        side(through, train_logs, before, cutoff_hz, FEWEST_ROWS).ok()?;
+                        side(through, train_logs, before, &alike(cutoff_hz), FEWEST_ROWS).ok()?;
                     rows.valid.clone_from(&valid);
                     let rich = (0..rows.dof())
                         .flat_map(|joint| rich(&rows, joint).into_iter().map(move |signal| Column::on(joint, signal)));
@@ -198,27 +202,44 @@ impl<'a> Session<'a> {
             }
         }
         let apart = !test_logs.iter().any(|log| train_logs.iter().any(|other| std::ptr::eq(*log, *other)));
-        let arm = known.arm.clone();
-        let open_play = Vec::new();
-        let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoff_hz, passband };
+        let (arm, open_play) = (known.arm.clone(), Vec::new());
+        let known = known.clone();
+        let cutoffs_hz = alike(cutoff_hz);
+        let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoffs_hz, passband };
+        session.settle_baseline()?;
+        let own = smoothing::of_joints(&session, train_logs, [cutoff_hz, whole_hz])?;
+        session.arm = session.known.arm.clone();
+        if own.iter().any(|hz| *hz != cutoff_hz)
+            && let Ok([train, test]) = both(passband, &own)
+        {
+            tracing::debug!(?own, "cut-offs of the joints");
+            (session.train, session.test, session.cutoffs_hz) = (train, test, own);
+        }
         session.leave_out_distorted()?;
         Ok(session)
     }
 
     /// The same with all logs to identify from.
     pub fn over_all_logs(&self) -> Session<'a> {
-        let Session { model, trust, cutoff_hz, passband, .. } = *self;
+        let Session { model, trust, passband, .. } = *self;
         let (known, arm, test) = (self.known.clone(), self.arm.clone(), self.test.clone());
+        let cutoffs_hz = self.cutoffs_hz.clone();
         let (train, open_play) = (self.train.and(&test), self.open_play.clone());
-        Session { model, trust, known, arm, train, test, apart: false, open_play, cutoff_hz, passband }
+        Session { model, trust, known, arm, train, test, apart: false, open_play, cutoffs_hz, passband }
+    }
+
+    /// Fits the arm without any effect; the noise is that under it.
+    fn settle_baseline(&mut self) -> Result<Whitener> {
+        let Noise { whitener, .. } = self.noise_under(&self.train.baseline);
+        self.settle(&mut [], &whitener)?;
+        Ok(whitener)
     }
 
     /// Leaves out rows in which the low-pass bent the motion: what is left of a jerk there is no noise, and a few such rows
     /// can carry any effect.
     fn leave_out_distorted(&mut self) -> Result<()> {
-        let Noise { whitener, .. } = self.noise_under(&self.train.baseline);
         let known = self.arm.clone();
-        self.settle(&mut [], &whitener)?;
+        let whitener = self.settle_baseline()?;
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
         for side in [&mut self.train, &mut self.test] {
             side.rows.leave_out_largest(&side.errors.smoothing, &bearable, MOST_DISTORTED);

@@ -3,9 +3,9 @@
 
 use super::beside::against_slow_noise;
 use super::column::Column;
+use super::found::members;
 use super::generic::{Block, Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
-use super::found::members;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::score::{Projection, Test};
 use super::selection::Selection;

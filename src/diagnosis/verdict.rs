@@ -64,8 +64,8 @@ pub struct Diagnosis {
     pub alpha: f64,
     /// Names of the effects that were looked for; all of the library where empty.
     pub candidates: Vec<String>,
-    /// Cut-off of the positions' low-pass, Hz.
-    pub cutoff_hz: f64,
+    /// Cut-off of the low-pass of each joint's positions, Hz.
+    pub cutoffs_hz: Vec<f64>,
     /// The low-pass that torque went through before it was logged, if any.
     pub passband: Option<LowPass>,
     /// Whether the last part of the training logs was held out for want of test logs.

@@ -150,7 +150,12 @@ mod tests {
         for k in 4..197 {
             let (sin, cos) = (pulse * k as f64).sin_cos();
             assert!((first[k] - pulse * cos).abs() < 0.01 * pulse, "{} {}", first[k], pulse * cos);
-            assert!((second[k] + pulse * pulse * sin).abs() < 0.003 * pulse * pulse, "{} {}", second[k], pulse * pulse * sin);
+            assert!(
+                (second[k] + pulse * pulse * sin).abs() < 0.003 * pulse * pulse,
+                "{} {}",
+                second[k],
+                pulse * pulse * sin
+            );
         }
         let mut plain = vec![0.0; 201];
         second_derivative(&input, 1.0, &mut plain).unwrap();

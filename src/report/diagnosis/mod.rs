@@ -37,8 +37,9 @@ pub struct DiagnosisResult {
     robot: String,
     joints: Vec<String>,
     alpha: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    position_cutoff_hz: Option<f64>,
+    /// Cut-off at which the positions of each joint were smoothed; empty where nothing was tested.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    position_cutoffs_hz: Vec<f64>,
     /// Cut-off of the low-pass that torque went through before it was logged; absent where there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     torque_cutoff_hz: Option<f64>,
@@ -213,7 +214,7 @@ pub fn result(
         robot: robot.name.clone(),
         joints: robot.joint_names(),
         alpha: diagnosis.alpha,
-        position_cutoff_hz: Some(diagnosis.cutoff_hz),
+        position_cutoffs_hz: diagnosis.cutoffs_hz.clone(),
         torque_cutoff_hz: diagnosis.passband.map(|low_pass| low_pass.hz),
         effective_tests: Some(diagnosis.effective_tests),
         noise_floor_nm: diagnosis.noise_floor.clone(),

@@ -244,6 +244,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
             format!("{} {}", significant(low), joint.position_unit()),
             format!("{} {}", significant(high), joint.position_unit()),
             format!("{} {}/s", significant(slow.abs().max(fast)), joint.position_unit()),
+            format!("{} Hz", significant(diagnosis.cutoffs_hz[j])),
         ]
     });
     let mut blocks = vec![Block::table(["log", "samples", "length", "rate"], logs.collect())];
@@ -270,11 +271,11 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
             low_pass.order
         )));
     }
-    blocks.push(Block::text(format!(
-        "Positions were smoothed at {} Hz, the cut-off that served the torque best. Of the held-out logs:",
-        significant(diagnosis.cutoff_hz)
-    )));
-    blocks.push(Block::table(["joint", "rows that count", "lowest position", "highest", "fastest"], rows.collect()));
+    blocks.push(Block::text(
+        "Of the held-out logs, with the cut-off at which the positions of each joint were smoothed, that which served the torque best:",
+    ));
+    let head = ["joint", "rows that count", "lowest position", "highest", "fastest", "cut-off"];
+    blocks.push(Block::table(head, rows.collect()));
     Section::new("Data quality", blocks)
 }
 

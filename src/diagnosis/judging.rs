@@ -10,6 +10,7 @@ use super::session::{Member, Session, bounded};
 use super::whitening::Whitener;
 use crate::effects::{Parameter, Placed, Role};
 use crate::error::Result;
+use rayon::prelude::*;
 
 /// Halvings of the step in the search for a shape.
 const HALVINGS: usize = 6;
@@ -93,16 +94,18 @@ impl Session<'_> {
         }
     }
 
-    /// Tests an effect at the parameters of `placed`.
+    /// Tests effects at the parameters of each of `placed`.
     fn judged_at(
         &self,
-        placed: Placed,
+        placed: &[Placed],
         log: Option<usize>,
         whitener: &Whitener,
         fit: &Projection,
-    ) -> Result<Option<Judged>> {
-        let columns = columns_in(&self.arm, &self.train.rows, log, std::slice::from_ref(&placed))?.concat();
-        Ok(self.judge(&Candidate { placed, log, columns }, whitener, fit))
+    ) -> Result<Vec<Option<Judged>>> {
+        let columns = columns_in(&self.arm, &self.train.rows, log, placed)?;
+        let candidates = placed.par_iter().cloned().zip(columns);
+        let judged = candidates.map(|(placed, columns)| self.judge(&Candidate { placed, log, columns }, whitener, fit));
+        Ok(judged.collect())
     }
 
     /// Whether the torque of an estimate is not more than what can be of its joint's: on the rows that count, and for friction
@@ -166,7 +169,8 @@ impl Session<'_> {
             for value in forms(placed.effect, parameter).iter().filter(|value| **value != placed.parameters[index]) {
                 let mut other = placed.clone();
                 other.parameters[index] = *value;
-                let Some(start) = self.judged_at(other, log, whitener, fit)? else { continue };
+                let start = self.judged_at(&[other], log, whitener, fit)?;
+                let Some(start) = start.into_iter().next().flatten() else { continue };
                 let refined = self.refined_in_form(start, whitener, fit)?;
                 if refined.likeliness() < best.likeliness() {
                     best = refined;
@@ -186,18 +190,19 @@ impl Session<'_> {
         for _ in 0..HALVINGS {
             for &index in &shapes {
                 let parameter = &effect.parameters()[index];
-                for sign in [1.0, -1.0] {
+                let sideways = |sign: f64| {
                     let mut placed = best.candidate.placed.clone();
                     let value = &mut placed.parameters[index];
                     let wanted = moved(parameter, *value, sign * share);
                     *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
-                    if is_sensible(&placed)
-                        && let Some(judged) = self.judged_at(placed, log, whitener, fit)?
-                        && judged.test.statistic > best.test.statistic
-                    {
-                        best = judged;
-                        break;
-                    }
+                    is_sensible(&placed).then_some(placed)
+                };
+                // Both sides at once: most steps succeed on neither.
+                let sides: Vec<Placed> = [1.0, -1.0].into_iter().filter_map(sideways).collect();
+                let judged = self.judged_at(&sides, log, whitener, fit)?;
+                let better = |judged: &Judged| judged.test.statistic > best.test.statistic;
+                if let Some(judged) = judged.into_iter().flatten().find(better) {
+                    best = judged;
                 }
             }
             share *= 0.5;
@@ -215,7 +220,7 @@ impl Session<'_> {
                 let size = if value.abs() < least { least } else { value };
                 placed.parameters[index] = bounded(parameter, size);
             }
-            match self.judged_at(placed, log, whitener, fit)? {
+            match self.judged_at(&[placed], log, whitener, fit)?.into_iter().next().flatten() {
                 Some(judged) => best = judged,
                 None => break,
             }

@@ -152,6 +152,10 @@ impl<'a> Fitted<'a> {
             let structure = block.structure;
             let whitened = self.whitener.apply_all(&block.columns);
             let Some(found) = self.beside_errors.test(&whitened) else { continue };
+            // Slow noise only adds to what chance alone brings.
+            if tests * found.log_p().exp() > LOOKED_FOR {
+                continue;
+            }
             let p = against_slow_noise(&train.rows, self.whitener, &self.beside_errors, &whitened, &found).exp();
             let family_wise_p = (tests * p).min(1.0);
             tracing::debug!(joint, structure, family_wise_p, plain = found.log_p(), "structure");

@@ -5,6 +5,7 @@ mod changes;
 mod extended;
 mod faults;
 mod forms;
+mod smoothing;
 
 use std::sync::LazyLock;
 use tauscope::effects::Placed;

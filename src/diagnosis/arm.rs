@@ -146,42 +146,33 @@ impl Arm {
         }
     }
 
-    /// Torque of the arm as found over the rows.
-    pub fn all_torque(&self, rows: &Rows) -> Column {
-        let logs: Vec<Channels> = rows.logs.iter().map(|log| self.torque(&log.motion, &log.motion)).collect();
-        over_rows(rows, &logs)
+    /// Torque of the arm as found along every log, `[joint][time]`.
+    pub fn along(&self, rows: &Rows) -> Vec<Channels> {
+        rows.logs.par_iter().map(|log| self.torque(&log.motion, &log.motion)).collect()
     }
 
-    /// What smoothing the positions once more does to the torque of the arm as found: the error of the first smoothing as seen
-    /// through it ("twicing", Tukey 1977).
+    /// Torque of the arm as found over the rows.
+    pub fn all_torque(&self, rows: &Rows) -> Column {
+        over_rows(rows, &self.along(rows))
+    }
+
+    /// Torque of the arm as found along `other` motions of the logs less `along` the smooth ones, over the rows.
     ///
     /// # Errors
-    /// If a log is too short to differentiate.
-    pub fn smoothing_error(&self, rows: &Rows) -> Result<Column> {
-        let each = rows.logs.par_iter().map(|log| {
-            let mut q = log.motion.q.clone();
-            for joint in 0..q.channels() {
-                log.low_pass[joint].apply_in_place(q.channel_mut(joint))?;
-            }
-            let smoother = Log::motion_of(q, log.period)?;
-            let mut torque = self.torque(&smoother, &smoother);
-            let plain = self.torque(&log.motion, &log.motion);
-            torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, before)| *value -= before);
+    /// Those of `other`, which is given the number of a log and the log.
+    pub fn departure(
+        &self,
+        rows: &Rows,
+        along: &[Channels],
+        other: impl Fn(usize, &Log) -> Result<Motion> + Sync,
+    ) -> Result<Column> {
+        let each = rows.logs.par_iter().zip(along).enumerate().map(|(index, (log, along))| {
+            let motion = other(index, log)?;
+            let mut torque = self.torque(&motion, &motion);
+            torque.as_mut_slice().iter_mut().zip(along.as_slice()).for_each(|(value, along)| *value -= along);
             Ok(torque)
         });
         Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
-    }
-
-    /// What the positions hold beyond what is smooth puts into the torque of the arm as found: kinks of the motion, and noise.
-    pub fn beyond_smoothing(&self, rows: &Rows) -> Column {
-        let each = rows.logs.par_iter().map(|log| {
-            let plain = self.torque(&log.motion, &log.motion);
-            let whole = log.whole.as_ref().unwrap_or(&log.motion);
-            let mut torque = self.torque(whole, whole);
-            torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, smooth)| *value -= smooth);
-            torque
-        });
-        over_rows(rows, &each.collect::<Vec<Channels>>())
     }
 
     /// Second derivative of the torque that the gears of the arm as found carry, over the rows, N m/s2.
@@ -390,7 +381,7 @@ impl Arm {
 }
 
 /// Torque of all logs at their own rate as a column over the rows.
-pub fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
+fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
     Column::new((0..rows.dof()).map(|joint| {
         let each = rows.logs.iter().zip(logs);
         each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()

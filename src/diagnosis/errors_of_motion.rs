@@ -3,14 +3,14 @@
 use super::arm::Arm;
 use super::column::Column;
 use super::roles::{is_level, is_of_reversals};
-use super::rows::Rows;
+use super::rows::{Log, Rows};
 use crate::effects::Placed;
 use crate::error::Result;
 
 /// Columns of the errors of one kind of logs, for the arm as found. None before anything was fitted.
 #[derive(Debug, Clone, Default)]
 pub struct ErrorsOfMotion {
-    /// The error of the smoothing, on each joint.
+    /// The error of the smoothing, on each joint: what smoothing once more does, as seen through the first ("twicing", Tukey 1977).
     pub smoothing: Vec<Column>,
     /// What the positions hold beyond what is smooth, on each joint; none where no less would do.
     pub beyond: Vec<Column>,
@@ -27,10 +27,12 @@ impl ErrorsOfMotion {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn new(arm: &Arm, rows: &Rows) -> Result<Self> {
+        let along = arm.along(rows);
         let is_smoother = rows.logs.iter().any(|log| log.whole.is_some());
+        let whole = |_, log: &Log| Ok(log.whole.as_ref().unwrap_or(&log.motion).clone());
         Ok(ErrorsOfMotion {
-            smoothing: of_joints(arm.smoothing_error(rows)?),
-            beyond: if is_smoother { of_joints(arm.beyond_smoothing(rows)) } else { Vec::new() },
+            smoothing: of_joints(arm.departure(rows, &along, |_, log| log.smoothed_again())?),
+            beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
             reversals: (0..rows.dof()).map(|joint| at_reversals(rows, joint)).collect(),
         })

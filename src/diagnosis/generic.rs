@@ -101,14 +101,14 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
     let place =
         places.flat_map(|center| [own(&|q, _| hat(q, center, width)), own(&|q, v| hat(q, center, width) * v.signum())]);
     let damping = [f64::cos, f64::sin].map(|f| own(&|q, v| f(q) * v));
-    let followed = DELAYS_S.iter().flat_map(|&delay| {
+    let followed = DELAYS_S.map(|delay| {
         let late = move |f: fn(f64) -> f64| {
             rows.signal(|log| {
                 let speed = log.motion.qd.channel(joint).iter().map(|&v| f(v));
                 delayed(speed, log.period / delay)
             })
         };
-        [late(|v| v.max(0.0)), late(|v| v.min(0.0)), late(|v| v.max(0.0).powi(2)), late(|v| v.min(0.0).powi(2))]
+        vec![late(|v| v.max(0.0)), late(|v| v.min(0.0)), late(|v| v.max(0.0).powi(2)), late(|v| v.min(0.0).powi(2))]
     });
     let elsewhere = others().flat_map(|other| {
         [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
@@ -140,17 +140,19 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         structure,
         columns: signals.into_iter().map(|signal| Column::on(joint, rows.since_change(signal))).collect(),
     };
-    vec![
+    let mut blocks = vec![
         block("is damping that changes with the joint's position", damping.into()),
         block("changes with the joint's position", smooth),
         block("sits at places of the joint's range", place.collect()),
         block("depends on the joint's speed", speed),
-        block("follows the joint's speed with a delay", followed.collect()),
         block("depends on the other joints' positions and speeds", elsewhere.collect()),
         block("goes with the torque of other joints", others().map(torque).collect()),
         block("is friction that changes with the speed of other joints", others().map(along).collect()),
         block("changes over each log with the joint's torque or friction", drifts.collect()),
-    ]
+    ];
+    // One delay at a time: what follows with one is lost among the columns of all.
+    blocks.extend(followed.map(|signals| block("follows the joint's speed with a delay", signals)));
+    blocks
 }
 
 fn hat(x: f64, center: f64, width: f64) -> f64 {

@@ -83,6 +83,18 @@ impl Log {
         Ok(motion)
     }
 
+    /// The motion with its positions smoothed once more.
+    ///
+    /// # Errors
+    /// If there are too few samples to differentiate.
+    pub fn smoothed_again(&self) -> Result<Motion> {
+        let mut q = self.motion.q.clone();
+        for (joint, low_pass) in self.low_pass.iter().enumerate() {
+            low_pass.apply_in_place(q.channel_mut(joint))?;
+        }
+        Log::motion_of(q, self.period)
+    }
+
     /// Means over the blocks of a signal of this log.
     pub fn blocks(&self, signal: &[f64]) -> Vec<f64> {
         block_means(signal, self.block).unwrap_or_default()

@@ -206,16 +206,18 @@ impl<'a> Session<'a> {
         let known = known.clone();
         let cutoffs_hz = alike(cutoff_hz);
         let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoffs_hz, passband };
-        session.settle_baseline()?;
-        let own = smoothing::of_joints(&session, train_logs, [cutoff_hz, whole_hz])?;
-        session.arm = session.known.arm.clone();
+        let mut noise = session.settle_baseline()?;
+        let of_fit = (&noise.whitener, &noise.fit.residual);
+        let own = smoothing::of_joints((&session.arm, &session.train.rows), of_fit, train_logs, [cutoff_hz, whole_hz])?;
         if own.iter().any(|hz| *hz != cutoff_hz)
             && let Ok([train, test]) = both(passband, &own)
         {
             tracing::debug!(?own, "cut-offs of the joints");
             (session.train, session.test, session.cutoffs_hz) = (train, test, own);
+            session.arm = session.known.arm.clone();
+            noise = session.settle_baseline()?;
         }
-        session.leave_out_distorted()?;
+        session.leave_out_distorted(&noise.whitener);
         Ok(session)
     }
 
@@ -229,23 +231,20 @@ impl<'a> Session<'a> {
     }
 
     /// Fits the arm without any effect; the noise is that under it.
-    fn settle_baseline(&mut self) -> Result<Whitener> {
-        let Noise { whitener, .. } = self.noise_under(&self.train.baseline);
-        self.settle(&mut [], &whitener)?;
-        Ok(whitener)
+    fn settle_baseline(&mut self) -> Result<Noise> {
+        let noise = self.noise_under(&self.train.baseline);
+        self.settle(&mut [], &noise.whitener)?;
+        Ok(noise)
     }
 
-    /// Leaves out rows in which the low-pass bent the motion: what is left of a jerk there is no noise, and a few such rows
-    /// can carry any effect.
-    fn leave_out_distorted(&mut self) -> Result<()> {
-        let known = self.arm.clone();
-        let whitener = self.settle_baseline()?;
+    /// Leaves out rows in which the low-pass bent the motion, by the arm as settled without any effect and the noise under it: what is
+    /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
+    fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
         for side in [&mut self.train, &mut self.test] {
             side.rows.leave_out_largest(&side.errors.smoothing, &bearable, MOST_DISTORTED);
         }
-        self.arm = known;
-        Ok(())
+        self.arm = self.known.arm.clone();
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.

@@ -12,7 +12,7 @@ use crate::error::Result;
 pub struct ErrorsOfMotion {
     /// The error of the smoothing, on each joint: what smoothing once more does, as seen through the first ("twicing", Tukey 1977).
     pub smoothing: Vec<Column>,
-    /// What the positions hold beyond what is smooth, on each joint; none where no less would do.
+    /// What the positions hold beyond what is smooth, on each joint; none where they are smoothed no more than their noise asks.
     pub beyond: Vec<Column>,
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
@@ -81,4 +81,27 @@ fn at_reversals(rows: &Rows, joint: usize) -> Vec<Column> {
 
 fn of_joints(column: Column) -> Vec<Column> {
     column.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::rows::FEWEST_ROWS;
+    use crate::recording::Recording;
+
+    #[test]
+    fn reversals_are_counted_by_their_direction() {
+        let time: Vec<f64> = (0..10_000).map(|k| f64::from(k) / 500.0).collect();
+        let swing = |t: &f64| (std::f64::consts::TAU * 0.4 * t).sin();
+        let q = Channels::from_vectors(&[time.iter().map(swing).collect()]);
+        let tau = Channels::zeros(1, time.len());
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
+        let columns = at_reversals(&rows, 0);
+        // Half a period of 5 Hz is five rows of 20 ms to either side. It turns downwards at 0.625 s and upwards at 1.875 s.
+        let at = |lag: usize, row: usize| columns[lag].part(0).unwrap()[row];
+        assert_eq!(columns.len(), 11);
+        assert_eq!([at(5, 31), at(0, 26), at(10, 36), at(5, 93), at(5, 60)], [-1.0, -1.0, -1.0, 1.0, 0.0]);
+    }
 }

@@ -47,6 +47,9 @@ const LITTLE: f64 = 0.05;
 /// something is there is known, and what is asked is only whether the name is it.
 const NOT_ALL: f64 = 0.01;
 
+/// Probability by chance of what held-out logs alone must say for that.
+const LEANS: f64 = 0.2;
+
 /// Kinds of structure that are looked for beside the blocks: drifts, and harmonics that come and go.
 const OTHER_KINDS: usize = 2;
 
@@ -168,7 +171,8 @@ impl<'a> Fitted<'a> {
             let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
             let sure = gained && family_wise_p < self.sure && gains.lower_bound() > 0.0;
             let shown = sure || (gained && together < self.together && gains.chance() < SEEN_AGAIN);
-            let is_not_all = has_names && gains.together((here * p).min(1.0), 1.0) < NOT_ALL;
+            let leans = has_names && gains.chance() < LEANS;
+            let is_not_all = leans && gains.together((here * p).min(1.0), 1.0) < NOT_ALL;
             // The fit minimises over all joints, so that it can give more than this joint has.
             let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
             let weighs = sure || is_not_all;

@@ -162,7 +162,10 @@ impl<'a> Fitted<'a> {
             let p = against_slow_noise(&train.rows, self.whitener, &self.beside_errors, &whitened, &found).exp();
             let family_wise_p = (tests * p).min(1.0);
             tracing::debug!(joint, structure, family_wise_p, plain = found.log_p(), "structure");
-            if family_wise_p > LOOKED_FOR || best.as_ref().is_some_and(|best| family_wise_p >= best.family_wise_p) {
+            // What stands for a name comes before what does not, then the likelier.
+            let weaker = |best: &Unexplained| family_wise_p >= best.family_wise_p;
+            let is_settled = |best: &Unexplained| !has_names || !best.instead_of.is_empty();
+            if family_wise_p > LOOKED_FOR || best.as_ref().is_some_and(|best| weaker(best) && is_settled(best)) {
                 continue;
             }
             let gains = self.gains(joint, &block, &again);
@@ -177,7 +180,9 @@ impl<'a> Fitted<'a> {
             let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
             let weighs = sure || is_not_all;
             let instead_of = if weighs { self.empty_beside(joint, &whitened, &found) } else { Vec::new() };
-            if (shown && share > WORTH_TELLING) || !instead_of.is_empty() {
+            let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
+            let is_second = |best: &Unexplained| instead_of.is_empty() && (weaker(best) || !best.instead_of.is_empty());
+            if told && !best.as_ref().is_some_and(is_second) {
                 tracing::debug!(joint, structure, ?instead_of, "structure is told");
                 best = Some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of });
             }

@@ -150,8 +150,10 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         block("is friction that changes with the speed of other joints", others().map(along).collect()),
         block("changes over each log with the joint's torque or friction", drifts.collect()),
     ];
-    // One delay at a time: what follows with one is lost among the columns of all.
-    blocks.extend(followed.map(|signals| block("follows the joint's speed with a delay", signals)));
+    // All delays stand for a name better than one; and what follows with one is lost among the columns of all.
+    let follows = |signals| block("follows the joint's speed with a delay", signals);
+    blocks.push(follows(followed.concat()));
+    blocks.extend(followed.map(follows));
     blocks
 }
 

@@ -41,7 +41,7 @@ const CONFIRMED: f64 = 0.01;
 const EMPTY: f64 = 1e-3;
 
 /// Share of what a name takes by itself that structure must take beyond it to stand for it: less may be any simplification of its law.
-const LITTLE: f64 = 0.05;
+const LITTLE: f64 = 0.02;
 
 /// Level, over all kinds of structure of a joint, at which training and held-out logs together show that a name on it is not all: that
 /// something is there is known, and what is asked is only whether the name is it.
@@ -179,11 +179,13 @@ impl<'a> Fitted<'a> {
             // The fit minimises over all joints, so that it can give more than this joint has.
             let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
             let weighs = sure || is_not_all;
-            let instead_of = if weighs { self.empty_beside(joint, &whitened, &found) } else { Vec::new() };
+            let mut instead_of = if weighs { self.empty_beside(joint, &whitened, &found) } else { Vec::new() };
             let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
             let is_second = |best: &Unexplained| instead_of.is_empty() && (weaker(best) || !best.instead_of.is_empty());
             if told && !best.as_ref().is_some_and(is_second) {
                 tracing::debug!(joint, structure, ?instead_of, "structure is told");
+                let others = best.into_iter().flat_map(|best| best.instead_of);
+                instead_of.extend(others.filter(|place| !instead_of.contains(place)).collect::<Vec<_>>());
                 best = Some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of });
             }
         }

@@ -89,14 +89,16 @@ fn share(gain: impl Fn(f64) -> f64, rate_hz: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::random;
     use rand_distr::{Distribution, StandardNormal};
 
-    const RATE: f64 = 500.0;
+    /// Rate of the positions of [`swing`], Hz.
+    pub const RATE: f64 = 500.0;
 
-    fn swing(hz: f64, size: f64) -> Vec<f64> {
+    /// Positions over 20 s: a slow swing, one of `size` at `hz`, and an encoder's noise.
+    pub fn swing(hz: f64, size: f64) -> Vec<f64> {
         let mut source = random::stream(5, "cut-off", 0);
         (0..10_000)
             .map(|k| {

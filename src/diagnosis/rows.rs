@@ -174,10 +174,10 @@ impl Rows {
             let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
             let ends = rests(recording)
                 .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / lowest_hz).max(unknown_s)));
-            for joint in 0..dof {
+            for (joint, joint_cutoff_hz) in cutoffs_hz.iter().enumerate() {
                 // A torque that is not a number is one that must not be used.
                 let torque = log.blocks(recording.tau.channel(joint));
-                let valid = usable(&log, joint, blocks(MEMORY / cutoffs_hz[joint]), ends)
+                let valid = usable(&log, joint, blocks(MEMORY / joint_cutoff_hz), ends)
                     .into_iter()
                     .zip(&torque)
                     .map(|(ok, value)| ok && value.is_finite());
@@ -380,21 +380,7 @@ fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random;
-    use rand_distr::{Distribution, StandardNormal};
-
-    const RATE: f64 = 500.0;
-
-    fn swing(hz: f64, size: f64) -> Vec<f64> {
-        let mut source = random::stream(5, "cut-off", 0);
-        (0..10_000)
-            .map(|k| {
-                let t = f64::from(k) / RATE;
-                let noise: f64 = StandardNormal.sample(&mut source);
-                (std::f64::consts::TAU * 0.4 * t).sin() + size * (std::f64::consts::TAU * hz * t).sin() + 1.5e-5 * noise
-            })
-            .collect()
-    }
+    use crate::diagnosis::cutoffs::tests::{RATE, swing};
 
     #[test]
     fn rows_near_reversals_and_ends_do_not_count() {

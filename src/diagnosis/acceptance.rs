@@ -9,13 +9,13 @@ use super::cut_off::is_flat;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
-use super::roles::{is_lag, is_level, is_speed_law};
+use super::roles::is_level;
 use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::stretches::without_best_stretches;
 use super::whitening::Whitener;
-use crate::effects::Placed;
+use crate::effects::{Nature, Placed};
 use crate::error::Result;
 
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
@@ -148,7 +148,7 @@ impl Trial<'_> {
         let much_left = whitener.much_is_left(&joints);
         let left = |members: &[Member]| left_by_others(session, members, &whitener);
         let (before, after, rows) = (left(members)?, left(&with)?, session.train.rows.len());
-        let errors = session.train.errors.beside(&winner.candidate.placed);
+        let errors = session.train.errors_beside(&winner.candidate.placed);
         let gains = Gains::beside(&whitener, &before, &after, &joints, &errors, rows);
         let (lower_bound, chance) = (gains.lower_bound(), gains.chance());
         tracing::debug!(level, elsewhere, much_left, lower_bound, share = gains.share(), chance, "gain by the others");
@@ -195,9 +195,9 @@ impl Trial<'_> {
 
     /// Whether a candidate says how friction goes with speed on a joint of which the model says so in another way.
     fn is_another_form(&self, candidate: &Candidate) -> bool {
-        let own = &candidate.placed;
-        is_speed_law(own.effect)
-            && self.members.iter().any(|member| member.placed.joint == own.joint && is_speed_law(member.placed.effect))
+        let is_of_speed = |placed: &Placed| placed.effect.about().nature == Nature::OfSpeed;
+        let is_there = |member: &Member| member.placed.joint == candidate.placed.joint && is_of_speed(&member.placed);
+        is_of_speed(&candidate.placed) && self.members.iter().any(is_there)
     }
 
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may
@@ -256,7 +256,7 @@ impl Trial<'_> {
                 Gains::new(&whitener, &before, &after, &joints, session.train.rows.len())
             }
         };
-        let errors = session.test.errors.beside(&winner.candidate.placed);
+        let errors = session.test.errors_beside(&winner.candidate.placed);
         let beside_errors = Gains::beside(&unseen, &before, &after, &joints, &errors, test.len());
         let bound = gains.lower_bound();
         tracing::debug!(bound, share = gains.share(), "held-out gain");
@@ -305,7 +305,7 @@ pub fn strictness(candidate: &Candidate) -> f64 {
         EXTREMES
     } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
         GEARS
-    } else if is_lag(candidate.placed.effect) {
+    } else if candidate.placed.effect.about().nature == Nature::Lag {
         LAGS
     } else {
         NOISE_IS_ESTIMATED

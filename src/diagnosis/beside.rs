@@ -40,7 +40,7 @@ pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidat
         let joints = candidate.candidate.joints();
         nuisances.extend(joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)));
     } else {
-        nuisances.extend(session.train.errors.beside(&candidate.candidate.placed));
+        nuisances.extend(session.train.errors_beside(&candidate.candidate.placed));
     }
     let fit = fit.with(&whitener.apply_all(&nuisances));
     let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return 0.0 };

@@ -5,13 +5,10 @@ use super::column::Column;
 use super::grid::grid;
 use super::roles::{acts_upon_arm, is_event, linear};
 use super::rows::Rows;
-use crate::effects::{Effect, Hidden, LIBRARY, Placed, Role, Scope};
+use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role, Scope};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use rayon::prelude::*;
-
-/// Effects that the baseline holds already.
-const BASELINE: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
 
 /// Share of a group's largest column below which a column is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -166,28 +163,20 @@ fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<
     throughout(arm, rows, wanted(rows, trust, only).filter(|effect| !is_event(*effect)))
 }
 
-/// Lasting candidates along all `rows`, of which those known to be along the first ones, `candidates`, are carried on along the
-/// `later` ones, unless they depend on the arm, which was found anew.
+/// Lasting candidates known along some rows of `length`, along the `later` rows that follow those too. Those that depend on the arm
+/// are left out: it was found anew ([`renewed`]).
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn carried_on(
-    mut candidates: Vec<Candidate>,
-    arm: &Arm,
-    [rows, later]: [&Rows; 2],
-    trust: Trust,
-    only: &[String],
-) -> Result<Vec<Candidate>> {
+pub fn carried_on(mut candidates: Vec<Candidate>, arm: &Arm, length: usize, later: &Rows) -> Result<Vec<Candidate>> {
     candidates.retain(|candidate| !is_event(candidate.placed.effect) && !acts_upon_arm(candidate.placed.effect));
     let placed: Vec<Placed> = candidates.iter().map(|candidate| candidate.placed.clone()).collect();
-    let lengths = [rows.len() - later.len(), later.len()];
+    let lengths = [length, later.len()];
     candidates.par_iter_mut().zip(columns(arm, later, &placed)?).for_each(|(candidate, later)| {
         for (own, later) in candidate.columns.iter_mut().zip(&later) {
             *own = own.then(later, lengths);
         }
     });
-    let upon_arm = wanted(rows, trust, only).filter(|effect| !is_event(*effect) && acts_upon_arm(*effect));
-    candidates.extend(throughout(arm, rows, upon_arm)?);
     Ok(candidates)
 }
 
@@ -235,7 +224,7 @@ pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
     is_wanted(effect, only)
-        && !BASELINE.contains(&about.name)
+        && about.nature != Nature::Baseline
         && (trust == Trust::Nominal || about.hidden_by_base_parameters != Hidden::Wholly)
 }
 

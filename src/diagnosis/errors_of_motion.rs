@@ -2,9 +2,9 @@
 
 use super::arm::Arm;
 use super::column::Column;
-use super::roles::{is_level, is_of_reversals};
+use super::roles::is_level;
 use super::rows::{Log, Rows};
-use crate::effects::Placed;
+use crate::effects::{Nature, Placed};
 use crate::error::Result;
 
 /// Columns of the errors of one kind of logs, for the arm as found. None before anything was fitted.
@@ -17,8 +17,6 @@ pub struct ErrorsOfMotion {
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
     pub bend: Vec<Column>,
-    /// What is the same at every reversal of a joint, `[joint]`, a column for each row within the smear of the smoothing.
-    pub reversals: Vec<Vec<Column>>,
 }
 
 impl ErrorsOfMotion {
@@ -34,7 +32,6 @@ impl ErrorsOfMotion {
             smoothing: of_joints(arm.departure(rows, &along, |_, log| log.smoothed_again())?),
             beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
-            reversals: (0..rows.dof()).map(|joint| at_reversals(rows, joint)).collect(),
         })
     }
 
@@ -43,16 +40,16 @@ impl ErrorsOfMotion {
         self.smoothing.iter().chain(&self.beyond).chain(&self.bend).cloned().collect()
     }
 
-    /// Those that stand beside an effect: none where torque is cut off, since the smoothing errs there too; not the second
+    /// Those that stand beside an effect along `rows`: none where torque is cut off, since the smoothing errs there too; not the second
     /// derivative of the torque beside an elastic gear, whose column that is; beside friction that comes up after reversals what is the
     /// same at each of them, since friction that holds a joint for a moment looks like it through smooth positions.
-    pub fn beside(&self, placed: &Placed) -> Vec<Column> {
+    pub fn beside(&self, placed: &Placed, rows: &Rows) -> Vec<Column> {
         if is_level(placed.effect) {
             Vec::new()
         } else if placed.effect.gear(&placed.parameters).is_some() {
             self.smoothing.iter().chain(&self.beyond).cloned().collect()
-        } else if is_of_reversals(placed.effect) {
-            self.all().into_iter().chain(self.reversals.get(placed.joint).into_iter().flatten().cloned()).collect()
+        } else if placed.effect.about().nature == Nature::AfterReversals {
+            self.all().into_iter().chain(at_reversals(rows, placed.joint)).collect()
         } else {
             self.all()
         }

@@ -4,9 +4,9 @@ use super::acceptance::Accepted;
 use super::candidates::{Candidate, Family};
 use super::contest::Alternative;
 use super::impacts::Play;
-use super::roles::{PLAY, is_like_play};
 use super::session::{Member, Session};
 use super::verdict::Verdict;
+use crate::effects::{Backlash, Effect, Nature};
 
 /// An effect that was found.
 #[derive(Debug, Clone)]
@@ -78,8 +78,8 @@ pub fn beside_play(
         let own = rattling.filter(|family| family.joint == placed.joint);
         alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
     }
-    let play = Family { effect: PLAY, joint: placed.joint };
-    let is_open = is_like_play(placed.effect) && session.open_play.contains(&placed.joint);
+    let play = Family { effect: Backlash.about().name, joint: placed.joint };
+    let is_open = placed.effect.about().nature == Nature::LikePlay && session.open_play.contains(&placed.joint);
     if is_open && alternatives.iter().all(|other| other.family != play) {
         alternatives.push(Alternative { family: play, relative_likelihood: 1.0 });
     }

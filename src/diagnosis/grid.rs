@@ -1,6 +1,6 @@
 //! Grids of the parameters that are not linear: where shapes and departures of an effect are looked for on a joint.
 
-use super::roles::{COMPLIANCE, bends, is_level, shapes};
+use super::roles::{COMPLIANCE, bends, is_event, is_level, shapes};
 use super::rows::Rows;
 use crate::effects::{Effect, Parameter, Placed, Role};
 
@@ -42,7 +42,7 @@ const SHORTEST_CONTACT_S: f64 = 0.3;
 /// The effect at one place with every combination of its grids.
 pub fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
     let typical = Placed::typical(effect, joint);
-    if effect.about().name == "external_contact" {
+    if is_event(effect) {
         return contacts(&typical, rows);
     }
     let alone = shapes(effect).len() == 1;

@@ -6,6 +6,7 @@
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`rows`], [`smoothing`] |
 //! | the low-pass that torque went through before it was logged | [`passband`] |
+//! | which low-passes serve the logs best | [`preparation`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
@@ -57,6 +58,7 @@ pub mod known;
 pub mod multiplicity;
 pub mod passband;
 pub mod play;
+pub mod preparation;
 pub mod renaming;
 pub mod residual_structure;
 pub mod resimulation;

@@ -6,11 +6,10 @@ use super::contest::Alternative;
 use super::found::Found;
 use super::impacts::{Play, Traces};
 use super::multiplicity::family_wise;
-use super::roles::PLAY;
 use super::score::fisher;
 use super::session::{Member, Session};
 use super::verdict::Verdict;
-use crate::effects::{Effect, Placed, find};
+use crate::effects::{Backlash, Effect, Nature, Placed};
 use crate::error::Result;
 
 /// Share of the level at which impacts are believed, and the same where the held-out logs have no change of sign.
@@ -33,13 +32,13 @@ const OPEN: f64 = 0.02;
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn rattling_gears(session: &mut Session, options: &Options) -> Result<Vec<Found>> {
-    let effect = find(PLAY)?;
+    let effect: &'static dyn Effect = &Backlash;
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Vec::new());
     }
     let dof = session.model.dof();
-    let known: Vec<usize> =
-        session.known.effects.iter().filter(|placed| placed.effect.about().name == PLAY).map(|one| one.joint).collect();
+    let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
+    let known: Vec<usize> = session.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
     let train = Traces::new(&session.arm, &session.train.rows);
     let test = Traces::new(&session.arm, &session.test.rows);
     let mut rattling: Vec<usize> = Vec::new();
@@ -108,7 +107,7 @@ fn named(
     let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true };
     let alternatives: Vec<Alternative> = rivals
         .iter()
-        .map(|&joint| Alternative { family: Family { effect: PLAY, joint }, relative_likelihood: 1.0 })
+        .map(|&joint| Alternative { family: Family { effect: effect.about().name, joint }, relative_likelihood: 1.0 })
         .collect();
     Found {
         verdict: if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },

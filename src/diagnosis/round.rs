@@ -44,9 +44,10 @@ impl Round {
         options: &Options,
     ) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
-        let rows = [&session.train.rows, &session.test.rows];
-        let all = candidates::carried_on(candidates, &session.arm, rows, session.trust, &options.candidates)?;
-        Ok(Self::of(session, whitener, fit, all))
+        let Session { arm, train, test, .. } = &*session;
+        let later = &test.rows;
+        let carried_on = candidates::carried_on(candidates, arm, train.rows.len() - later.len(), later)?;
+        Self::renewed(session, whitener, fit, carried_on, options)
     }
 
     /// The same again after more was found.
@@ -56,8 +57,19 @@ impl Round {
     pub fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         drop(self.scan);
-        let Session { arm, train, trust, .. } = &*session;
-        let all = candidates::renewed(self.all, arm, &train.rows, *trust, &options.candidates)?;
+        Self::renewed(session, whitener, fit, self.all, options)
+    }
+
+    /// With the candidates for the arm as settled.
+    fn renewed(
+        session: &Session,
+        whitener: Whitener,
+        fit: Projection,
+        candidates: Vec<Candidate>,
+        options: &Options,
+    ) -> Result<Self> {
+        let Session { arm, train, trust, .. } = session;
+        let all = candidates::renewed(candidates, arm, &train.rows, *trust, &options.candidates)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 

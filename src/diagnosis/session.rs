@@ -3,16 +3,15 @@
 use super::arm::Arm;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
-use super::cutoffs::{WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
-use super::passband::{self, LowPass};
+use super::passband::LowPass;
+use super::preparation::{Preparation, Prepared};
 use super::roles::{is_level, linear, shapes};
-use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
+use super::rows::Rows;
 use super::score::Projection;
-use super::smoothing;
 use super::solution::{Solved, solve};
-use super::whitening::{Whitener, rich};
+use super::whitening::Whitener;
 use crate::effects::{Parameter, Placed};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -97,14 +96,22 @@ pub struct Noise {
 }
 
 impl Side {
-    /// Logs made ready, with what is `known` taken off.
-    fn new(model: &Model, known: &Known, rows: Rows, training: bool) -> Result<Self> {
+    /// Rows with what is `known` taken off.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(model: &Model, known: &Known, rows: Rows, training: bool) -> Result<Self> {
         let mut torque = Column::new(rows.torque.iter().cloned());
         torque.add(-1.0, &known.arm.believed(&rows));
         torque.add(-1.0, &known.torque(&rows)?);
         let mut baseline = known.arm.baseline(model, &rows);
         baseline.extend(known.derivatives(&rows)?);
         Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), training })
+    }
+
+    /// Columns of errors of the positions that stand beside an effect.
+    pub fn errors_beside(&self, placed: &Placed) -> Vec<Column> {
+        self.errors.beside(placed, &self.rows)
     }
 
     /// These logs, and those of another kind after them.
@@ -141,76 +148,17 @@ impl<'a> Session<'a> {
         train: &[&Recording],
         test: &[&Recording],
     ) -> Result<Self> {
-        let before = known.reference.len();
-        let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
-        let (train_logs, test_logs): (&[&Recording], &[&Recording]) = (&train, test);
-        let all: Vec<&Recording> = train_logs.iter().chain(test_logs).copied().collect();
-        let whole_hz = cutoff(&all)?;
-        let side = |through, logs: &[&Recording], before: usize, cutoffs: &[f64], fewest: usize| -> Result<Side> {
-            let mut rows = Rows::logged_through(through, logs, (cutoffs, whole_hz), fewest)?;
-            rows.before = before;
-            Side::new(model, &known, rows, fewest == FEWEST_ROWS)
-        };
-        let both = |through, cutoffs: &[f64]| -> Result<[Side; 2]> {
-            Ok([
-                side(through, train_logs, before, cutoffs, FEWEST_ROWS)?,
-                side(through, test_logs, 0, cutoffs, FEWEST_TEST_ROWS)?,
-            ])
-        };
-        let alike = |hz: f64| vec![hz; model.dof()];
-        // The torque itself tells which cut-off serves it best: too low distorts the accelerations, too high lets the
-        // encoder's noise into them.
-        let cutoffs = cutoffs_up_to(whole_hz);
-        let best_of = |through: Option<LowPass>| -> Option<(f64, [Side; 2])> {
-            let mut best: Option<(f64, f64, [Side; 2])> = None;
-            for &hz in &cutoffs {
-                let Ok(sides) = both(through, &alike(hz)) else { continue };
-                let [Side { rows, torque, baseline, .. }, _] = &sides;
-                let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
-                tracing::debug!(hz, unexpected, "cut-off");
-                if best.as_ref().is_none_or(|(least, ..)| unexpected < *least) {
-                    best = Some((unexpected, hz, sides));
-                }
-            }
-            best.map(|(_, hz, sides)| (hz, sides))
-        };
-        let (mut cutoff_hz, [mut train, mut test]) = match best_of(None) {
-            Some(best) => best,
-            // No cut-off leaves enough rows; the widest tells best why.
-            None => (WIDEST_HZ, both(None, &alike(WIDEST_HZ))?),
-        };
-        let mut passband = None;
-        if let Some(edge_hz) = passband::edge(&all)? {
-            let narrow =
-                |hz: f64| side(Some(LowPass { order: 1, hz }), train_logs, before, &alike(cutoff_hz), FEWEST_ROWS);
-            if let Ok(Side { rows: Rows { valid, .. }, .. }) = narrow(passband::lowest(edge_hz)) {
-                let left = |through| {
-                    // All are seen on the same rows.
-                    let Side { mut rows, torque, baseline, .. } =
-                        side(through, train_logs, before, &alike(cutoff_hz), FEWEST_ROWS).ok()?;
-                    rows.valid.clone_from(&valid);
-                    let rich = (0..rows.dof())
-                        .flat_map(|joint| rich(&rows, joint).into_iter().map(move |signal| Column::on(joint, signal)));
-                    let columns: Vec<Column> = baseline.into_iter().chain(rich).collect();
-                    Some(passband::left(&rows, &torque, &columns))
-                };
-                if let Some(found) = passband::best(edge_hz, left)
-                    && let Some((hz, sides)) = best_of(Some(found))
-                {
-                    (passband, cutoff_hz, [train, test]) = (Some(found), hz, sides);
-                }
-            }
-        }
-        let apart = !test_logs.iter().any(|log| train_logs.iter().any(|other| std::ptr::eq(*log, *other)));
+        let preparation = Preparation::new(model, &known, train, test)?;
+        let Prepared { sides: [train, test], cutoff_hz, passband } = preparation.prepared()?;
         let (arm, open_play) = (known.arm.clone(), Vec::new());
-        let known = known.clone();
-        let cutoffs_hz = alike(cutoff_hz);
+        let (known, apart) = (known.clone(), preparation.is_apart());
+        let cutoffs_hz = preparation.alike(cutoff_hz);
         let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoffs_hz, passband };
         let mut noise = session.settle_baseline()?;
         let of_fit = (&noise.whitener, &noise.fit.residual);
-        let own = smoothing::of_joints((&session.arm, &session.train.rows), of_fit, train_logs, [cutoff_hz, whole_hz])?;
+        let own = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
         if own.iter().any(|hz| *hz != cutoff_hz)
-            && let Ok([train, test]) = both(passband, &own)
+            && let Ok([train, test]) = preparation.sides(passband, &own)
         {
             tracing::debug!(?own, "cut-offs of the joints");
             (session.train, session.test, session.cutoffs_hz) = (train, test, own);

@@ -70,20 +70,6 @@ pub struct Unexplained {
     pub instead_of: Vec<usize>,
 }
 
-/// The share of a joint's residual that drifts over each log, and the probability of as much by chance: the power at the
-/// slowest frequencies against that at those above them, since how strong slow noise is the rows themselves do not tell.
-fn drift(session: &Session, fit: &Projection, whitener: &Whitener, joint: usize, left: f64) -> Option<(f64, f64)> {
-    let rows = &session.train.rows;
-    let cosines = |orders: Range<usize>| whitener.apply_all(&slow_cosines(rows, joint, orders));
-    let slow = cosines(1..COSINES + 1);
-    let test = fit.test(&slow)?;
-    let above = fit.with(&slow).test(&cosines(COSINES + 1..3 * COSINES + 1))?;
-    let (freedom, above_freedom) = (test.freedom as f64, above.freedom as f64);
-    let ratio = test.statistic / freedom / (above.statistic / above_freedom);
-    let p = FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
-    Some((test.statistic / left.max(f64::MIN_POSITIVE), p))
-}
-
 /// Tests every joint for structure at a family-wise level; it must also show in the held-out logs.
 ///
 /// # Errors
@@ -98,6 +84,34 @@ pub fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Resu
 /// Whether a member may turn out to be structure of `joint`: it acts there alone, and not by its impacts, which the rows do not tell.
 fn is_weighed(member: &Member, joint: usize) -> bool {
     !member.held && member.candidate.joints() == [joint]
+}
+
+/// Where structure is looked for.
+struct Place {
+    joint: usize,
+    /// What is left on the joint (sum of squares, whitened).
+    left: f64,
+    /// Number of kinds of blocks there, and of all tests on all joints.
+    kinds: f64,
+    tests: f64,
+    /// Whether a name on the joint may turn out to be structure.
+    has_names: bool,
+}
+
+impl Place {
+    /// The share of what is left that `statistic` is. The fit minimises over all joints, so that it can give more than this joint has.
+    fn share(&self, statistic: f64) -> f64 {
+        (statistic / self.left.max(f64::MIN_POSITIVE)).min(1.0)
+    }
+}
+
+/// What the training rows show of a block.
+struct Seen {
+    whitened: Vec<Column>,
+    test: Test,
+    /// Probability of as much by chance, and that over all tests.
+    p: f64,
+    family_wise_p: f64,
 }
 
 /// The model as found, on training and held-out rows.
@@ -144,58 +158,71 @@ impl<'a> Fitted<'a> {
     /// The likeliest structure of a joint.
     fn left_on(&self, joint: usize) -> Option<Unexplained> {
         let Session { train, test, .. } = self.session;
-        let left: f64 = self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         let reach = Reach::new(&train.rows, joint);
         let kinds = blocks(self.session, train, joint, reach);
-        let (here, joints) = (kinds.len() as f64, train.rows.dof() as f64);
-        let tests = joints * (here + OTHER_KINDS as f64);
-        let has_names = self.members.iter().any(|member| is_weighed(member, joint));
+        let place = Place {
+            joint,
+            left: self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum(),
+            kinds: kinds.len() as f64,
+            tests: train.rows.dof() as f64 * (kinds.len() + OTHER_KINDS) as f64,
+            has_names: self.members.iter().any(|member| is_weighed(member, joint)),
+        };
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds.into_iter().zip(blocks(self.session, test, joint, reach)) {
-            let structure = block.structure;
-            let whitened = self.whitener.apply_all(&block.columns);
-            let Some(found) = self.beside_errors.test(&whitened) else { continue };
-            // Slow noise only adds to what chance alone brings.
-            if tests * found.log_p().exp() > LOOKED_FOR {
-                continue;
-            }
-            let p = against_slow_noise(&train.rows, self.whitener, &self.beside_errors, &whitened, &found).exp();
-            let family_wise_p = (tests * p).min(1.0);
-            tracing::debug!(joint, structure, family_wise_p, plain = found.log_p(), "structure");
+            let Some(seen) = self.seen(&place, &block) else { continue };
             // What stands for a name comes before what does not, then the likelier.
-            let weaker = |best: &Unexplained| family_wise_p >= best.family_wise_p;
-            let is_settled = |best: &Unexplained| !has_names || !best.instead_of.is_empty();
-            if family_wise_p > LOOKED_FOR || best.as_ref().is_some_and(|best| weaker(best) && is_settled(best)) {
+            let is_weaker = best.as_ref().is_some_and(|best| seen.family_wise_p >= best.family_wise_p);
+            let is_settled = best.as_ref().is_some_and(|best| !place.has_names || !best.instead_of.is_empty());
+            if is_weaker && is_settled {
                 continue;
             }
-            let gains = self.gains(joint, &block, &again);
-            let together = gains.together(family_wise_p, 1.0);
-            tracing::debug!(joint, structure, together, share = gains.share(), "structure on held-out rows");
-            let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
-            let sure = gained && family_wise_p < self.sure && gains.lower_bound() > 0.0;
-            let shown = sure || (gained && together < self.together && gains.chance() < SEEN_AGAIN);
-            let leans = has_names && gains.chance() < LEANS;
-            let is_not_all = leans && gains.together((here * p).min(1.0), 1.0) < NOT_ALL;
-            // The fit minimises over all joints, so that it can give more than this joint has.
-            let share = (found.statistic / left.max(f64::MIN_POSITIVE)).min(1.0);
-            let weighs = sure || is_not_all;
-            let mut instead_of = if weighs { self.empty_beside(joint, &whitened, &found) } else { Vec::new() };
-            let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
-            let is_second = |best: &Unexplained| instead_of.is_empty() && (weaker(best) || !best.instead_of.is_empty());
-            if told && !best.as_ref().is_some_and(is_second) {
-                tracing::debug!(joint, structure, ?instead_of, "structure is told");
-                let others = best.into_iter().flat_map(|best| best.instead_of);
-                instead_of.extend(others.filter(|place| !instead_of.contains(place)).collect::<Vec<_>>());
-                best = Some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of });
+            let Some(mut told) = self.told(&place, &block, &again, seen) else { continue };
+            if told.instead_of.is_empty()
+                && (is_weaker || best.as_ref().is_some_and(|best| !best.instead_of.is_empty()))
+            {
+                continue;
             }
+            let others = best.into_iter().flat_map(|best| best.instead_of);
+            let others: Vec<usize> = others.filter(|place| !told.instead_of.contains(place)).collect();
+            told.instead_of.extend(others);
+            best = Some(told);
         }
-        best.or_else(|| self.wandering_harmonic(joint, tests)).or_else(|| {
-            let (share, p) = drift(self.session, &self.fit, self.whitener, joint, left)?;
-            let family_wise_p = tests * p;
-            let (share, structure) = (share.min(1.0), "drifts over time");
-            let found = Unexplained { joint, share, structure, family_wise_p, sure: true, instead_of: Vec::new() };
-            (family_wise_p < self.sure).then_some(found)
-        })
+        best.or_else(|| self.wandering_harmonic(&place)).or_else(|| self.drift(&place))
+    }
+
+    /// What the training rows show of a block; None where that is no more than chance brings.
+    fn seen(&self, place: &Place, block: &Block) -> Option<Seen> {
+        let rows = &self.session.train.rows;
+        let whitened = self.whitener.apply_all(&block.columns);
+        let test = self.beside_errors.test(&whitened)?;
+        // Slow noise only adds to what chance alone brings.
+        if place.tests * test.log_p().exp() > LOOKED_FOR {
+            return None;
+        }
+        let p = against_slow_noise(rows, self.whitener, &self.beside_errors, &whitened, &test).exp();
+        let family_wise_p = (place.tests * p).min(1.0);
+        tracing::debug!(place.joint, block.structure, family_wise_p, plain = test.log_p(), "structure");
+        (family_wise_p <= LOOKED_FOR).then_some(Seen { whitened, test, p, family_wise_p })
+    }
+
+    /// A block as the structure of its joint, if the held-out rows show it too, and it is worth telling or stands for a name.
+    fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
+        let (joint, structure) = (place.joint, block.structure);
+        let Seen { whitened, test, p, family_wise_p } = seen;
+        let gains = self.gains(joint, block, again);
+        let together = gains.together(family_wise_p, 1.0);
+        tracing::debug!(joint, structure, together, share = gains.share(), "structure on held-out rows");
+        let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
+        let sure = gained && family_wise_p < self.sure && gains.lower_bound() > 0.0;
+        let shown = sure || (gained && together < self.together && gains.chance() < SEEN_AGAIN);
+        let leans = place.has_names && gains.chance() < LEANS;
+        let is_not_all = leans && gains.together((place.kinds * p).min(1.0), 1.0) < NOT_ALL;
+        let share = place.share(test.statistic);
+        let weighs = sure || is_not_all;
+        let instead_of = if weighs { self.empty_beside(joint, &whitened, &test) } else { Vec::new() };
+        tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
+        let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
+        told.then_some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of })
     }
 
     /// What the held-out rows say of a block.
@@ -235,9 +262,31 @@ impl<'a> Fitted<'a> {
         empty
     }
 
+    /// What drifts over each log: the power at the slowest frequencies against that at those above them, since how strong slow noise
+    /// is the rows themselves do not tell.
+    fn drift(&self, place: &Place) -> Option<Unexplained> {
+        let rows = &self.session.train.rows;
+        let cosines = |orders: Range<usize>| self.whitener.apply_all(&slow_cosines(rows, place.joint, orders));
+        let slow = cosines(1..COSINES + 1);
+        let test = self.fit.test(&slow)?;
+        let above = self.fit.with(&slow).test(&cosines(COSINES + 1..3 * COSINES + 1))?;
+        let (freedom, above_freedom) = (test.freedom as f64, above.freedom as f64);
+        let ratio = test.statistic / freedom / (above.statistic / above_freedom);
+        let family_wise_p = place.tests * FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
+        (family_wise_p < self.sure).then(|| Unexplained {
+            joint: place.joint,
+            share: place.share(test.statistic),
+            structure: "drifts over time",
+            family_wise_p,
+            sure: true,
+            instead_of: Vec::new(),
+        })
+    }
+
     /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
-    fn wandering_harmonic(&self, joint: usize, tests: f64) -> Option<Unexplained> {
+    fn wandering_harmonic(&self, place: &Place) -> Option<Unexplained> {
         let Session { train, test, .. } = self.session;
+        let Place { joint, tests, .. } = *place;
         let found = Spectrum::new(&train.rows, self.whitener, &self.fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
         let residual = self.unseen.apply(&self.before.only(&[joint]));

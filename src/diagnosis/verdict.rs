@@ -10,10 +10,9 @@ use super::inertias::Gain;
 use super::multiplicity::Multiplicity;
 use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
-use super::roles::is_delay;
 use super::session::Session;
 use super::unexplained::Unexplained;
-use crate::effects::{LIBRARY, Placed};
+use crate::effects::{LIBRARY, Nature, Placed};
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -153,7 +152,7 @@ pub fn is_of_sampling(found: &Found, period: f64, noise: &[f64]) -> bool {
     let Placed { effect, parameters, .. } = &found.member.placed;
     let [before, after] = &found.rms;
     let sizes = before.iter().zip(after).zip(noise).map(|((b, a), noise)| (b * b - a * a).max(0.0).sqrt() / noise);
-    is_delay(*effect) && parameters[0].abs() <= 0.5 * period && sizes.fold(0.0, f64::max) < SMALL
+    effect.about().nature == Nature::Delay && parameters[0].abs() <= 0.5 * period && sizes.fold(0.0, f64::max) < SMALL
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the

@@ -1,6 +1,6 @@
 //! Backlash: play in the gear, in which motor and link move freely of each other.
 
-use super::{About, Effect, Gear, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A dead zone of +- half_gap between motor and link.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +27,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Play,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Base tilt: the base does not stand as the model says, so gravity points elsewhere.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::Robot;
 use nalgebra::Rotation3;
 
@@ -27,6 +27,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Coulomb friction: torque of one size against the direction of motion; at standstill anything up to that size.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Fc sign(v).
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +20,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: true,
     uses_acceleration: false,
+    nature: Nature::Baseline,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Encoder eccentricity: the logged position errs once per revolution, as with a disc mounted off its centre.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged position = q + e sin(q - phi), as q + s sin q + c cos q with s = e cos phi, c = -e sin phi.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::LikePlay,
     hidden_by_base_parameters: Hidden::No,
 };
 

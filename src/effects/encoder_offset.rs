@@ -1,6 +1,6 @@
 //! Encoder offset: the logged position is shifted by a constant.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged position = q + d.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +31,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::LikePlay,
     hidden_by_base_parameters: Hidden::InPart,
 };
 

@@ -1,6 +1,6 @@
 //! External contact: something pushes the tool for a part of the run.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::JointKind;
 use nalgebra::Vector3;
 
@@ -29,6 +29,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Event,
     hidden_by_base_parameters: Hidden::No,
 };
 

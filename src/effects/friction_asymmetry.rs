@@ -3,7 +3,7 @@
 //! The law holds the difference only: the baseline has the mean of the two directions, this the half difference, so a
 //! joint needs Fc >= |dFc| and Fv >= |dFv| to take energy in both directions.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// dFc |sign v| + dFv |v|.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +28,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: true,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -3,7 +3,7 @@
 //! Housings warm over tens of minutes, which a single recording sees as a slow trend at most; grease that has settled
 //! spreads within the first moves. The typical time constant is of the second kind, in sight of one recording.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A exp(-t/T) sign(v), t counted from the start of the recording.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +33,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: true,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

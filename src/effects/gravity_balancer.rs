@@ -19,7 +19,7 @@
 //! range is fitted best by struts that hardly have a length and jerk through it, and says nothing of other poses. A strut
 //! that pushes from half a turn away is nearly one that pulls.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
 #[derive(Debug, Clone, Copy)]
@@ -49,6 +49,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::Wholly,
 };
 

@@ -1,6 +1,6 @@
 //! Integration error: what rapier's own time step gets wrong against exact dynamics.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::dynamics::inverse_dynamics_at;
 use crate::robot::{JointKind, Robot};
 use nalgebra::Vector3;
@@ -43,6 +43,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: true,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

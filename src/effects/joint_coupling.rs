@@ -6,7 +6,7 @@
 //! the sum. Energy is lost for sure, and the mass matrix positive definite, as long as Fvc and Iac are no larger than
 //! the Fv and Ia of both joints.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site, direction};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site, direction};
 
 /// Fvc v_other + Fcc sign(v_a + v_b) + Iac a_other on both joints of the pair.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +34,7 @@ static ABOUT: About = About {
     scope: Scope::Pair,
     dry: false,
     uses_acceleration: true,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Joint elasticity: the gear gives way between the motor, whose encoder is read, and the link.
 
-use super::{About, Effect, Gear, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A gear of stiffness K = 1 / compliance.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::LikePlay,
     hidden_by_base_parameters: Hidden::No,
 };
 

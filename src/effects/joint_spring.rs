@@ -2,7 +2,7 @@
 //!
 //! k (q - q0) is written with the torque at zero position, -k q0, so that both parameters enter linearly.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// k q + t0 = k (q - q0) with t0 = -k q0.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +33,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

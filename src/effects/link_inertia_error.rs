@@ -1,6 +1,6 @@
 //! Link inertia error: one link's inertial parameters are not what the model says.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Robot};
 
 /// Ten inertial parameters, about the joint frame, added to a link.
@@ -30,6 +30,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::Wholly,
 };
 

@@ -1,6 +1,6 @@
 //! Load-dependent friction: dry friction in proportion to the torque that the gear passes on.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// mu |tau_load| sign(v).
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: true,
     uses_acceleration: true,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

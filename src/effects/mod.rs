@@ -159,8 +159,36 @@ pub struct About {
     pub dry: bool,
     /// Whether its torque depends on [`Instant::qdd`] or [`Instant::load`].
     pub uses_acceleration: bool,
+    /// What sets it apart from most laws when it is looked for in logs.
+    pub nature: Nature,
     /// What re-identified inertial parameters hide of it: that shows only against trusted inertias or a reference log.
     pub hidden_by_base_parameters: Hidden,
+}
+
+/// What sets a law apart when it is looked for in logs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Nature {
+    /// Nothing: it is there throughout, and follows from the motion by its law.
+    Lasting,
+    /// Every model of an arm has it.
+    Baseline,
+    /// Friction that depends on its joint's speed alone: books write such curves in many forms.
+    OfSpeed,
+    /// Friction that shows after reversals alone.
+    AfterReversals,
+    /// A gear with play: its impacts tell.
+    Play,
+    /// It looks like play of the same gear, but for the impacts.
+    LikePlay,
+    /// Torque is cut off at a level: absent at zero, and smaller the higher it is.
+    Level,
+    /// A low-pass of the torque, of which its column is the derivative.
+    Lag,
+    /// All torques are moved in time.
+    Delay,
+    /// It comes and goes on its own, whatever the motion.
+    Event,
 }
 
 /// What base parameters take of an effect.

@@ -3,7 +3,7 @@
 //! Below one, the power has an infinite slope at standstill; the law is written with |v| rounded off at `width`, so that it
 //! passes through zero straight and no faster than an integrator can follow.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// F |v|^alpha sign(v), rounded off at standstill.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +34,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::OfSpeed,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Payload: a body on the flange that the model does not know.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Pose, Robot};
 use nalgebra::Matrix3;
 
@@ -33,6 +33,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::Wholly,
 };
 

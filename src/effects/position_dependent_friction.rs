@@ -3,7 +3,7 @@
 //! The law holds the variation only. Together with Coulomb friction the joint always loses energy as long as
 //! A = sqrt(Ac^2 + As^2) <= Fc; a larger A would push the joint along where cos(q - phi) is negative.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A cos(q - phi) sign(v) = (Ac cos q + As sin q) sign(v).
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: true,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

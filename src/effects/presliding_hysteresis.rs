@@ -5,7 +5,7 @@
 //! dz/dt = (v/d)(1 - z sign v), whose solution over a step at constant velocity is
 //! z = s + (z0 - s) exp(-|v| dt / d) with s = sign v.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A Dahl bristle: level z.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +37,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::AfterReversals,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Rotor inertia: the motor's rotor, turning fast behind the gear, beyond what the robot description gives.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::Robot;
 
 /// Ia a.
@@ -25,6 +25,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Baseline,
     hidden_by_base_parameters: Hidden::Wholly,
 };
 

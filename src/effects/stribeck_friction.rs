@@ -1,6 +1,6 @@
 //! Stribeck friction: the rise of dry friction towards standstill, where the lubricant film is squeezed out.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// (Fs - Fc) exp(-(|v|/vs)^delta) sign(v).
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +30,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: true,
     uses_acceleration: false,
+    nature: Nature::OfSpeed,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Time delay: torque is logged later than position, or position later than torque.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque at t = tau(t - d), on all joints.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +36,7 @@ static ABOUT: About = About {
     scope: Scope::Arm,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Delay,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Torque gain error: the logged torque is too large or too small by a factor.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque = (1 + e) tau.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +29,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::InPart,
 };
 

@@ -1,6 +1,6 @@
 //! Torque lag: the logged torque follows the real one as through a first-order filter.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// T d(logged)/dt + logged = tau.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +28,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lag,
     hidden_by_base_parameters: Hidden::No,
 };
 

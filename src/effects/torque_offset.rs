@@ -1,6 +1,6 @@
 //! Torque offset: the logged torque is shifted by a constant.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque = tau + o.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +28,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

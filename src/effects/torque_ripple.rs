@@ -1,6 +1,6 @@
 //! Torque ripple: a torque that repeats n times per turn of the joint, from motor cogging or gear meshing.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Ac cos(n q) + As sin(n q).
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +31,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Lasting,
     hidden_by_base_parameters: Hidden::No,
 };
 

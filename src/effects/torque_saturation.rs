@@ -1,6 +1,6 @@
 //! Torque saturation: the logged torque is cut off at a level.
 
-use super::{About, Effect, Hidden, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque = tau clipped to +- L.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +26,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Level,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Viscous friction: torque proportional to speed.
 
-use super::{About, Effect, Hidden, Instant, Parameter, Rival, Role, Scope, Site};
+use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Fv v.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +20,7 @@ static ABOUT: About = About {
     scope: Scope::Joint,
     dry: false,
     uses_acceleration: false,
+    nature: Nature::Baseline,
     hidden_by_base_parameters: Hidden::No,
 };
 

@@ -1,6 +1,6 @@
 //! Laws that the library does not have, for runs in which no name is right.
 
-use crate::effects::{About, Effect, Hidden, Instant, Parameter, Role, Scope, Site};
+use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Role, Scope, Site};
 use std::f64::consts::TAU;
 
 /// All of them.
@@ -18,6 +18,7 @@ const fn about(name: &'static str, equation: &'static str, explanation: &'static
         scope: Scope::Joint,
         dry: false,
         uses_acceleration: false,
+        nature: Nature::Lasting,
         hidden_by_base_parameters: Hidden::No,
     }
 }

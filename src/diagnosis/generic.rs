@@ -11,11 +11,14 @@ use std::ops::Range;
 const HATS: usize = 8;
 const PLACES: usize = 10;
 
+/// Hats over the range of positions that find friction at a spot.
+const SPOTS: usize = 30;
+
 /// Harmonics of the position.
 const HARMONICS: usize = 4;
 
-/// Cosines over each log with which torque or friction may drift.
-const DRIFTS: usize = 4;
+/// Cosines over each log with which torque or friction may drift: half a period of the first is the log, and so on.
+const DRIFTS: usize = 8;
 
 /// Delays with which something may follow the motion, s.
 const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
@@ -27,6 +30,8 @@ pub struct Block {
     pub structure: &'static str,
     /// Its columns.
     pub columns: Vec<Column>,
+    /// Whether it goes with time, which tells nothing of other logs.
+    pub over_time: bool,
 }
 
 /// Ranges of a joint's motion in the training logs.
@@ -120,35 +125,32 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
             own.iter().zip(others).map(|(own, other)| own.signum() * other.abs()).collect()
         })
     };
-    let slow = |order: usize| {
-        let log = |log: &[usize]| {
-            let count = log[1] - log[0];
-            (0..count)
-                .map(move |row| (PI * order as f64 * (row as f64 + 0.5) / count as f64).cos())
-                .collect::<Vec<f64>>()
-        };
-        rows.starts.windows(2).flat_map(log).collect::<Vec<f64>>()
+    let spot_width = (reach.highest - reach.lowest) / (SPOTS - 1) as f64;
+    let spots = (0..SPOTS).map(|k| reach.lowest + k as f64 * spot_width);
+    let spots = spots.map(|center| own(&|q, v| hat(q, center, spot_width) * v.signum())).collect();
+    let drifting = |structure, signal: Vec<f64>| {
+        let mut columns = slow_cosines(rows, joint, 1..DRIFTS + 1);
+        for (_, values) in columns.iter_mut().flat_map(|column| &mut column.parts) {
+            values.iter_mut().zip(rows.since_change(signal.clone())).for_each(|(slow, x)| *slow *= x);
+        }
+        Block { structure, columns, over_time: true }
     };
-    let slow: Vec<Vec<f64>> = (1..=DRIFTS).map(slow).collect();
-    let drifting = |signal: Vec<f64>| {
-        slow.iter()
-            .map(move |slow| signal.iter().zip(slow).map(|(x, slow)| x * slow).collect())
-            .collect::<Vec<Vec<f64>>>()
-    };
-    let drifts = [torque(joint), own_sign].into_iter().flat_map(drifting);
     let block = |structure, signals: Vec<Vec<f64>>| Block {
         structure,
         columns: signals.into_iter().map(|signal| Column::on(joint, rows.since_change(signal))).collect(),
+        over_time: false,
     };
     let mut blocks = vec![
         block("is damping that changes with the joint's position", damping.into()),
         block("changes with the joint's position", smooth),
         block("sits at places of the joint's range", place.collect()),
+        block("is friction at places of the joint's range", spots),
         block("depends on the joint's speed", speed),
         block("depends on the other joints' positions and speeds", elsewhere.collect()),
         block("goes with the torque of other joints", others().map(torque).collect()),
         block("is friction that changes with the speed of other joints", others().map(along).collect()),
-        block("changes over each log with the joint's torque or friction", drifts.collect()),
+        drifting("goes with the joint's torque, more or less so over each log", torque(joint)),
+        drifting("is friction that changes over each log", own_sign),
     ];
     // All delays stand for a name better than one; and what follows with one is lost among the columns of all.
     let follows = |signals| block("follows the joint's speed with a delay", signals);

@@ -7,7 +7,7 @@ use super::found::members;
 use super::generic::{Block, Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
 use super::held_out::{Gains, SEEN_AGAIN};
-use super::score::{Projection, Test};
+use super::score::{Projection, Test, fisher};
 use super::selection::Selection;
 use super::session::{Member, Session};
 use super::solution::solve;
@@ -114,6 +114,15 @@ struct Seen {
     family_wise_p: f64,
 }
 
+/// What the held-out rows show of it.
+struct Again {
+    /// Probability of as much by chance.
+    chance: f64,
+    /// Whether they gain by it, and surely.
+    gained: bool,
+    surely: bool,
+}
+
 /// The model as found, on training and held-out rows.
 struct Fitted<'a> {
     session: &'a Session<'a>,
@@ -209,14 +218,13 @@ impl<'a> Fitted<'a> {
     fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
         let (joint, structure) = (place.joint, block.structure);
         let Seen { whitened, test, p, family_wise_p } = seen;
-        let gains = self.gains(joint, block, again);
-        let together = gains.together(family_wise_p, 1.0);
-        tracing::debug!(joint, structure, together, share = gains.share(), "structure on held-out rows");
-        let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
-        let sure = gained && family_wise_p < self.sure && gains.lower_bound() > 0.0;
-        let shown = sure || (gained && together < self.together && gains.chance() < SEEN_AGAIN);
-        let leans = place.has_names && gains.chance() < LEANS;
-        let is_not_all = leans && gains.together((place.kinds * p).min(1.0), 1.0) < NOT_ALL;
+        let Again { chance, gained, surely } =
+            if block.over_time { self.seen_again(again)? } else { self.gained(joint, block, again) };
+        let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
+        tracing::debug!(joint, structure, chance, gained, surely, "structure on held-out rows");
+        let sure = gained && family_wise_p < self.sure && surely;
+        let shown = sure || (gained && with(family_wise_p) < self.together && chance < SEEN_AGAIN);
+        let is_not_all = place.has_names && chance < LEANS && with(place.kinds * p) < NOT_ALL;
         let share = place.share(test.statistic);
         let weighs = sure || is_not_all;
         let instead_of = if weighs { self.empty_beside(joint, &whitened, &test) } else { Vec::new() };
@@ -225,7 +233,25 @@ impl<'a> Fitted<'a> {
         told.then_some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of })
     }
 
-    /// What the held-out rows say of a block.
+    /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
+    fn seen_again(&self, again: &Block) -> Option<Again> {
+        let Session { test, .. } = self.session;
+        let model = [self.unseen_columns.as_slice(), &self.unseen_errors].concat();
+        let fit = self.unseen.fit(&model, &test.torque);
+        let whitened = self.unseen.apply_all(&again.columns);
+        let found = fit.test(&whitened)?;
+        let chance = against_slow_noise(&test.rows, &self.unseen, &fit, &whitened, &found).exp();
+        Some(Again { chance, gained: true, surely: chance < CONFIRMED })
+    }
+
+    /// What the held-out rows say of a block that follows from the motion, as fitted to the training rows.
+    fn gained(&self, joint: usize, block: &Block, again: &Block) -> Again {
+        let gains = self.gains(joint, block, again);
+        let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
+        Again { chance: gains.chance(), gained, surely: gains.lower_bound() > 0.0 }
+    }
+
+    /// How much better the held-out rows are predicted with a block.
     fn gains(&self, joint: usize, block: &Block, again: &Block) -> Gains {
         let Session { train, test, .. } = self.session;
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();

@@ -21,7 +21,7 @@
 //! | gears with play, by their impacts | [`impacts`], [`play`] |
 //! | evidence beside slow noise and the errors of positions; torque that is flat | [`beside`](mod@beside), [`errors_of_motion`], [`cut_off`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
-//! | structure that no candidate carries | [`unexplained`], [`generic`], [`harmonics`] |
+//! | structure that no candidate carries | [`unexplained`], [`structure`], [`generic`], [`harmonics`] |
 //! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`], [`accounted`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
@@ -73,6 +73,7 @@ pub mod session;
 pub mod smoothing;
 pub mod solution;
 pub mod stretches;
+pub mod structure;
 pub mod unexplained;
 pub mod verdict;
 pub mod whitening;

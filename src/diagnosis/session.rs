@@ -254,7 +254,16 @@ impl<'a> Session<'a> {
     /// The noise under the columns of a model, each joint's grown to what the model leaves there where that is more: a joint
     /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
     pub fn noise_under(&self, present: &[Column]) -> Noise {
-        let mut whitener = Whitener::new(&self.train.rows, &self.train.torque, present);
+        self.grown(Whitener::new(&self.train.rows, &self.train.torque, present), present)
+    }
+
+    /// The same where more was added on one joint alone to what `whitener` is the noise under.
+    pub fn noise_with_more_on(&self, joint: usize, whitener: &Whitener, present: &[Column]) -> Noise {
+        self.grown(whitener.anew_on(joint, &self.train.rows, &self.train.torque, present), present)
+    }
+
+    /// A noise grown to what the model leaves.
+    fn grown(&self, mut whitener: Whitener, present: &[Column]) -> Noise {
         let mut fit = whitener.fit(present, &self.train.torque);
         for _ in 0..MISFIT_ROUNDS {
             let excess: Vec<f64> = whitener

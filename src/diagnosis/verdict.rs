@@ -11,7 +11,7 @@ use super::multiplicity::Multiplicity;
 use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
 use super::session::Session;
-use super::unexplained::Unexplained;
+use super::structure::Unexplained;
 use crate::effects::{LIBRARY, Nature, Placed};
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};

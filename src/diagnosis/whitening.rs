@@ -51,19 +51,15 @@ struct JointWhitener {
 impl Whitener {
     /// From what `torque` has beyond the columns in `present` (the baseline, effects) and the rich ones.
     pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
-        let share = rows.share_as_logged();
-        let rich = rows.rich.get_or_init(|| (0..rows.dof()).into_par_iter().map(|joint| rich(rows, joint)).collect());
-        let joints = (0..rows.dof())
-            .into_par_iter()
-            .map(|joint| {
-                let mut columns: Vec<Vec<f64>> =
-                    present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
-                columns.extend_from_slice(&rich[joint]);
-                let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
-                JointWhitener::new(&rows.valid[joint], &rows.starts, &signal, rows.apart(columns), joint, share)
-            })
-            .collect();
-        Whitener { joints }
+        let joints = (0..rows.dof()).into_par_iter().map(|joint| JointWhitener::of(rows, torque, present, joint));
+        Whitener { joints: joints.collect() }
+    }
+
+    /// The same with the noise of one joint from what `torque` has there beyond the columns in `present` and the rich ones.
+    pub fn anew_on(&self, joint: usize, rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+        let mut anew = self.clone();
+        anew.joints[joint] = JointWhitener::of(rows, torque, present, joint);
+        anew
     }
 
     /// For noise that is known, one for each joint.
@@ -151,6 +147,16 @@ impl Whitener {
 }
 
 impl JointWhitener {
+    fn of(rows: &Rows, torque: &Column, present: &[Column], joint: usize) -> Self {
+        let rich = rows.rich.get_or_init(|| (0..rows.dof()).into_par_iter().map(|joint| rich(rows, joint)).collect());
+        let mut columns: Vec<Vec<f64>> =
+            present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
+        columns.extend_from_slice(&rich[joint]);
+        let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
+        let (valid, share) = (&rows.valid[joint], rows.share_as_logged());
+        JointWhitener::new(valid, &rows.starts, &signal, rows.apart(columns), joint, share)
+    }
+
     fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize, share: f64) -> Self {
         let masked = |signal: &[f64]| -> Vec<f64> {
             signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect()

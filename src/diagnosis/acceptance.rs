@@ -41,9 +41,9 @@ const GEARS: f64 = 1e-7;
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
 
-/// The same for a lag of the torque: the derivative of the torque weighs most at the highest frequencies, of which models of slow noise
-/// tell least.
-const LAGS: f64 = 1e-4;
+/// The same for lags and delays of the torque: its derivative weighs most at the highest frequencies, of which models of slow noise
+/// tell least; and for friction that comes up after reversals, near which smooth positions err most.
+const SUDDEN: f64 = 1e-4;
 
 /// The same for friction over speed beside another law of it on the same joint: books write such curves in many forms, and none is
 /// that of a gear.
@@ -306,8 +306,8 @@ pub fn strictness(candidate: &Candidate) -> f64 {
         EXTREMES
     } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
         GEARS
-    } else if candidate.placed.effect.about().nature == Nature::Lag {
-        LAGS
+    } else if matches!(candidate.placed.effect.about().nature, Nature::Lag | Nature::Delay | Nature::AfterReversals) {
+        SUDDEN
     } else {
         NOISE_IS_ESTIMATED
     }

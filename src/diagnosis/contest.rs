@@ -38,8 +38,11 @@ const CRITERION_GAP: f64 = 6.0;
 
 /// Smaller and larger effects on one joint that motion alone cannot tell: the larger one with nothing in its further parameter
 /// is the smaller one.
-const ONE_MORE: [(&str, &str); 2] =
-    [("torque_offset", "friction_asymmetry"), ("encoder_offset", "encoder_eccentricity")];
+const ONE_MORE: [(&str, &str); 3] = [
+    ("torque_offset", "friction_asymmetry"),
+    ("encoder_offset", "encoder_eccentricity"),
+    ("gravity_balancer", "link_inertia_error"),
+];
 
 /// Candidates that were seen in the noise under the model with them: criterion and candidate at its best shape there, None where it
 /// cannot be. They hold as long as the rest of the model stays the same.

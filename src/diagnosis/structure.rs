@@ -64,9 +64,10 @@ pub struct Unexplained {
     pub instead_of: Vec<usize>,
 }
 
-/// Whether a member may turn out to be structure of `joint`: it acts there alone, and not by its impacts, which the rows do not tell.
+/// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not told by its impacts, which the rows do not
+/// show.
 pub fn is_weighed(member: &Member, joint: usize) -> bool {
-    !member.held && member.candidate.joints() == [joint]
+    !member.held && member.placed.joints() == [joint]
 }
 
 /// Where structure is looked for.
@@ -268,7 +269,7 @@ impl<'a> Fitted<'a> {
         Gains::beside(&under.unseen, self.before, &after, &[joint], &self.unseen_errors, test.rows.len())
     }
 
-    /// Members on this joint alone that add nothing to a block, which itself adds `more` than little to them.
+    /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.
     fn empty_beside(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
         let more = more.statistic - more.freedom as f64;
         let mut first = self.session.train.baseline.len();

@@ -3,6 +3,7 @@
 
 use super::generic::{Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
+use super::held_out::SEEN_AGAIN;
 use super::selection::Selection;
 use super::session::Session;
 use super::structure::{CONFIRMED, Fitted, Place, Under, Unexplained, is_weighed};
@@ -97,12 +98,12 @@ impl Fitted<'_> {
             .then(|| Spectrum::new(&test.rows, unseen, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
-        (again.log_p < CONFIRMED.ln()).then_some(Unexplained {
+        (again.log_p < SEEN_AGAIN.ln()).then_some(Unexplained {
             joint,
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p,
-            sure: true,
+            sure: again.log_p < CONFIRMED.ln(),
             instead_of: Vec::new(),
         })
     }

@@ -201,13 +201,13 @@ impl<'a> Fitted<'a> {
             all.extend(tested.map(|tested| (Cow::Owned(own), tested)));
         }
         let seen = all.into_iter().filter_map(|(under, (whitened, test))| {
-            // Slow noise only adds to what chance alone brings.
-            let may_be = place.tests * test.log_p().exp() <= LOOKED_FOR;
-            let p = may_be
+            // Beside a name only the kinds of this joint count. Slow noise only adds to what chance alone brings.
+            let tries = if place.has_names { place.kinds } else { place.tests };
+            let p = (tries * test.log_p().exp() <= LOOKED_FOR)
                 .then(|| against_slow_noise(rows, &under.whitener, &under.beside_errors, &whitened, &test).exp())?;
             tracing::debug!(place.joint, block.structure, p, plain = test.log_p(), "structure");
             let family_wise_p = (place.tests * p).min(1.0);
-            (family_wise_p <= LOOKED_FOR).then_some(Seen { under, whitened, test, p, family_wise_p })
+            (tries * p <= LOOKED_FOR).then_some(Seen { under, whitened, test, p, family_wise_p })
         });
         seen.min_by(|a, b| a.p.total_cmp(&b.p))
     }

@@ -224,6 +224,7 @@ fn answer<'a>(
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
+    let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
     let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
     let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
     let all = found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects));
@@ -248,6 +249,7 @@ fn answer<'a>(
         simulation_test_rms: rms(&test.valid, &simulation),
         baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
         extended_test_rms,
+        prediction_std,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
         derived,
         not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),

@@ -56,6 +56,29 @@ impl Solved {
         if untold > UNTOLD * along.norm_squared() { f64::INFINITY } else { told.sqrt() }
     }
 
+    /// Root mean square, over the rows of each joint that count (`valid`, `[joint][row]`), of the standard deviation of what `columns`
+    /// predict there with these factors; infinite where that rests on what the rows fitted to do not tell.
+    pub fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
+        let of_joint = |(joint, valid): (usize, &Vec<bool>)| {
+            let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
+            let mut along = DMatrix::zeros(rows.len(), columns.len());
+            for (place, column) in columns.iter().enumerate() {
+                let Some(values) = column.part(joint) else { continue };
+                rows.iter().enumerate().for_each(|(k, &row)| along[(k, place)] = values[row] / self.norms[place]);
+            }
+            let along = along * &self.directions;
+            let squares = (0..along.ncols()).map(|k| along.column(k).norm_squared());
+            let (mut told, mut untold) = (0.0, 0.0);
+            for (square, variance) in squares.zip(&self.variances) {
+                told += square * variance;
+                untold += if *variance == 0.0 { square } else { 0.0 };
+            }
+            let mean = (told / rows.len().max(1) as f64).sqrt();
+            if untold > UNTOLD * along.norm_squared() { f64::INFINITY } else { mean }
+        };
+        valid.iter().enumerate().map(of_joint).collect()
+    }
+
     /// Standard deviation of a factor.
     pub fn std(&self, place: usize) -> f64 {
         self.deviation(&[(place, 1.0)])
@@ -87,6 +110,21 @@ mod tests {
         assert!(solved.values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-12));
         assert!((solved.std(0) - 0.5).abs() < 1e-12);
         assert!((1..4).all(|place| solved.std(place) == f64::INFINITY));
+    }
+
+    #[test]
+    fn a_prediction_is_as_sure_as_the_factors_it_rests_on() {
+        let solved = solved();
+        let valid = [vec![true, true, false], vec![true; 3]];
+        let on_both = |a: Vec<f64>, b: Vec<f64>| Column { parts: vec![(0, a), (1, b)] };
+        let none = || vec![0.0; 3];
+        // The first factor by half: 3 and 4 halves in the rows that count; of the second and third the sum alone is told.
+        let first = on_both(vec![3.0, 4.0, 100.0], none());
+        let alike = [on_both(none(), vec![1.0; 3]), on_both(none(), vec![1.0; 3])];
+        let std = solved.prediction_std(&[&[first.clone()], &alike[..], &[Column::default()]].concat(), &valid);
+        assert!((std[0] - (0.25f64 * 25.0 / 2.0).sqrt()).abs() < 1e-12 && (std[1] - 1.0).abs() < 1e-12, "{std:?}");
+        let apart = [first, on_both(none(), vec![1.0; 3]), Column::default(), Column::default()];
+        assert_eq!(solved.prediction_std(&apart, &valid)[1], f64::INFINITY);
     }
 
     #[test]

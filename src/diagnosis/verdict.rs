@@ -81,6 +81,9 @@ pub struct Diagnosis {
     pub baseline_rms: [Vec<f64>; 2],
     /// What the model with all effects found leaves of the held-out logs.
     pub extended_test_rms: Vec<f64>,
+    /// How unsure the extended model is of the torque of the held-out logs, as its parameters are, one standard deviation, root mean square
+    /// over the rows, N m; infinite where the training logs tell nothing of what it takes.
+    pub prediction_std: Vec<f64>,
     /// Share of the gap between baseline and noise floor that the effects found close on the held-out logs.
     pub gap_closed: f64,
     /// Its 95 % interval.

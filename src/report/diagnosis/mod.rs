@@ -2,7 +2,7 @@
 
 mod text;
 
-pub use text::{impacts, lines, mend, place, sampling, stopped_lines};
+pub use text::{extrapolation, impacts, lines, mend, place, sampling, stopped_lines};
 
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
@@ -114,6 +114,7 @@ struct Parameter {
 #[derive(Debug, Serialize)]
 struct Extended {
     test_rms_nm: Vec<f64>,
+    test_prediction_std_nm: Vec<f64>,
     gap_closed: f64,
     gap_closed_interval: [f64; 2],
     structure: Vec<Structure>,
@@ -205,6 +206,13 @@ pub fn result(
         text,
         consequence: Consequence::Told,
     }));
+    data_quality.extend(text::extrapolation(robot, diagnosis).map(|text| Quality {
+        kind: QualityKind::Notice("extrapolation"),
+        log: String::new(),
+        r#where: "training logs".into(),
+        text,
+        consequence: Consequence::Told,
+    }));
     let structure = |of: &[ResidualStructure]| {
         let named = robot.joint_names().into_iter().zip(of.iter().cloned());
         named.map(|(joint, structure)| Structure { joint, structure }).collect()
@@ -228,6 +236,7 @@ pub fn result(
         findings: findings(robot, diagnosis),
         extended: Some(Extended {
             test_rms_nm: diagnosis.extended_test_rms.clone(),
+            test_prediction_std_nm: diagnosis.prediction_std.clone(),
             gap_closed: diagnosis.gap_closed,
             gap_closed_interval: diagnosis.gap_closed_interval,
             structure: structure(&diagnosis.structure[1]),

@@ -39,7 +39,8 @@ pub fn lines(
             low_pass.hz
         )
     }));
-    lines.extend(sampling(diagnosis).map(|text| format!("Note: {text}.")));
+    let notes = sampling(diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
+    lines.extend(notes.map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
         lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
@@ -139,6 +140,23 @@ pub fn sampling(diagnosis: &Diagnosis) -> Option<String> {
         "torque and positions lie {delay} +- {std} ms apart, less than half a sample and little in the noise: the model has it, and \
          it is no finding"
     ))
+}
+
+/// What is said where the training logs leave the model more open on the held-out logs than the noise.
+pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(robot.joint_names());
+    let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
+        true => format!("{joint} by {} N m (noise {} N m)", significant(*std), significant(*noise)),
+        false => format!("{joint} by any amount"),
+    });
+    let open: Vec<String> = open.collect();
+    (!open.is_empty()).then(|| {
+        format!(
+            "the training logs do not tell all that the held-out motions take; there the model is unsure of {}: what is said of these \
+             joints is as unsure. Identify from motions as rich as those, or trust the description's inertias (--trust nominal)",
+            open.join(", ")
+        )
+    })
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {

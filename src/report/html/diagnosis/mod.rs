@@ -16,7 +16,7 @@ use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
 use crate::report::diagnosis::joints;
-use crate::report::diagnosis::sampling;
+use crate::report::diagnosis::{extrapolation, sampling};
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
@@ -260,9 +260,8 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
              test.",
         ));
     }
-    if let Some(text) = sampling(diagnosis) {
-        blocks.push(Block::text(sentence(&format!("{text}."))));
-    }
+    let notes = sampling(diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
+    blocks.extend(notes.map(|text| Block::text(sentence(&format!("{text}.")))));
     if let Some(low_pass) = diagnosis.passband {
         blocks.push(Block::text(format!(
             "The torque ends at a frequency at which no step of friction does: it went through a low-pass before it was logged. \

@@ -50,7 +50,7 @@ const SUDDEN: f64 = 1e-4;
 const ANOTHER_FORM: f64 = 1e-5;
 
 /// Share of the level at which training and held-out logs together are believed: on held-out logs the scatter over stretches
-/// stands in for the noise. The same where each log judges by what the others say.
+/// stands in for the noise.
 const CONFIRMED: f64 = 0.5;
 
 /// Share of what is left that an effect must take to be worth a name where much is: there all that is little fits a little.
@@ -137,7 +137,7 @@ impl Trial<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn by_others(&self, winner: &Judged, level: f64) -> Result<Outcome> {
-        let Seen { level, limit, elsewhere, confirmable } = match self.seen(winner, level)? {
+        let Seen { level, limit, elsewhere, .. } = match self.seen(winner, level)? {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
@@ -152,7 +152,6 @@ impl Trial<'_> {
         let gains = Gains::beside(&whitener, &before, &after, &joints, &errors, rows);
         let (lower_bound, chance) = (gains.lower_bound(), gains.chance());
         tracing::debug!(level, elsewhere, much_left, lower_bound, share = gains.share(), chance, "gain by the others");
-        let limit = if confirmable { self.alpha * CONFIRMED } else { limit };
         let believed = level <= limit && elsewhere < SEEN_ELSEWHERE.ln() && chance < SEEN_AGAIN;
         if much_left || !believed || gains.share() <= 0.0 {
             return Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked: false }));

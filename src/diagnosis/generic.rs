@@ -20,6 +20,9 @@ const HARMONICS: usize = 4;
 /// Cosines over each log with which torque or friction may drift: half a period of the first is the log, and so on.
 const DRIFTS: usize = 8;
 
+/// Cosines over each log with which the strength of a law may change.
+const SLOW_CHANGES: usize = 4;
+
 /// Delays with which something may follow the motion, s.
 const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 
@@ -118,6 +121,8 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
     let elsewhere = others().flat_map(|other| {
         [of(other, &|q, _| q.cos()), of(other, &|q, _| q.sin()), of(other, &|_, v| v), of(other, &|_, v| v.signum())]
     });
+    let own_torque = torque(joint);
+    let torque_sign: Vec<f64> = own_torque.iter().map(|torque| torque.signum()).collect();
     let own_sign = own(&|_, v| v.signum());
     let along = |other: usize| -> Vec<f64> {
         rows.signal(|log| {
@@ -147,9 +152,11 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         block("is friction at places of the joint's range", spots),
         block("depends on the joint's speed", speed),
         block("depends on the other joints' positions and speeds", elsewhere.collect()),
+        block("depends on the joint's torque", powers(&own_torque, &torque_sign)),
+        block("is friction that depends on the joint's torque", powers(&own_torque, &own_sign)),
         block("goes with the torque of other joints", others().map(torque).collect()),
         block("is friction that changes with the speed of other joints", others().map(along).collect()),
-        drifting("goes with the joint's torque, more or less so over each log", torque(joint)),
+        drifting("goes with the joint's torque, more or less so over each log", own_torque),
         drifting("is friction that changes over each log", own_sign),
     ];
     // All delays stand for a name better than one; and what follows with one is lost among the columns of all.
@@ -157,6 +164,39 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
     blocks.push(follows(followed.concat()));
     blocks.extend(followed.map(follows));
     blocks
+}
+
+/// Generic changes of the strength of `law`, a torque of a joint: with the joint's motion and load, and over time.
+pub fn modulated(session: &Session, side: &Side, joint: usize, law: &[Column]) -> [Block; 2] {
+    let rows = &side.rows;
+    let of = |f: fn(f64, f64) -> f64| {
+        rows.means(|log| {
+            let (q, v) = (log.motion.q.channel(joint), log.motion.qd.channel(joint));
+            q.iter().zip(v).map(|(&q, &v)| f(q, v)).collect()
+        })
+    };
+    let load = session.arm.all_torque(rows).part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
+    let strengths = [vec![1.0; rows.len()], load, of(|_, v| v.abs()), of(|q, _| q.cos()), of(|q, _| q.sin())];
+    let slow = slow_cosines(rows, joint, 0..SLOW_CHANGES + 1);
+    let slow: Vec<Vec<f64>> = slow.into_iter().flat_map(|column| column.parts).map(|(_, values)| values).collect();
+    let block = |structure, strengths: &[Vec<f64>], over_time| {
+        let laws = law.iter().map(|law| law.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec));
+        let columns = laws.flat_map(|law| {
+            let changing = |strength: &Vec<f64>| law.iter().zip(strength).map(|(x, s)| x * s).collect();
+            strengths.iter().map(|strength| Column::on(joint, changing(strength))).collect::<Vec<Column>>()
+        });
+        Block { structure, columns: columns.collect(), over_time }
+    };
+    [
+        block("follows a law of the library whose strength changes with torque, speed or position", &strengths, false),
+        block("follows a law of the library whose strength changes over each log", &slow, true),
+    ]
+}
+
+/// The first three powers of the size of a torque, with `sign`.
+fn powers(torque: &[f64], sign: &[f64]) -> Vec<Vec<f64>> {
+    let power = |exponent: i32| torque.iter().zip(sign).map(|(x, sign)| x.abs().powi(exponent) * sign).collect();
+    (1..=3).map(power).collect()
 }
 
 fn hat(x: f64, center: f64, width: f64) -> f64 {

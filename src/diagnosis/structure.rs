@@ -4,8 +4,9 @@
 use super::beside::against_slow_noise;
 use super::column::Column;
 use super::found::members;
-use super::generic::Block;
+use super::generic::{Block, modulated};
 use super::held_out::{Gains, SEEN_AGAIN};
+use super::roles::linear;
 use super::score::{Projection, Test, fisher};
 use super::selection::Selection;
 use super::session::{Member, Noise, Session};
@@ -184,6 +185,23 @@ impl<'a> Fitted<'a> {
             columns,
             errors,
         })
+    }
+
+    /// The laws that were named on this joint alone, of a strength that changes, on training and held-out rows.
+    pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
+        let Session { train, test, .. } = self.session;
+        let mut first = train.baseline.len();
+        let mut changing = Vec::new();
+        for member in &self.members {
+            let own = first..first + linear(member.placed.effect).len();
+            first += member.columns();
+            // What happened in one log is not in others.
+            if is_weighed(member, joint) && member.candidate.log.is_none() {
+                let on = |side, columns: &[Column]| modulated(self.session, side, joint, &columns[own.clone()]);
+                changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.unseen_columns)));
+            }
+        }
+        changing
     }
 
     /// What the training rows show of a block; None where that is no more than chance brings.

@@ -1,7 +1,7 @@
 //! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
 //! structure, and whether a name only stands for a part of it.
 
-use super::generic::{Reach, blocks, slow_cosines};
+use super::generic::{Block, Reach, blocks, slow_cosines};
 use super::harmonics::Spectrum;
 use super::held_out::SEEN_AGAIN;
 use super::selection::Selection;
@@ -34,7 +34,9 @@ impl Fitted<'_> {
     fn left_on(&self, joint: usize) -> Option<Unexplained> {
         let Session { train, test, .. } = self.session;
         let reach = Reach::new(&train.rows, joint);
-        let kinds = blocks(self.session, train, joint, reach);
+        let again = blocks(self.session, test, joint, reach);
+        let mut kinds: Vec<(Block, Block)> = blocks(self.session, train, joint, reach).into_iter().zip(again).collect();
+        kinds.extend(self.changing_laws(joint));
         let place = Place {
             joint,
             kinds: kinds.len() as f64,
@@ -42,7 +44,7 @@ impl Fitted<'_> {
             has_names: self.members.iter().any(|member| is_weighed(member, joint)),
         };
         let mut best: Option<Unexplained> = None;
-        for (block, again) in kinds.into_iter().zip(blocks(self.session, test, joint, reach)) {
+        for (block, again) in kinds {
             let Some(seen) = self.seen(&place, &block) else { continue };
             // What stands for a name comes before what does not, then the likelier.
             let is_weaker = best.as_ref().is_some_and(|best| seen.family_wise_p >= best.family_wise_p);

@@ -166,17 +166,13 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
     blocks
 }
 
-/// Generic changes of the strength of `law`, a torque of a joint: with the joint's motion and load, and over time.
+/// Generic changes of the strength of `law`, a torque of a joint: with the joint's load and position, and over time.
 pub fn modulated(session: &Session, side: &Side, joint: usize, law: &[Column]) -> [Block; 2] {
     let rows = &side.rows;
-    let of = |f: fn(f64, f64) -> f64| {
-        rows.means(|log| {
-            let (q, v) = (log.motion.q.channel(joint), log.motion.qd.channel(joint));
-            q.iter().zip(v).map(|(&q, &v)| f(q, v)).collect()
-        })
-    };
+    // Not with speed: smooth positions and means over rows take more of what swings faster.
+    let of = |f: fn(f64) -> f64| rows.means(|log| log.motion.q.channel(joint).iter().map(|&q| f(q)).collect());
     let load = session.arm.all_torque(rows).part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
-    let strengths = [vec![1.0; rows.len()], load, of(|_, v| v.abs()), of(|q, _| q.cos()), of(|q, _| q.sin())];
+    let strengths = [vec![1.0; rows.len()], load, of(f64::cos), of(f64::sin)];
     let slow = slow_cosines(rows, joint, 0..SLOW_CHANGES + 1);
     let slow: Vec<Vec<f64>> = slow.into_iter().flat_map(|column| column.parts).map(|(_, values)| values).collect();
     let block = |structure, strengths: &[Vec<f64>], over_time| {
@@ -188,7 +184,7 @@ pub fn modulated(session: &Session, side: &Side, joint: usize, law: &[Column]) -
         Block { structure, columns: columns.collect(), over_time }
     };
     [
-        block("follows a law of the library whose strength changes with torque, speed or position", &strengths, false),
+        block("follows a law of the library whose strength changes with torque or position", &strengths, false),
         block("follows a law of the library whose strength changes over each log", &slow, true),
     ]
 }

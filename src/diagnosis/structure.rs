@@ -126,6 +126,8 @@ pub struct Fitted<'a> {
     pub session: &'a Session<'a>,
     /// The effects in it.
     pub members: Vec<Member>,
+    /// Which of them have no rivals.
+    firm: Vec<bool>,
     /// Its columns, those of the baseline first, and columns of what errors of the positions put into the torque.
     columns: Vec<Column>,
     errors: Vec<Column>,
@@ -181,22 +183,23 @@ impl<'a> Fitted<'a> {
             together: STRICTER * alpha,
             sure: SURE * alpha,
             session,
+            firm: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
             columns,
             errors,
         })
     }
 
-    /// The laws that were named on this joint alone, of a strength that changes, on training and held-out rows.
+    /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training and held-out rows.
     pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
         let Session { train, test, .. } = self.session;
         let mut first = train.baseline.len();
         let mut changing = Vec::new();
-        for member in &self.members {
+        for (member, is_firm) in self.members.iter().zip(&self.firm) {
             let own = first..first + linear(member.placed.effect).len();
             first += member.columns();
             // What happened in one log is not in others.
-            if is_weighed(member, joint) && member.candidate.log.is_none() {
+            if *is_firm && is_weighed(member, joint) && member.candidate.log.is_none() {
                 let on = |side, columns: &[Column]| modulated(self.session, side, joint, &columns[own.clone()]);
                 changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.unseen_columns)));
             }

@@ -121,7 +121,8 @@ mod tests {
         // The first factor by half: 3 and 4 halves in the rows that count; of the second and third the sum alone is told.
         let first = on_both(vec![3.0, 4.0, 100.0], none());
         let alike = [on_both(none(), vec![1.0; 3]), on_both(none(), vec![1.0; 3])];
-        let std = solved.prediction_std(&[&[first.clone()], &alike[..], &[Column::default()]].concat(), &valid);
+        let std =
+            solved.prediction_std(&[std::slice::from_ref(&first), &alike[..], &[Column::default()]].concat(), &valid);
         assert!((std[0] - (0.25f64 * 25.0 / 2.0).sqrt()).abs() < 1e-12 && (std[1] - 1.0).abs() < 1e-12, "{std:?}");
         let apart = [first, on_both(none(), vec![1.0; 3]), Column::default(), Column::default()];
         assert_eq!(solved.prediction_std(&apart, &valid)[1], f64::INFINITY);

@@ -114,8 +114,9 @@ pub struct Seen<'a> {
 struct Again {
     /// Probability of as much by chance.
     chance: f64,
-    /// Whether they gain by it, and surely.
+    /// Whether they gain by it, also outside the second that gains most.
     gained: bool,
+    /// Whether they surely gain by it.
     surely: bool,
 }
 
@@ -249,8 +250,10 @@ impl<'a> Fitted<'a> {
             if block.over_time { self.seen_again(&under, again)? } else { self.gained(&under, joint, block, again) };
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
         tracing::debug!(joint, structure, chance, gained, surely, "structure on held-out rows");
+        // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
+        let goes_along = family_wise_p < self.sure && chance < CONFIRMED;
         let sure = gained && family_wise_p < self.sure && surely;
-        let shown = sure || (gained && with(family_wise_p) < self.together && chance < SEEN_AGAIN);
+        let shown = sure || goes_along || (gained && with(family_wise_p) < self.together && chance < SEEN_AGAIN);
         let is_not_all = place.has_names && chance < LEANS && with(place.kinds * p) < NOT_ALL;
         let share = under.share(joint, test.statistic);
         let weighs = sure || is_not_all;

@@ -79,6 +79,21 @@ fn a_law_outside_the_library_gets_no_firm_name() {
 }
 
 #[test]
+fn what_stands_out_for_moments_or_in_time_is_told() {
+    // Both were taken for noise: the one is seen at a few moments, the other swings in time.
+    for (index, hidden) in [(354, ("outside_rough_spot", 2)), (333, ("outside_drifting_gain", 1))] {
+        let run = of_study(20_000, index, hidden);
+        assert_eq!(run.judgement.outcome, Outcome::Flagged, "{hidden:?}: {:?}", run.judgement);
+    }
+}
+
+#[test]
+fn a_heavier_link_is_no_firm_balancer() {
+    let run = of_study(20_000, 207, ("link_inertia_error", 1));
+    assert!(run.judgement.wrong.is_empty(), "{:?}", run.judgement);
+}
+
+#[test]
 fn faults_of_the_data_are_named_and_nothing_else() {
     for fault in [Fault::SwappedTorques, Fault::TorqueSign, Fault::Degrees] {
         let run = blind(&Case { class: Class::Fault, fault: Some(fault), ..Case::plain(SEED) });

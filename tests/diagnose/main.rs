@@ -6,6 +6,7 @@ mod extended;
 mod faults;
 mod forms;
 mod smoothing;
+mod structure;
 
 use std::sync::LazyLock;
 use tauscope::effects::Placed;

@@ -1,0 +1,64 @@
+//! Laws that the library does not have, near ones that it has: no firm name, and the structure is told.
+
+use super::{SETUP, logs, with};
+use tauscope::diagnosis::{Diagnosis, Options, Verdict, diagnose};
+use tauscope::effects::{Placed, find};
+use tauscope::recording::Recording;
+
+const JOINT: usize = 1;
+
+fn diagnosed(logs: &[Recording], candidate: &str) -> Diagnosis {
+    let (test, train) = logs.split_last().unwrap();
+    let train: Vec<&Recording> = train.iter().collect();
+    let options = Options { candidates: vec![candidate.into()], ..Options::default() };
+    diagnose(&SETUP.known, &train, &[test], &options, &mut |_| ()).unwrap()
+}
+
+/// The log with its torque of one joint as a function of that and of the position.
+fn distorted(mut log: Recording, law: impl Fn(f64, f64) -> f64) -> Recording {
+    let q = log.q.channel(JOINT).to_vec();
+    log.tau = log.tau.map(|joint, tau| {
+        let of = |(tau, q): (&f64, &f64)| if joint == JOINT { law(*tau, *q) } else { *tau };
+        tau.iter().zip(&q).map(of).collect()
+    });
+    log
+}
+
+fn largest(logs: &[Recording]) -> f64 {
+    logs.iter().flat_map(|log| log.tau.channel(JOINT)).fold(0.0, |most, tau| most.max(tau.abs()))
+}
+
+fn told(diagnosis: &Diagnosis) -> Vec<(usize, &'static str)> {
+    diagnosis.unexplained.iter().map(|left| (left.joint, left.structure)).collect()
+}
+
+#[test]
+fn cogging_that_grows_with_the_load_is_no_ripple() {
+    let logs: Vec<Recording> = logs(&SETUP, 31, 3);
+    let largest = largest(&logs);
+    let cogging = |tau: f64, q: f64| tau + 20.0 * (1.0 + 2.0 * tau / largest) * (20.0 * q).cos();
+    let logs: Vec<Recording> = logs.into_iter().map(|log| distorted(log, cogging)).collect();
+    let diagnosis = diagnosed(&logs, "torque_ripple");
+    let verdicts: Vec<Verdict> = diagnosis.found.iter().map(|found| found.verdict).collect();
+    assert_eq!(verdicts, [Verdict::Unexplained]);
+    assert!(told(&diagnosis).iter().any(|(joint, _)| *joint == JOINT), "{:?}", told(&diagnosis));
+}
+
+#[test]
+fn a_ripple_of_one_strength_keeps_its_name() {
+    let ripple = Placed { parameters: vec![20.0, 0.0, 20.0], ..Placed::typical(find("torque_ripple").unwrap(), JOINT) };
+    let diagnosis = diagnosed(&logs(&with(&[ripple]), 32, 3), "torque_ripple");
+    let verdicts: Vec<Verdict> = diagnosis.found.iter().map(|found| found.verdict).collect();
+    assert_eq!(verdicts, [Verdict::Named], "{:?}", told(&diagnosis));
+}
+
+#[test]
+fn a_motor_that_saturates_is_no_gain() {
+    let logs: Vec<Recording> = logs(&SETUP, 33, 3);
+    let largest = largest(&logs);
+    let saturating = |tau: f64, _: f64| tau * (1.0 - 0.1 * (tau / largest).powi(2));
+    let logs: Vec<Recording> = logs.into_iter().map(|log| distorted(log, saturating)).collect();
+    let diagnosis = diagnosed(&logs, "torque_gain");
+    assert!(diagnosis.found.iter().all(|found| found.verdict != Verdict::Named), "{:?}", diagnosis.found);
+    assert!(told(&diagnosis).iter().any(|(joint, _)| *joint == JOINT), "{:?}", told(&diagnosis));
+}

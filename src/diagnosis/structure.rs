@@ -271,7 +271,8 @@ impl<'a> Fitted<'a> {
         let whitened = under.unseen.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
         let chance = against_slow_noise(&test.rows, &under.unseen, &fit, &whitened, &found).exp();
-        Some(Again { chance, gained: true, surely: chance < CONFIRMED })
+        let surely = chance < CONFIRMED;
+        Some(Again { chance, gained: surely, surely })
     }
 
     /// What the held-out rows say of a block that follows from the motion, as fitted to the training rows.

@@ -191,7 +191,8 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training and held-out rows.
+    /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training
+    /// and held-out rows.
     pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
         let Session { train, test, .. } = self.session;
         let mut first = train.baseline.len();

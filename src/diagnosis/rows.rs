@@ -142,9 +142,9 @@ impl Rows {
         Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), fewest)
     }
 
-    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row counts only where the joint also moves
-    /// surely with positions smoothed at `whole_hz`, above which they hold nothing but noise: where friction holds a joint for a
-    /// moment, smoother positions move on.
+    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row
+    /// counts only where the joint also moves surely with positions smoothed at `whole_hz`, above which they hold nothing but
+    /// noise: where friction holds a joint for a moment, smoother positions move on.
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.

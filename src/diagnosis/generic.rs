@@ -2,7 +2,8 @@
 
 use super::column::Column;
 use super::rows::Rows;
-use super::session::{Session, Side};
+use super::session::Session;
+use super::side::Side;
 use super::whitening::rich;
 use std::f64::consts::PI;
 use std::ops::Range;

@@ -11,7 +11,7 @@
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
 //! | noise of each joint, from what a rich regression leaves | [`whitening`], [`innovations`] |
-//! | logs and arm, fits of a model | [`session`], [`solution`] |
+//! | logs and arm, fits of a model | [`side`], [`session`], [`solution`] |
 //! | score tests, and the level of the best of many | [`score`], [`judging`], [`multiplicity`] |
 //! | one round: scan, contest of the best for the name | [`contest`] |
 //! | forward selection, held-out acceptance, backward pass | [`selection`], [`round`], [`eligible`], [`acceptance`], [`found`] |
@@ -70,6 +70,7 @@ pub mod score;
 pub mod screening;
 pub mod selection;
 pub mod session;
+pub mod side;
 pub mod smoothing;
 pub mod solution;
 pub mod stretches;

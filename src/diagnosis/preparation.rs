@@ -6,7 +6,7 @@ use super::cutoffs::{WIDEST_HZ, cutoff, cutoffs_up_to};
 use super::known::Known;
 use super::passband::{self, LowPass};
 use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
-use super::session::Side;
+use super::side::Side;
 use super::smoothing;
 use super::whitening::{Whitener, rich};
 use crate::error::Result;

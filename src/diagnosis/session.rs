@@ -8,8 +8,8 @@ use super::known::Known;
 use super::passband::LowPass;
 use super::preparation::{Preparation, Prepared};
 use super::roles::{is_level, linear, shapes};
-use super::rows::Rows;
 use super::score::Projection;
+use super::side::Side;
 use super::solution::{Solved, solve};
 use super::whitening::Whitener;
 use crate::effects::{Parameter, Placed};
@@ -30,21 +30,6 @@ const MOST_DISTORTED: f64 = 0.1;
 
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
-
-/// One kind of logs with all that is the same for every fit.
-#[derive(Debug, Clone)]
-pub struct Side {
-    /// The rows.
-    pub rows: Rows,
-    /// Columns of the baseline.
-    pub baseline: Vec<Column>,
-    /// Measured torque less what is believed.
-    pub torque: Column,
-    /// What errors of the positions put into the torque of the arm as last settled.
-    pub errors: ErrorsOfMotion,
-    /// Whether it is identified from.
-    pub training: bool,
-}
 
 /// What is under diagnosis.
 #[derive(Debug)]
@@ -93,39 +78,6 @@ pub struct Noise {
     pub whitener: Whitener,
     /// The fit of the model.
     pub fit: Projection,
-}
-
-impl Side {
-    /// Rows with what is `known` taken off.
-    ///
-    /// # Errors
-    /// If a log is too short to differentiate.
-    pub fn new(model: &Model, known: &Known, rows: Rows, training: bool) -> Result<Self> {
-        let mut torque = Column::new(rows.torque.iter().cloned());
-        torque.add(-1.0, &known.arm.believed(&rows));
-        torque.add(-1.0, &known.torque(&rows)?);
-        let mut baseline = known.arm.baseline(model, &rows);
-        baseline.extend(known.derivatives(&rows)?);
-        Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), training })
-    }
-
-    /// Columns of errors of the positions that stand beside an effect.
-    pub fn errors_beside(&self, placed: &Placed) -> Vec<Column> {
-        self.errors.beside(placed, &self.rows)
-    }
-
-    /// These logs, and those of another kind after them.
-    fn and(&self, other: &Side) -> Side {
-        let lengths = [self.rows.len(), other.rows.len()];
-        let baseline = self.baseline.iter().zip(&other.baseline).map(|(own, others)| own.then(others, lengths));
-        Side {
-            baseline: baseline.collect(),
-            torque: self.torque.then(&other.torque, lengths),
-            rows: self.rows.and(&other.rows),
-            errors: ErrorsOfMotion::default(),
-            training: self.training,
-        }
-    }
 }
 
 impl<'a> Session<'a> {

@@ -153,7 +153,7 @@ pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     (!open.is_empty()).then(|| {
         format!(
             "the training logs do not tell all that the held-out motions take; there the model is unsure of {}: what is said of these \
-             joints is as unsure. Identify from motions as rich as those, or trust the description's inertias (--trust nominal)",
+             joints is as unsure. Identify from motions as rich as those; inertias that are believed (--trust nominal) ask less of them",
             open.join(", ")
         )
     })

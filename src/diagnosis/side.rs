@@ -1,0 +1,57 @@
+//! One kind of logs with what every fit needs of them.
+
+use super::column::Column;
+use super::errors_of_motion::ErrorsOfMotion;
+use super::known::Known;
+use super::rows::Rows;
+use crate::effects::Placed;
+use crate::error::Result;
+use crate::identification::model::Model;
+
+/// One kind of logs with all that is the same for every fit.
+#[derive(Debug, Clone)]
+pub struct Side {
+    /// The rows.
+    pub rows: Rows,
+    /// Columns of the baseline.
+    pub baseline: Vec<Column>,
+    /// Measured torque less what is believed.
+    pub torque: Column,
+    /// What errors of the positions put into the torque of the arm as last settled.
+    pub errors: ErrorsOfMotion,
+    /// Whether it is identified from.
+    pub training: bool,
+}
+
+impl Side {
+    /// Rows with what is `known` taken off.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(model: &Model, known: &Known, rows: Rows, training: bool) -> Result<Self> {
+        let mut torque = Column::new(rows.torque.iter().cloned());
+        torque.add(-1.0, &known.arm.believed(&rows));
+        torque.add(-1.0, &known.torque(&rows)?);
+        let mut baseline = known.arm.baseline(model, &rows);
+        baseline.extend(known.derivatives(&rows)?);
+        Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), training })
+    }
+
+    /// Columns of errors of the positions that stand beside an effect.
+    pub fn errors_beside(&self, placed: &Placed) -> Vec<Column> {
+        self.errors.beside(placed, &self.rows)
+    }
+
+    /// These logs, and those of another kind after them.
+    pub fn and(&self, other: &Side) -> Side {
+        let lengths = [self.rows.len(), other.rows.len()];
+        let baseline = self.baseline.iter().zip(&other.baseline).map(|(own, others)| own.then(others, lengths));
+        Side {
+            baseline: baseline.collect(),
+            torque: self.torque.then(&other.torque, lengths),
+            rows: self.rows.and(&other.rows),
+            errors: ErrorsOfMotion::default(),
+            training: self.training,
+        }
+    }
+}

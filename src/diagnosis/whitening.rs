@@ -148,7 +148,9 @@ impl Whitener {
 
 impl JointWhitener {
     fn of(rows: &Rows, torque: &Column, present: &[Column], joint: usize) -> Self {
-        let rich = rows.rich.get_or_init(|| (0..rows.dof()).into_par_iter().map(|joint| rich(rows, joint)).collect());
+        // One after the other: joints are whitened in parallel, and a thread that took up another joint while it waits here would wait
+        // for itself.
+        let rich = rows.rich.get_or_init(|| (0..rows.dof()).map(|joint| rich(rows, joint)).collect());
         let mut columns: Vec<Vec<f64>> =
             present.iter().filter_map(|column| column.part(joint)).map(<[f64]>::to_vec).collect();
         columns.extend_from_slice(&rich[joint]);

@@ -1,21 +1,21 @@
 //! The geometry of an arm as the kernels read it, and the forward recursion they share.
 
-use super::spatial::{Mat3, Vec3, add, add_cross, cross, scale, splat3, transpose_times};
+use super::rotation::{Rotation, Turn};
+use super::spatial::{Vec3, add, add_cross, cross, dot, scale, splat3};
 use crate::lane::Lane;
 use crate::robot::{JointKind, Robot};
-use nalgebra::Matrix3;
 
-/// Geometry of one joint: rotation to the parent frame = constant + sin q * with_sine + cos q * with_cosine.
+/// Geometry of one joint.
 #[derive(Debug, Clone)]
 struct JointGeometry {
     kind: JointKind,
-    constant: [[f64; 3]; 3],
-    with_sine: [[f64; 3]; 3],
-    with_cosine: [[f64; 3]; 3],
+    rotation: Rotation,
     translation: [f64; 3],
     /// For a prismatic joint: the axis in parent coordinates.
     slide: [f64; 3],
     axis: [f64; 3],
+    /// The axis of the link frame that a revolute joint turns about, if it is one.
+    coordinate_axis: Option<usize>,
 }
 
 /// Geometry and gravity of a serial chain, prepared for the batched kernels.
@@ -26,10 +26,10 @@ pub struct Chain {
 }
 
 /// What the forward recursion knows of one link, in the link's own frame.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct LinkState<L> {
-    /// Rotation from the link frame to the frame before it.
-    pub rotation: Mat3<L>,
+    /// Sine and cosine of the joint's turn.
+    pub turn: Turn<L>,
     /// Origin of the link frame in the frame before it.
     pub translation: Vec3<L>,
     /// Angular velocity.
@@ -48,26 +48,17 @@ impl Chain {
             .iter()
             .map(|joint| {
                 let origin = joint.origin.rotation;
-                // Rodrigues: R(q) = 1 + sin q K + (1 - cos q) K^2, behind the fixed rotation of the joint origin.
-                let skew = joint.axis.cross_matrix();
-                let (constant, sine, cosine) = match joint.kind {
-                    JointKind::Revolute => {
-                        (origin * (Matrix3::identity() + skew * skew), origin * skew, -origin * skew * skew)
-                    }
-                    JointKind::Prismatic => (origin, Matrix3::zeros(), Matrix3::zeros()),
-                };
-                let slide = match joint.kind {
-                    JointKind::Revolute => nalgebra::Vector3::zeros(),
-                    JointKind::Prismatic => origin * joint.axis,
+                let (rotation, slide) = match joint.kind {
+                    JointKind::Revolute => (Rotation::about(joint.axis, origin), nalgebra::Vector3::zeros()),
+                    JointKind::Prismatic => (Rotation::fixed(origin), origin * joint.axis),
                 };
                 JointGeometry {
                     kind: joint.kind,
-                    constant: rows(&constant),
-                    with_sine: rows(&sine),
-                    with_cosine: rows(&cosine),
+                    rotation,
                     translation: joint.origin.translation.into(),
                     slide: slide.into(),
                     axis: joint.axis.into(),
+                    coordinate_axis: (0..3).find(|&k| joint.kind == JointKind::Revolute && joint.axis[k] == 1.0),
                 }
             })
             .collect();
@@ -101,7 +92,7 @@ impl Chain {
         let zero = [L::splat(0.0); 3];
         let [x, y, z] = self.gravity;
         LinkState {
-            rotation: [zero; 3],
+            turn: (zero[0], zero[0]),
             translation: zero,
             omega: zero,
             alpha: zero,
@@ -109,66 +100,86 @@ impl Chain {
         }
     }
 
-    /// Rotation from the frame of link `joint` to the frame before it, and its origin there.
+    /// Rotation of link `joint` against the link before it.
     #[inline(always)]
-    pub(super) fn placement<L: Lane>(&self, joint: usize, q: L) -> (Mat3<L>, Vec3<L>) {
-        let turn = if self.is_revolute(joint) { q.sin_cos() } else { (q, q) };
-        self.placement_turned(joint, q, turn)
+    pub(super) fn rotation(&self, joint: usize) -> &Rotation {
+        &self.joints[joint].rotation
     }
 
-    /// [`Chain::placement`] of a position whose sine and cosine are known; those of a prismatic joint are not read.
+    /// The axis of the link frame that `joint` turns about, if it is one.
     #[inline(always)]
-    fn placement_turned<L: Lane>(&self, joint: usize, q: L, (sine, cosine): (L, L)) -> (Mat3<L>, Vec3<L>) {
+    pub(super) fn coordinate_axis(&self, joint: usize) -> Option<usize> {
+        self.joints[joint].coordinate_axis
+    }
+
+    /// Origin of the frame of link `joint` in the frame before it.
+    #[inline(always)]
+    pub(super) fn translation<L: Lane>(&self, joint: usize, q: L) -> Vec3<L> {
         let geometry = &self.joints[joint];
-        let mut translation: Vec3<L> = splat3(&geometry.translation);
-        let mut rotation: Mat3<L> =
-            [splat3(&geometry.constant[0]), splat3(&geometry.constant[1]), splat3(&geometry.constant[2])];
-        if geometry.kind == JointKind::Revolute {
-            for (row, (s, c)) in rotation.iter_mut().zip(geometry.with_sine.iter().zip(&geometry.with_cosine)) {
-                *row = std::array::from_fn(|k| L::splat(c[k]).mul_add(cosine, L::splat(s[k]).mul_add(sine, row[k])));
-            }
-        } else {
-            translation = add(translation, scale(splat3(&geometry.slide), q));
+        let translation = splat3(&geometry.translation);
+        match geometry.kind {
+            JointKind::Revolute => translation,
+            JointKind::Prismatic => add(translation, scale(splat3(&geometry.slide), q)),
         }
-        (rotation, translation)
     }
 
     /// State of link `joint` from that of the link before it.
     #[inline(always)]
     pub(super) fn next<L: Lane>(&self, joint: usize, before: &LinkState<L>, q: L, qd: L, qdd: L) -> LinkState<L> {
-        let turn = if self.is_revolute(joint) { q.sin_cos() } else { (q, q) };
-        self.next_turned(joint, before, [q, qd, qdd], turn)
+        self.next_turned(joint, before, [q, qd, qdd], self.rotation(joint).turn(q))
     }
 
-    /// [`Chain::next`] at a position whose sine and cosine are known; those of a prismatic joint are not read.
+    /// [`Chain::next`] at a position whose sine and cosine are known.
     #[inline(always)]
     pub(super) fn next_turned<L: Lane>(
         &self,
         joint: usize,
         before: &LinkState<L>,
         [q, qd, qdd]: [L; 3],
-        turn: (L, L),
+        turn: Turn<L>,
     ) -> LinkState<L> {
-        let (rotation, translation) = self.placement_turned(joint, q, turn);
-        let axis: Vec3<L> = self.axis(joint);
-        let revolute = self.is_revolute(joint);
-        let mut omega = transpose_times(&rotation, before.omega);
-        let mut alpha = transpose_times(&rotation, before.alpha);
+        let translation = self.translation(joint, q);
         let tangential = add_cross(before.acceleration, before.alpha, translation);
         let origin = add_cross(tangential, before.omega, cross(before.omega, translation));
-        let mut acceleration = transpose_times(&rotation, origin);
-        let turn = scale(axis, qd);
-        if revolute {
-            alpha = add(alpha, add(scale(axis, qdd), cross(omega, turn)));
-            omega = add(omega, turn);
-        } else {
-            let coriolis = cross(omega, turn);
-            acceleration = add(acceleration, add(scale(axis, qdd), add(coriolis, coriolis)));
+        let [mut omega, mut alpha, mut acceleration] =
+            self.rotation(joint).to_link(turn, [before.omega, before.alpha, origin]);
+        match self.joints[joint].coordinate_axis {
+            Some(0) => turn_on::<L, 0>(&mut omega, &mut alpha, qd, qdd),
+            Some(1) => turn_on::<L, 1>(&mut omega, &mut alpha, qd, qdd),
+            Some(_) => turn_on::<L, 2>(&mut omega, &mut alpha, qd, qdd),
+            None => {
+                let axis: Vec3<L> = self.axis(joint);
+                let turn = scale(axis, qd);
+                if self.is_revolute(joint) {
+                    alpha = add(alpha, add(scale(axis, qdd), cross(omega, turn)));
+                    omega = add(omega, turn);
+                } else {
+                    let coriolis = cross(omega, turn);
+                    acceleration = add(acceleration, add(scale(axis, qdd), add(coriolis, coriolis)));
+                }
+            }
         }
-        LinkState { rotation, translation, omega, alpha, acceleration }
+        LinkState { turn, translation, omega, alpha, acceleration }
+    }
+
+    /// What a wrench, its moment about the origin of link `joint`, does along the joint.
+    #[inline(always)]
+    pub(super) fn along<L: Lane>(&self, joint: usize, force: Vec3<L>, moment: Vec3<L>) -> L {
+        match self.joints[joint].coordinate_axis {
+            Some(0) => moment[0],
+            Some(1) => moment[1],
+            Some(_) => moment[2],
+            None => dot(self.axis(joint), if self.is_revolute(joint) { moment } else { force }),
+        }
     }
 }
 
-fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
-    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
+/// Adds to the motion of a link that of its joint, which turns about an axis of its frame.
+#[inline(always)]
+fn turn_on<L: Lane, const AXIS: usize>(omega: &mut Vec3<L>, alpha: &mut Vec3<L>, qd: L, qdd: L) {
+    let (i, j) = ((AXIS + 1) % 3, (AXIS + 2) % 3);
+    alpha[i] = omega[j].mul_add(qd, alpha[i]);
+    alpha[j] = omega[i].mul_sub_from(qd, alpha[j]);
+    alpha[AXIS] += qdd;
+    omega[AXIS] += qd;
 }

@@ -3,7 +3,8 @@
 
 use super::chain::{Chain, LinkState};
 use super::rnea::wrench;
-use super::spatial::{Mat3, Vec3, add, cross, dot, scale, splat3, times};
+use super::rotation::Rotation;
+use super::spatial::{Mat3, Vec3, add, add_cross, cross, dot, scale, splat3, times, transposed};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -129,14 +130,14 @@ impl<L: Lane> EquationsOfMotion<L> {
     fn set(&mut self, chain: &Chain, inertial: &[f64], armature: &[f64], state: impl Fn(usize) -> (L, L)) {
         let dof = chain.dof();
         let (links, factor, bias) = (&mut self.links, &mut self.factor, &mut self.bias);
-        links.clear();
         factor.resize(dof * dof, L::splat(0.0));
         bias.resize(dof, L::splat(0.0));
-        let base = chain.base();
-        for joint in 0..dof {
+        let mut link = chain.base();
+        links.resize(dof, link);
+        for (joint, place) in links.iter_mut().enumerate() {
             let (q, qd) = state(joint);
-            let link = chain.next(joint, links.last().unwrap_or(&base), q, qd, L::splat(0.0));
-            links.push(link);
+            link = chain.next(joint, &link, q, qd, L::splat(0.0));
+            *place = link;
         }
         let zero: Vec3<L> = [L::splat(0.0); 3];
         let (mut force, mut moment) = (zero, zero);
@@ -148,17 +149,17 @@ impl<L: Lane> EquationsOfMotion<L> {
             force = add(force, own_force);
             moment = add(moment, own_moment);
             composite.weld(body);
-            bias[joint] = along(chain, joint, force, moment);
+            bias[joint] = chain.along(joint, force, moment);
 
             // The wrench that gives the joint alone unit acceleration, walked back to the joints before it.
             let (mut f, mut n) = composite.unit_wrench(chain.axis(joint), chain.is_revolute(joint));
-            factor[joint * dof + joint] = along(chain, joint, f, n) + L::splat(armature[joint]);
+            factor[joint * dof + joint] = chain.along(joint, f, n) + L::splat(armature[joint]);
             for before in (0..joint).rev() {
-                (f, n) = carried(&links[before + 1], f, n);
-                factor[joint * dof + before] = along(chain, before, f, n);
+                (f, n) = carried(chain, before + 1, &links[before + 1], f, n);
+                factor[joint * dof + before] = chain.along(before, f, n);
             }
-            (force, moment) = carried(link, force, moment);
-            composite = composite.seen_from_parent(link);
+            (force, moment) = carried(chain, joint, link, force, moment);
+            composite = composite.seen_from_parent(chain.rotation(joint), link);
         }
         self.factorise();
     }
@@ -204,17 +205,17 @@ impl<L: Lane> EquationsOfMotion<L> {
     }
 }
 
-/// Part of a wrench that the drive of a joint carries.
-#[inline(always)]
-fn along<L: Lane>(chain: &Chain, joint: usize, force: Vec3<L>, moment: Vec3<L>) -> L {
-    dot(chain.axis(joint), if chain.is_revolute(joint) { moment } else { force })
-}
-
 /// A wrench about a link's origin as the link before it sees it.
 #[inline(always)]
-fn carried<L: Lane>(link: &LinkState<L>, force: Vec3<L>, moment: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
-    let turned = times(&link.rotation, force);
-    (turned, add(times(&link.rotation, moment), cross(link.translation, turned)))
+fn carried<L: Lane>(
+    chain: &Chain,
+    joint: usize,
+    link: &LinkState<L>,
+    force: Vec3<L>,
+    moment: Vec3<L>,
+) -> (Vec3<L>, Vec3<L>) {
+    let [force, moment] = chain.rotation(joint).to_parent(link.turn, [force, moment]);
+    (force, add_cross(moment, link.translation, force))
 }
 
 /// All bodies from a link outwards as one: mass, first moment and inertia tensor about the link's origin.
@@ -252,16 +253,17 @@ impl<L: Lane> Composite<L> {
 
     /// The same about the origin and in the axes of the link before.
     #[inline(always)]
-    fn seen_from_parent(&self, link: &LinkState<L>) -> Self {
-        let (r, p) = (&link.rotation, link.translation);
-        let first = times(r, self.first);
-        // R I R', by the symmetry of I: rows of R I first, then their products with the rows of R.
-        let half = [times(&self.tensor, r[0]), times(&self.tensor, r[1]), times(&self.tensor, r[2])];
+    fn seen_from_parent(&self, rotation: &Rotation, link: &LinkState<L>) -> Self {
+        let p = link.translation;
+        let [first] = rotation.to_parent(link.turn, [self.first]);
+        // R I R', by the symmetry of I.
+        let half = transposed(rotation.to_parent(link.turn, self.tensor));
+        let turned = rotation.to_parent(link.turn, half);
         let twice = dot(p, first) + dot(p, first) + self.mass * dot(p, p);
         let mut tensor = [[L::splat(0.0); 3]; 3];
         for (i, row) in tensor.iter_mut().enumerate() {
             for (j, value) in row.iter_mut().enumerate() {
-                let shifted = first[i].mul_sub_from(p[j], dot(half[i], r[j]));
+                let shifted = first[i].mul_sub_from(p[j], turned[i][j]);
                 let shifted = p[i].mul_sub_from(first[j], shifted);
                 *value = (self.mass * p[i]).mul_sub_from(p[j], shifted);
             }

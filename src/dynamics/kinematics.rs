@@ -53,10 +53,11 @@ impl Kernel for Placing<'_> {
             let mut attitude: Mat3<L> = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
             let mut next = 0;
             for link in 0..self.chain.dof() {
-                let (rotation, translation) =
-                    self.chain.placement(link, L::load_part(&self.q.channel(link)[here.clone()]));
+                let q = L::load_part(&self.q.channel(link)[here.clone()]);
+                let (rotation, translation) = (self.chain.rotation(link), self.chain.translation(link, q));
                 origin = add(origin, times(&attitude, translation));
-                attitude = product(&attitude, &rotation);
+                // Row by row: R R_k = (R_k' R')'.
+                attitude = rotation.to_link(rotation.turn(q), attitude);
                 while next < self.points.len() && self.points[next].link == link {
                     let place = add(origin, times(&attitude, splat3(&self.points[next].place)));
                     for (axis, value) in place.into_iter().enumerate() {
@@ -68,15 +69,6 @@ impl Kernel for Placing<'_> {
             first = here.end;
         }
     }
-}
-
-#[inline(always)]
-fn product<L: Lane>(a: &Mat3<L>, b: &Mat3<L>) -> Mat3<L> {
-    let mut rows = *a;
-    for (row, from) in rows.iter_mut().zip(a) {
-        *row = super::spatial::transpose_times(b, *from);
-    }
-    rows
 }
 
 #[cfg(test)]

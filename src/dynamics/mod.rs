@@ -10,6 +10,7 @@ mod forward;
 mod kinematics;
 mod regressor;
 mod rnea;
+mod rotation;
 mod spatial;
 
 pub use crate::lane::{Lane, Lanes};

@@ -5,7 +5,7 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::spatial::{Vec3, add_cross, dot, transpose_times};
+use super::spatial::{Vec3, add_cross, dot};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -91,73 +91,91 @@ impl Kernel for Writing<'_> {
 
     #[inline(always)]
     fn run<L: Lane>(self) {
-        let (dof, rows) = (self.chain.dof(), self.samples.len());
+        let Writing { entries, chain, motion, samples, table } = self;
+        let rows = samples.len();
+        let whole = rows - rows % L::WIDTH;
+        let (middle, past) = (samples.start + whole, samples.end);
+        // What is left over fills a lane of a table of its own, so that whole lanes are all that is ever written.
+        let mut rest = if past > middle { vec![0.0; entries.rows * L::WIDTH] } else { Vec::new() };
+        for (samples, table, stride) in
+            [(samples.start..middle, &mut *table, rows), (middle..past, &mut rest, L::WIDTH)]
+        {
+            entries.write_lanes::<L>(chain, motion, samples, table, stride);
+        }
+        if past > middle {
+            for &place in entries.places.iter().flatten().filter(|&&place| place != NOWHERE) {
+                let rest = &rest[place * L::WIDTH..][..past - middle];
+                table[place * rows + whole..][..rest.len()].copy_from_slice(rest);
+            }
+        }
+    }
+}
+
+impl Entries {
+    /// Writes lanes of samples into a table with `stride` places in a row. Walks the chain, and for every link contracts the
+    /// screws of the joints before it.
+    #[inline(always)]
+    fn write_lanes<L: Lane>(
+        &self,
+        chain: &Chain,
+        motion: &Motion,
+        samples: Range<usize>,
+        table: &mut [f64],
+        stride: usize,
+    ) {
+        let dof = chain.dof();
         let zero = [L::splat(0.0); 3];
         let mut screws = vec![(zero, zero); dof];
         let mut turns = vec![(zero[0], zero[0]); dof];
-        for sample in self.samples.clone().step_by(L::WIDTH) {
-            let here = sample..self.samples.end.min(sample + L::WIDTH);
-            let (first, count) = (sample - self.samples.start, here.len());
+        let offset = |place: usize| if place == NOWHERE { NOWHERE } else { place * stride };
+        let offsets: Vec<[usize; PARAMETERS]> = self.places.iter().map(|ten| ten.map(offset)).collect();
+        for sample in samples.clone().step_by(L::WIDTH) {
+            let here = sample..samples.end.min(sample + L::WIDTH);
+            let table = &mut table[sample - samples.start..];
             // All of them first: none waits for another, while along the chain each link waits for the one before.
             for (joint, turn) in turns.iter_mut().enumerate() {
-                *turn = L::load_part(&self.motion.q.channel(joint)[here.clone()]).sin_cos();
+                *turn = chain.rotation(joint).turn(L::load_part(&motion.q.channel(joint)[here.clone()]));
             }
-            entries::<L>(
-                self.chain,
-                &turns,
-                |joint| self.motion.lanes(joint, here.clone()),
-                &mut screws,
-                |link, joint| self.entries.wanted[link * dof + joint],
-                |link, joint, row| {
-                    for (&place, entry) in self.entries.places[link * dof + joint].iter().zip(row) {
-                        if place == NOWHERE {
-                            continue;
-                        }
-                        let start = place * rows + first;
-                        if count == L::WIDTH {
-                            entry.store(&mut self.table[start..start + L::WIDTH]);
-                        } else {
-                            entry.store_part(&mut self.table[start..start + count]);
-                        }
+            let mut link = chain.base();
+            for k in 0..dof {
+                let (q, qd, qdd) = motion.lanes(k, here.clone());
+                link = chain.next_turned(k, &link, [q, qd, qdd], turns[k]);
+                let body = Body::new(&link);
+                let (offsets, wanted) = (&offsets[k * dof..][..=k], &self.wanted[k * dof..][..=k]);
+                for ((screw, offsets), &wanted) in screws[..k].iter_mut().zip(offsets).zip(wanted) {
+                    let (angular, linear) = *screw;
+                    let moved = add_cross(linear, angular, link.translation);
+                    let [angular, linear] = chain.rotation(k).to_link(link.turn, [angular, moved]);
+                    *screw = (angular, linear);
+                    if wanted {
+                        store(&body.contract(screw), offsets, table);
                     }
-                },
-            );
+                }
+                screws[k] = if chain.is_revolute(k) { (chain.axis(k), zero) } else { (zero, chain.axis(k)) };
+                if wanted[k] {
+                    let own = match chain.coordinate_axis(k) {
+                        Some(axis) => body.contract_axis(axis),
+                        None => body.contract(&screws[k]),
+                    };
+                    store(&own, &offsets[k], table);
+                }
+            }
+        }
+    }
+}
+
+/// Writes those of the ten entries that have a place.
+#[inline(always)]
+fn store<L: Lane>(entries: &[L; PARAMETERS], offsets: &[usize; PARAMETERS], table: &mut [f64]) {
+    for (entry, &offset) in entries.iter().zip(offsets) {
+        if offset != NOWHERE {
+            entry.store(&mut table[offset..]);
         }
     }
 }
 
 /// A joint's unit screw in a link frame: angular part, and velocity of the link origin.
 type Screw<L> = (Vec3<L>, Vec3<L>);
-
-/// Walks the chain and hands out, for every link and every joint before it that is `wanted`, the ten regressor entries.
-#[inline(always)]
-fn entries<L: Lane>(
-    chain: &Chain,
-    turns: &[(L, L)],
-    state: impl Fn(usize) -> (L, L, L),
-    screws: &mut [Screw<L>],
-    wanted: impl Fn(usize, usize) -> bool,
-    mut write: impl FnMut(usize, usize, &[L; PARAMETERS]),
-) {
-    let zero: Vec3<L> = [L::splat(0.0); 3];
-    let mut link = chain.base();
-    for k in 0..chain.dof() {
-        let (q, qd, qdd) = state(k);
-        link = chain.next_turned(k, &link, [q, qd, qdd], turns[k]);
-        for (angular, linear) in screws[..k].iter_mut() {
-            let moved = add_cross(*linear, *angular, link.translation);
-            *linear = transpose_times(&link.rotation, moved);
-            *angular = transpose_times(&link.rotation, *angular);
-        }
-        screws[k] = if chain.is_revolute(k) { (chain.axis(k), zero) } else { (zero, chain.axis(k)) };
-        let body = Body::new(&link);
-        for (joint, screw) in screws[..=k].iter().enumerate() {
-            if wanted(k, joint) {
-                write(k, joint, &body.contract(screw));
-            }
-        }
-    }
-}
 
 /// What a link's motion makes of its parameters.
 struct Body<L> {
@@ -203,5 +221,17 @@ impl<L: Lane> Body<L> {
             u[1].mul_sub_from(g[0][1], u[2].mul_add(g[0][2], u[0] * d[2])),
             u[1].mul_sub_from(z[1], u[0].mul_add(z[0], u[2] * z[2])),
         ]
+    }
+
+    /// [`Body::contract`] with the screw about an axis of the link frame.
+    #[inline(always)]
+    fn contract_axis(&self, axis: usize) -> [L; PARAMETERS] {
+        let Body { acceleration: a, gradient: g, moments: [x, y, z], differences: d } = self;
+        let zero = L::splat(0.0);
+        match axis {
+            0 => [zero, zero, a[2], -a[1], x[0], -g[2][0], -y[0], g[1][0], d[2], z[0]],
+            1 => [zero, -a[2], zero, a[0], x[1], g[2][1], y[1], d[1], -g[0][1], -z[1]],
+            _ => [zero, a[1], -a[0], zero, -x[2], d[0], y[2], -g[1][2], g[0][2], z[2]],
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::spatial::{Vec3, add, cross, dot, scale, times};
+use super::spatial::{Vec3, add, add_cross, cross, scale, times};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -105,24 +105,25 @@ fn recursion<L: Lane>(
     scratch: &mut Vec<LinkState<L>>,
     mut write: impl FnMut(usize, L),
 ) {
-    scratch.clear();
-    let base = chain.base();
-    for joint in 0..chain.dof() {
+    let mut link = chain.base();
+    scratch.resize(chain.dof(), link);
+    let links = &mut scratch[..chain.dof()];
+    for (joint, place) in links.iter_mut().enumerate() {
         let (q, qd, qdd) = state(joint);
-        let link = chain.next(joint, scratch.last().unwrap_or(&base), q, qd, qdd);
-        scratch.push(link);
+        link = chain.next(joint, &link, q, qd, qdd);
+        *place = link;
     }
     let zero: Vec3<L> = [L::splat(0.0); 3];
     let (mut force, mut moment) = (zero, zero);
     for joint in (0..chain.dof()).rev() {
-        let link = &scratch[joint];
+        let link = &links[joint];
         let (own_force, own_moment) = wrench(&inertial[joint * PARAMETERS..][..PARAMETERS], link);
         force = add(force, own_force);
         moment = add(moment, own_moment);
-        write(joint, dot(chain.axis(joint), if chain.is_revolute(joint) { moment } else { force }));
-        let turned = times(&link.rotation, force);
-        moment = add(times(&link.rotation, moment), cross(link.translation, turned));
-        force = turned;
+        write(joint, chain.along(joint, force, moment));
+        let [turned_force, turned_moment] = chain.rotation(joint).to_parent(link.turn, [force, moment]);
+        moment = add_cross(turned_moment, link.translation, turned_force);
+        force = turned_force;
     }
 }
 

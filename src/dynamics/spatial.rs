@@ -53,3 +53,8 @@ pub(super) fn transpose_times<L: Lane>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
 pub(super) fn splat3<L: Lane>(v: &[f64; 3]) -> Vec3<L> {
     [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
 }
+
+#[inline(always)]
+pub(super) fn transposed<L: Lane>(m: Mat3<L>) -> Mat3<L> {
+    [[m[0][0], m[1][0], m[2][0]], [m[0][1], m[1][1], m[2][1]], [m[0][2], m[1][2], m[2][2]]]
+}

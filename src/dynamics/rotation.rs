@@ -1,0 +1,219 @@
+//! Rotations between the frames of neighbouring links.
+
+use super::spatial::{Vec3, splat3, times, transpose_times};
+use crate::lane::Lane;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// A rotation that does not depend on where the joints are.
+#[derive(Debug, Clone)]
+enum Fixed {
+    /// None: the frames are parallel.
+    None,
+    /// About a coordinate axis: its index, sine and cosine of the angle.
+    About(usize, f64, f64),
+    /// Any other, row by row.
+    Matrix([[f64; 3]; 3]),
+}
+
+/// Rotation from a link frame to the frame before it: a fixed part, the turn of the joint about a coordinate axis, and for
+/// a joint with a slanting axis another fixed part. Where there is no fixed part, as between most links of most arms, a
+/// vector takes four products instead of the nine of a matrix, and no matrix is made.
+#[derive(Debug, Clone)]
+pub(super) struct Rotation {
+    before: Fixed,
+    /// Index of the axis of the joint's turn, none for a prismatic joint.
+    turn: Option<usize>,
+    /// Whether it turns the other way about that axis.
+    reversed: bool,
+    after: Fixed,
+}
+
+/// Sine and cosine of a turn.
+pub(super) type Turn<L> = (L, L);
+
+/// What differs from a whole number by less belongs to the rounding of an angle such as pi/2.
+const ROUNDING: f64 = 1e-15;
+
+impl Fixed {
+    fn new(rotation: Matrix3<f64>) -> Self {
+        let clean = rotation.map(|entry| if (entry - entry.round()).abs() < ROUNDING { entry.round() } else { entry });
+        if clean == Matrix3::identity() {
+            return Fixed::None;
+        }
+        match (0..3).find(|&axis| clean[(axis, axis)] == 1.0) {
+            Some(axis) => {
+                let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                Fixed::About(axis, clean[(j, i)], clean[(i, i)])
+            }
+            None => Fixed::Matrix(std::array::from_fn(|i| std::array::from_fn(|j| clean[(i, j)]))),
+        }
+    }
+
+    #[inline(always)]
+    fn apply<L: Lane, const N: usize>(&self, vectors: &mut [Vec3<L>; N]) {
+        match self {
+            Fixed::None => {}
+            Fixed::About(axis, s, c) => turn(*axis, vectors, L::splat(*s), L::splat(*c)),
+            Fixed::Matrix(m) => {
+                let m = [splat3(&m[0]), splat3(&m[1]), splat3(&m[2])];
+                vectors.iter_mut().for_each(|v| *v = times(&m, *v));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn undo<L: Lane, const N: usize>(&self, vectors: &mut [Vec3<L>; N]) {
+        match self {
+            Fixed::None => {}
+            Fixed::About(axis, s, c) => turn_back(*axis, vectors, L::splat(*s), L::splat(*c)),
+            Fixed::Matrix(m) => {
+                let m = [splat3(&m[0]), splat3(&m[1]), splat3(&m[2])];
+                vectors.iter_mut().for_each(|v| *v = transpose_times(&m, *v));
+            }
+        }
+    }
+}
+
+impl Rotation {
+    /// Of a prismatic joint.
+    pub(super) fn fixed(origin: Matrix3<f64>) -> Self {
+        Rotation { before: Fixed::new(origin), turn: None, reversed: false, after: Fixed::None }
+    }
+
+    /// Of a joint that turns about the unit vector `axis`, behind a fixed rotation.
+    pub(super) fn about(axis: Vector3<f64>, origin: Matrix3<f64>) -> Self {
+        let turn = axis.iamax();
+        let reversed = axis[turn] < 0.0;
+        let mut nearest = Vector3::zeros();
+        nearest[turn] = axis[turn].signum();
+        // Less than a right angle apart, so that there is such a rotation.
+        let slant = *Rotation3::rotation_between(&nearest, &axis).unwrap_or_default().matrix();
+        Rotation {
+            before: Fixed::new(origin * slant),
+            turn: Some(turn),
+            reversed,
+            after: Fixed::new(slant.transpose()),
+        }
+    }
+
+    /// Sine and cosine of the joint's turn about the coordinate axis.
+    #[inline(always)]
+    pub(super) fn turn<L: Lane>(&self, q: L) -> Turn<L> {
+        if self.turn.is_none() {
+            return (q, q);
+        }
+        let (sine, cosine) = q.sin_cos();
+        (if self.reversed { -sine } else { sine }, cosine)
+    }
+
+    /// Coordinates in the frame before, of vectors given in the link frame.
+    #[inline(always)]
+    pub(super) fn to_parent<L: Lane, const N: usize>(
+        &self,
+        (sine, cosine): Turn<L>,
+        mut vectors: [Vec3<L>; N],
+    ) -> [Vec3<L>; N] {
+        self.after.apply(&mut vectors);
+        if let Some(axis) = self.turn {
+            turn(axis, &mut vectors, sine, cosine);
+        }
+        self.before.apply(&mut vectors);
+        vectors
+    }
+
+    /// Coordinates in the link frame, of vectors given in the frame before.
+    #[inline(always)]
+    pub(super) fn to_link<L: Lane, const N: usize>(
+        &self,
+        (sine, cosine): Turn<L>,
+        mut vectors: [Vec3<L>; N],
+    ) -> [Vec3<L>; N] {
+        self.before.undo(&mut vectors);
+        if let Some(axis) = self.turn {
+            turn_back(axis, &mut vectors, sine, cosine);
+        }
+        self.after.undo(&mut vectors);
+        vectors
+    }
+}
+
+/// Turns vectors about a coordinate axis.
+#[inline(always)]
+fn turn<L: Lane, const N: usize>(axis: usize, vectors: &mut [Vec3<L>; N], sine: L, cosine: L) {
+    match axis {
+        0 => vectors.iter_mut().for_each(|[_, y, z]| (*y, *z) = plane((*y, *z), sine, cosine)),
+        1 => vectors.iter_mut().for_each(|[x, _, z]| (*z, *x) = plane((*z, *x), sine, cosine)),
+        _ => vectors.iter_mut().for_each(|[x, y, _]| (*x, *y) = plane((*x, *y), sine, cosine)),
+    }
+}
+
+/// Turns vectors the other way.
+#[inline(always)]
+fn turn_back<L: Lane, const N: usize>(axis: usize, vectors: &mut [Vec3<L>; N], sine: L, cosine: L) {
+    match axis {
+        0 => vectors.iter_mut().for_each(|[_, y, z]| (*z, *y) = plane((*z, *y), sine, cosine)),
+        1 => vectors.iter_mut().for_each(|[x, _, z]| (*x, *z) = plane((*x, *z), sine, cosine)),
+        _ => vectors.iter_mut().for_each(|[x, y, _]| (*y, *x) = plane((*y, *x), sine, cosine)),
+    }
+}
+
+/// A vector of a plane turned from its first axis towards its second.
+#[inline(always)]
+fn plane<L: Lane>((u, v): (L, L), sine: L, cosine: L) -> (L, L) {
+    (sine.mul_sub_from(v, cosine * u), sine.mul_add(u, cosine * v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The rotation by Rodrigues' formula.
+    fn matrix(origin: Matrix3<f64>, axis: Vector3<f64>, q: f64) -> Matrix3<f64> {
+        origin * Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(axis), q).matrix()
+    }
+
+    fn check(origin: Matrix3<f64>, axis: Vector3<f64>, q: f64, v: [f64; 3]) {
+        let rotation = Rotation::about(axis, origin);
+        let expected = matrix(origin, axis, q) * Vector3::from(v);
+        let [turned] = rotation.to_parent(rotation.turn(q), [v]);
+        let [back] = rotation.to_link(rotation.turn(q), [turned]);
+        for k in 0..3 {
+            assert!((turned[k] - expected[k]).abs() < 1e-14, "{axis} {origin}: {turned:?}, {expected}");
+            assert!((back[k] - v[k]).abs() < 1e-14, "{axis} {origin}: {back:?}, {v:?}");
+        }
+    }
+
+    #[test]
+    fn frames_at_right_angles_take_no_matrix() {
+        let right = std::f64::consts::FRAC_PI_2;
+        for [roll, pitch, yaw] in
+            [[0.0; 3], [right, 0.0, 0.0], [0.0, -right, 0.0], [0.0, 0.0, 2.0 * right], [0.3, 0.0, 0.0]]
+        {
+            let origin = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+            for k in 0..3 {
+                for sign in [1.0, -1.0] {
+                    let axis = Vector3::ith(k, sign);
+                    let rotation = Rotation::about(axis, origin);
+                    assert!(!matches!(rotation.before, Fixed::Matrix(_)) && matches!(rotation.after, Fixed::None));
+                    check(origin, axis, 0.7, [0.3, -1.0, 0.5]);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_axis_behind_any_rotation(
+            angles in prop::array::uniform3(-3.0..3.0f64),
+            axis in prop::array::uniform3(-1.0..1.0f64),
+            q in -7.0..7.0f64,
+            v in prop::array::uniform3(-1.0..1.0f64),
+        ) {
+            let [roll, pitch, yaw] = angles;
+            let axis = Vector3::from(axis);
+            prop_assume!(axis.norm() > 0.01);
+            check(*Rotation3::from_euler_angles(roll, pitch, yaw).matrix(), axis.normalize(), q, v);
+        }
+    }
+}

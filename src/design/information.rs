@@ -13,16 +13,13 @@ use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion};
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
-use crate::identification::gram::Gram;
+use crate::identification::gram::{BLOCK, Gram};
 use crate::identification::model::Model;
 use crate::identification::sequences::combine_into;
 use crate::identification::spectrum::Spectrum;
 use crate::lane::{Aligned, Lanes};
 use crate::robot::Robot;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-
-/// Samples that go into the Gram matrices at once: regressor and columns then stay in the cache.
-const BLOCK: usize = 120;
 
 /// Eigenvalues of the normalised information matrix below this share of the largest are rounding.
 pub(super) const SINGULAR: f64 = 1e-12;

@@ -46,10 +46,12 @@ impl<'a> Along<'a> {
 pub fn direction(velocity: f64, width: f64) -> f64 {
     if width > 0.0 {
         (velocity / width).tanh()
-    } else if velocity == 0.0 {
-        0.0
+    } else if velocity > 0.0 {
+        1.0
+    } else if velocity < 0.0 {
+        -1.0
     } else {
-        velocity.signum()
+        velocity
     }
 }
 

@@ -11,9 +11,8 @@ use crate::lane::{Aligned, Lanes};
 use crate::robot::PARAMETERS;
 use std::ops::Range;
 
-/// Samples of a block: its columns then stay in the cache, an odd number of its lines apart, as powers of two would crowd
-/// into few places of it.
-pub const BLOCK: usize = 120;
+/// Samples of a block.
+pub const BLOCK: usize = super::gram::BLOCK;
 
 /// What a column is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,6 +118,10 @@ impl BaseColumns {
                     Kind::Rigid => {}
                     Kind::Rotor => column.copy_from_slice(&motor.qdd.channel(joint)[samples.clone()]),
                     Kind::Viscous => column.copy_from_slice(velocity),
+                    // The plain sign apart, so that it is taken of several at once.
+                    Kind::Coulomb if width == 0.0 => {
+                        column.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, 0.0));
+                    }
                     Kind::Coulomb => {
                         column.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, width));
                     }

@@ -21,7 +21,7 @@ use std::ops::Range;
 const BLOCK: usize = super::base_columns::BLOCK;
 
 /// Samples of a stretch that one thread does: many of them to a log, so that threads are done at about the same time.
-const STRETCH: usize = 25 * BLOCK;
+const STRETCH: usize = 21 * BLOCK;
 
 /// A motion with the torque it took.
 #[derive(Debug, Clone, Copy)]

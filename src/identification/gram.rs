@@ -8,9 +8,9 @@ use crate::channels::Channels;
 use crate::lane::{Aligned, Kernel, Lane, Lanes};
 use nalgebra::DMatrix;
 
-/// Rows of a block: its columns then stay in the cache while the tiles pass over them; no power of two, or they would crowd
-/// into few places of it.
-pub const BLOCK: usize = 120;
+/// Rows of a block: its columns then stay in the second cache while the tiles pass over them, and a tile's sums are seldom
+/// put aside. An odd number of cache lines: columns a power of two apart would crowd into few places of the cache.
+pub const BLOCK: usize = 248;
 
 /// Height and breadth of a tile: its sums, a row's share of its breadth and one more value fill the registers.
 const TALL: usize = 4;
@@ -79,7 +79,7 @@ impl Gram {
         for ((top, left), tile) in tiles(self.columns, broad).zip(self.sums.chunks_exact(TALL * broad * width)) {
             for (row, entries) in (top..self.columns).zip(tile.chunks_exact(broad * width)) {
                 for (column, parts) in (left..=row).zip(entries.chunks_exact(width)) {
-                    tell(row, column, parts.iter().sum());
+                    tell(row, column, sum(parts));
                 }
             }
         }
@@ -114,6 +114,14 @@ fn tiles(columns: usize, broad: usize) -> impl Iterator<Item = (usize, usize)> {
         .flat_map(move |top| (0..columns.min(top + TALL)).step_by(broad).map(move |left| (top, left)))
 }
 
+/// The sum of a lane's numbers: by halves for the widest lanes, so that one addition seldom waits for another.
+fn sum(parts: &[f64]) -> f64 {
+    match parts {
+        [a, b, c, d, e, f, g, h] => ((a + b) + (c + d)) + ((e + f) + (g + h)),
+        _ => parts.iter().sum(),
+    }
+}
+
 struct Adding<'a> {
     columns: usize,
     sums: &'a mut [f64],
@@ -133,37 +141,51 @@ impl Kernel for Adding<'_> {
 impl Adding<'_> {
     #[inline(always)]
     fn tile_by_tile<L: Lane, const BROAD: usize>(self) {
-        let (rows, columns) = (self.rows, self.columns);
-        let mut tile = self.sums.chunks_exact_mut(TALL * BROAD * L::WIDTH);
-        let last = columns.saturating_sub(1);
-        let mut top = 0;
-        while top < columns {
-            let mut left = 0;
-            while left < columns.min(top + TALL) {
-                let Some(sums) = tile.next() else { return };
-                // A tile that sticks out repeats the last column; what it gathers there is not read.
-                let (mut tall, mut broad): ([&[f64]; TALL], [&[f64]; BROAD]) = ([&[]; TALL], [&[]; BROAD]);
-                for (k, column) in tall.iter_mut().enumerate() {
-                    *column = &self.table[last.min(top + k) * rows..][..rows];
-                }
-                for (k, column) in broad.iter_mut().enumerate() {
-                    *column = &self.table[last.min(left + k) * rows..][..rows];
-                }
-                match columns - top {
-                    _ if BROAD == TALL && left == top => add_tile::<L, TALL, BROAD, true>(tall, broad, rows, sums),
-                    1 => add_tile::<L, 1, BROAD, false>([tall[0]], broad, rows, sums),
-                    2 => add_tile::<L, 2, BROAD, false>([tall[0], tall[1]], broad, rows, sums),
-                    3 => add_tile::<L, 3, BROAD, false>([tall[0], tall[1], tall[2]], broad, rows, sums),
-                    _ => add_tile::<L, TALL, BROAD, false>(tall, broad, rows, sums),
-                }
-                left += BROAD;
+        let Adding { columns, sums, table, rows } = self;
+        let whole = rows - rows % L::WIDTH;
+        // What is left over fills lanes of its own with zeros behind it, once for all tiles.
+        let mut rest = Vec::new();
+        if whole < rows {
+            rest.resize(columns * L::WIDTH, 0.0);
+            for (lane, column) in rest.chunks_exact_mut(L::WIDTH).zip(table.chunks_exact(rows)) {
+                lane[..rows - whole].copy_from_slice(&column[whole..]);
             }
-            top += TALL;
+        }
+        for (table, stride, rows) in [(table, rows, whole), (&rest, L::WIDTH, L::WIDTH)] {
+            if table.is_empty() {
+                continue;
+            }
+            let column = |index: usize| &table[index.min(columns - 1) * stride..][..rows];
+            let mut tile = sums.chunks_exact_mut(TALL * BROAD * L::WIDTH);
+            let mut top = 0;
+            while top < columns {
+                let mut left = 0;
+                while left < columns.min(top + TALL) {
+                    let Some(sums) = tile.next() else { break };
+                    // A tile that sticks out repeats the last column; what it gathers there is not read.
+                    let (mut tall, mut broad): ([&[f64]; TALL], [&[f64]; BROAD]) = ([&[]; TALL], [&[]; BROAD]);
+                    for (k, signal) in tall.iter_mut().enumerate() {
+                        *signal = column(top + k);
+                    }
+                    for (k, signal) in broad.iter_mut().enumerate() {
+                        *signal = column(left + k);
+                    }
+                    match columns - top {
+                        _ if BROAD == TALL && left == top => add_tile::<L, TALL, BROAD, true>(tall, broad, rows, sums),
+                        1 => add_tile::<L, 1, BROAD, false>([tall[0]], broad, rows, sums),
+                        2 => add_tile::<L, 2, BROAD, false>([tall[0], tall[1]], broad, rows, sums),
+                        3 => add_tile::<L, 3, BROAD, false>([tall[0], tall[1], tall[2]], broad, rows, sums),
+                        _ => add_tile::<L, TALL, BROAD, false>(tall, broad, rows, sums),
+                    }
+                    left += BROAD;
+                }
+                top += TALL;
+            }
         }
     }
 }
 
-/// Adds to the sums of a tile; of one on the DIAGONAL only those on and below it.
+/// Adds whole lanes of rows to the sums of a tile; of one on the DIAGONAL only to those on and below it.
 #[inline(always)]
 fn add_tile<L: Lane, const TALL: usize, const BROAD: usize, const DIAGONAL: bool>(
     tall: [&[f64]; TALL],
@@ -200,14 +222,6 @@ fn add_tile<L: Lane, const TALL: usize, const BROAD: usize, const DIAGONAL: bool
             }
         }
         row += L::WIDTH;
-    }
-    if row < rows {
-        for (signal, entries) in tall.iter().zip(&mut entries) {
-            let y = L::load_part(&signal[row..]);
-            for (entry, other) in entries.iter_mut().zip(broad) {
-                *entry = L::load_part(&other[row..]).mul_add(y, *entry);
-            }
-        }
     }
     for (k, entries) in entries.iter().enumerate() {
         for (c, entry) in entries.iter().enumerate().take(if DIAGONAL { k + 1 } else { BROAD }) {

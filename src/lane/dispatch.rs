@@ -77,11 +77,11 @@ impl Lanes {
         all
     }
 
-    /// These lanes, or scalar ones where a position is too large for the reduction of [`Lane::sin_cos`].
+    /// These lanes, or scalar ones where a position may be too large for the reduction of [`Lane::sin_cos`].
     pub(crate) fn for_positions(self, q: &Channels, samples: Range<usize>) -> Self {
-        // No stopping at the first, so that several are compared at once.
-        let any = |signal: &[f64]| signal.iter().fold(false, |any, v| any | (v.abs() > LARGEST_ANGLE));
-        if q.iter().any(|signal| any(&signal[samples.clone()])) { Lanes(Kind::Scalar) } else { self }
+        // Their squares are quicker added than each is compared; not a number counts as too large.
+        let within = |signal: &[f64]| self.run(Squares(&signal[samples.clone()])) <= LARGEST_ANGLE * LARGEST_ANGLE;
+        if q.iter().all(within) { self } else { Lanes(Kind::Scalar) }
     }
 
     /// These lanes, or scalar ones for angles up to `largest` where that is too large for the reduction of
@@ -151,6 +151,23 @@ impl Lanes {
     }
 }
 
+/// The sum of the squares of a signal.
+struct Squares<'a>(&'a [f64]);
+
+impl Kernel for Squares<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lane>(self) -> f64 {
+        let mut sum = L::splat(0.0);
+        for start in (0..self.0.len()).step_by(L::WIDTH) {
+            let values = L::load_part(&self.0[start..]);
+            sum = values.mul_add(values, sum);
+        }
+        sum.sum()
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -213,6 +230,20 @@ mod tests {
                     let (s0, c0) = a.sin_cos();
                     assert!((s - s0).abs() <= 1e-15 && (c - c0).abs() <= 1e-15, "{lanes:?}: {a}: {s} {s0}, {c} {c0}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn angles_out_of_reach_take_scalar_lanes() {
+        let mut q = Channels::zeros(2, 11);
+        q.as_mut_slice().fill(3e5);
+        for (value, scalar) in [(1.0, false), (2e6, true), (-1e300, true), (f64::NAN, true)] {
+            q.channel_mut(1)[10] = value;
+            for lanes in Lanes::available() {
+                let chosen = lanes.for_positions(&q, 0..11);
+                assert_eq!(chosen, if scalar { Lanes::scalar() } else { lanes }, "{value}");
+                assert_eq!(lanes.for_positions(&q, 0..10), lanes);
             }
         }
     }

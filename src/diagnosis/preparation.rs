@@ -13,6 +13,9 @@ use crate::error::Result;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
+/// Steps from the cut-off that makes the torque likeliest to the one that is taken.
+const RAISED: usize = 2;
+
 /// What logs are made ready from.
 #[derive(Debug)]
 pub struct Preparation<'a> {
@@ -84,6 +87,16 @@ impl<'a> Preparation<'a> {
     /// If a log is too short.
     pub fn own_cutoffs(&self, along: (&Arm, &Rows), of_fit: (&Whitener, &Column), cutoff_hz: f64) -> Result<Vec<f64>> {
         smoothing::of_joints(along, of_fit, &self.train, [cutoff_hz, self.whole_hz])
+    }
+
+    /// The cut-off to take where this one makes the torque likeliest.
+    pub fn raised(&self, likeliest_hz: f64) -> f64 {
+        cutoffs_up_to(self.whole_hz)
+            .into_iter()
+            .filter(|hz| *hz > likeliest_hz)
+            .take(RAISED)
+            .last()
+            .unwrap_or(likeliest_hz)
     }
 
     /// Both kinds of logs, with a cut-off for each joint.

@@ -10,6 +10,7 @@ use super::preparation::{Preparation, Prepared};
 use super::roles::{is_level, linear, shapes};
 use super::score::Projection;
 use super::side::Side;
+use super::smoothing;
 use super::solution::{Solved, solve};
 use super::whitening::Whitener;
 use crate::effects::{Parameter, Placed};
@@ -108,12 +109,16 @@ impl<'a> Session<'a> {
         let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoffs_hz, passband };
         let mut noise = session.settle_baseline()?;
         let of_fit = (&noise.whitener, &noise.fit.residual);
-        let own = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
+        let likeliest = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
+        let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
         if own.iter().any(|hz| *hz != cutoff_hz)
             && let Ok([train, test]) = preparation.sides(passband, &own)
         {
-            tracing::debug!(?own, "cut-offs of the joints");
+            tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
             (session.train, session.test, session.cutoffs_hz) = (train, test, own);
+            for side in [&mut session.train, &mut session.test] {
+                side.bands = smoothing::bands(&session.arm, &side.rows, &likeliest, &session.cutoffs_hz)?;
+            }
             session.arm = session.known.arm.clone();
             noise = session.settle_baseline()?;
         }

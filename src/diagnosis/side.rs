@@ -19,6 +19,8 @@ pub struct Side {
     pub torque: Column,
     /// What errors of the positions put into the torque of the arm as last settled.
     pub errors: ErrorsOfMotion,
+    /// What the positions hold above the cut-offs that make the torque likeliest, which is motion in part and noise in part.
+    pub bands: Vec<Column>,
     /// Whether it is identified from.
     pub training: bool,
 }
@@ -34,7 +36,7 @@ impl Side {
         torque.add(-1.0, &known.torque(&rows)?);
         let mut baseline = known.arm.baseline(model, &rows);
         baseline.extend(known.derivatives(&rows)?);
-        Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), training })
+        Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), bands: Vec::new(), training })
     }
 
     /// Columns of errors of the positions that stand beside an effect.
@@ -45,9 +47,12 @@ impl Side {
     /// These logs, and those of another kind after them.
     pub fn and(&self, other: &Side) -> Side {
         let lengths = [self.rows.len(), other.rows.len()];
-        let baseline = self.baseline.iter().zip(&other.baseline).map(|(own, others)| own.then(others, lengths));
+        let joined = |own: &[Column], others: &[Column]| -> Vec<Column> {
+            own.iter().zip(others).map(|(own, other)| own.then(other, lengths)).collect()
+        };
         Side {
-            baseline: baseline.collect(),
+            baseline: joined(&self.baseline, &other.baseline),
+            bands: joined(&self.bands, &other.bands),
             torque: self.torque.then(&other.torque, lengths),
             rows: self.rows.and(&other.rows),
             errors: ErrorsOfMotion::default(),

@@ -65,3 +65,27 @@ pub fn of_joints(
         })
         .collect()
 }
+
+/// What the motion of each joint between a cut-off and the one that the rows are smoothed with, Hz, does to the torque of each joint:
+/// for every joint that moves one column on every joint.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn bands(arm: &Arm, rows: &Rows, above_hz: &[f64], smoothed_hz: &[f64]) -> Result<Vec<Column>> {
+    let (along, dof) = (arm.along(rows), rows.dof());
+    let band = |joint: usize| {
+        let change = if above_hz[joint] < smoothed_hz[joint] {
+            arm.departure(rows, &along, |_, log| {
+                let mut q = log.motion.q.clone();
+                let low_pass = ZeroPhaseLowPass::new(ORDER, above_hz[joint], 1.0 / log.period)?;
+                low_pass.apply(log.motion.q.channel(joint), q.channel_mut(joint))?;
+                Log::motion_of(q, log.period)
+            })?
+        } else {
+            Column::default()
+        };
+        Ok((0..dof).map(|on| change.only(&[on])).collect())
+    };
+    let each = (0..dof).into_par_iter().map(band).collect::<Result<Vec<Vec<Column>>>>()?;
+    Ok(each.concat())
+}

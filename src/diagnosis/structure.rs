@@ -10,6 +10,7 @@ use super::roles::linear;
 use super::score::{Projection, Test, fisher};
 use super::selection::Selection;
 use super::session::{Member, Noise, Session};
+use super::side::Side;
 use super::solution::solve;
 use super::whitening::Whitener;
 use crate::error::Result;
@@ -174,12 +175,13 @@ impl<'a> Fitted<'a> {
     pub fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
         let members = members(&selection.found);
         let columns = session.all_columns(&session.train, &members)?;
-        let errors = session.train.errors.all();
+        let errors = |side: &Side| [side.errors.all(), side.bands.clone()].concat();
+        let train_errors = errors(&session.train);
         let fit = selection.whitener.fit(&columns, &session.train.torque);
         Ok(Fitted {
-            under: Under::new(session, selection.whitener.clone(), fit, &errors),
+            under: Under::new(session, selection.whitener.clone(), fit, &train_errors),
             unseen_columns: session.all_columns(&session.test, &members)?,
-            unseen_errors: session.test.errors.all(),
+            unseen_errors: errors(&session.test),
             before: &selection.held_out,
             together: STRICTER * alpha,
             sure: SURE * alpha,
@@ -187,7 +189,7 @@ impl<'a> Fitted<'a> {
             firm: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
             columns,
-            errors,
+            errors: train_errors,
         })
     }
 

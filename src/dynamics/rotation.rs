@@ -40,7 +40,9 @@ impl Fixed {
         if clean == Matrix3::identity() {
             return Fixed::None;
         }
-        match (0..3).find(|&axis| clean[(axis, axis)] == 1.0) {
+        // The cosine of a small angle is one to rounding, about whatever axis: only what stays apart tells it.
+        let apart = |axis: usize, k: usize| k != axis && (clean[(axis, k)] != 0.0 || clean[(k, axis)] != 0.0);
+        match (0..3).find(|&axis| clean[(axis, axis)] == 1.0 && !(0..3).any(|k| apart(axis, k))) {
             Some(axis) => {
                 let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
                 Fixed::About(axis, clean[(j, i)], clean[(i, i)])
@@ -198,6 +200,19 @@ mod tests {
                     assert!(!matches!(rotation.before, Fixed::Matrix(_)) && matches!(rotation.after, Fixed::None));
                     check(origin, axis, 0.7, [0.3, -1.0, 0.5]);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_slope_of_a_frame_is_kept() {
+        for k in 0..3 {
+            let origin = *Rotation3::new(Vector3::ith(k, 1e-9)).matrix();
+            for axis in 0..3 {
+                let rotation = Rotation::about(Vector3::ith(axis, 1.0), origin);
+                let [turned] = rotation.to_parent(rotation.turn(0.0), [[1.0, 2.0, 3.0]]);
+                let expected = origin * Vector3::new(1.0, 2.0, 3.0);
+                assert_eq!(turned, [expected[0], expected[1], expected[2]]);
             }
         }
     }

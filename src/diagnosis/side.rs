@@ -4,7 +4,7 @@ use super::column::Column;
 use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
 use super::rows::Rows;
-use crate::effects::Placed;
+use crate::effects::{Nature, Placed};
 use crate::error::Result;
 use crate::identification::model::Model;
 
@@ -39,9 +39,14 @@ impl Side {
         Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), bands: Vec::new(), training })
     }
 
-    /// Columns of errors of the positions that stand beside an effect.
+    /// Columns of errors of the positions that stand beside an effect: beside what shifts torque in time also the bands, since the noise
+    /// in them is in the torque against the accelerations.
     pub fn errors_beside(&self, placed: &Placed) -> Vec<Column> {
-        self.errors.beside(placed, &self.rows)
+        let mut errors = self.errors.beside(placed, &self.rows);
+        if matches!(placed.effect.about().nature, Nature::Lag | Nature::Delay) {
+            errors.extend(self.bands.iter().cloned());
+        }
+        errors
     }
 
     /// These logs, and those of another kind after them.

@@ -52,7 +52,8 @@ proptest! {
         let norms = DVector::from_fn(columns, |k, _| j.column(k).norm());
         let error = (DVector::from_column_slice(&fit.parameters) - &expected).component_mul(&norms).norm();
         let size = expected.component_mul(&norms).norm();
-        prop_assert!(error <= 1e-9 * size, "relative error {:e}", error / size);
+        // Rounding grows with the condition number, which the weights add to.
+        prop_assert!(error <= 1e-8 * size, "relative error {:e}", error / size);
     }
 }
 

@@ -13,7 +13,8 @@ use crate::error::Result;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
-/// Steps from the cut-off that makes the torque likeliest to the one that is taken.
+/// Steps from the cut-off that makes the torque likeliest to the one that is taken. What is new in a row counts noise and bends alike,
+/// but noise at high frequencies costs little once it is whitened, while a bent motion biases what is faint.
 const RAISED: usize = 2;
 
 /// What logs are made ready from.

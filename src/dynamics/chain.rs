@@ -162,6 +162,19 @@ impl Chain {
         LinkState { turn, translation, omega, alpha, acceleration }
     }
 
+    /// Force and moment about the origin of link `joint` as the link before it sees them.
+    #[inline(always)]
+    pub(super) fn carried<L: Lane>(
+        &self,
+        joint: usize,
+        link: &LinkState<L>,
+        force: Vec3<L>,
+        moment: Vec3<L>,
+    ) -> (Vec3<L>, Vec3<L>) {
+        let [force, moment] = self.rotation(joint).to_parent(link.turn, [force, moment]);
+        (force, add_cross(moment, link.translation, force))
+    }
+
     /// What a wrench, its moment about the origin of link `joint`, does along the joint.
     #[inline(always)]
     pub(super) fn along<L: Lane>(&self, joint: usize, force: Vec3<L>, moment: Vec3<L>) -> L {

@@ -4,7 +4,7 @@
 use super::chain::{Chain, LinkState};
 use super::rnea::wrench;
 use super::rotation::Rotation;
-use super::spatial::{Mat3, Vec3, add, add_cross, cross, dot, scale, splat3, times, transposed};
+use super::spatial::{Mat3, Vec3, add, cross, dot, scale, splat3, times, transposed};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -155,10 +155,10 @@ impl<L: Lane> EquationsOfMotion<L> {
             let (mut f, mut n) = composite.unit_wrench(chain.axis(joint), chain.is_revolute(joint));
             factor[joint * dof + joint] = chain.along(joint, f, n) + L::splat(armature[joint]);
             for before in (0..joint).rev() {
-                (f, n) = carried(chain, before + 1, &links[before + 1], f, n);
+                (f, n) = chain.carried(before + 1, &links[before + 1], f, n);
                 factor[joint * dof + before] = chain.along(before, f, n);
             }
-            (force, moment) = carried(chain, joint, link, force, moment);
+            (force, moment) = chain.carried(joint, link, force, moment);
             composite = composite.seen_from_parent(chain.rotation(joint), link);
         }
         self.factorise();
@@ -203,19 +203,6 @@ impl<L: Lane> EquationsOfMotion<L> {
             }
         }
     }
-}
-
-/// A wrench about a link's origin as the link before it sees it.
-#[inline(always)]
-fn carried<L: Lane>(
-    chain: &Chain,
-    joint: usize,
-    link: &LinkState<L>,
-    force: Vec3<L>,
-    moment: Vec3<L>,
-) -> (Vec3<L>, Vec3<L>) {
-    let [force, moment] = chain.rotation(joint).to_parent(link.turn, [force, moment]);
-    (force, add_cross(moment, link.translation, force))
 }
 
 /// All bodies from a link outwards as one: mass, first moment and inertia tensor about the link's origin.

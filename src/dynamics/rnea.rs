@@ -2,7 +2,7 @@
 
 use super::Motion;
 use super::chain::{Chain, LinkState};
-use super::spatial::{Vec3, add, add_cross, cross, scale, times};
+use super::spatial::{Vec3, add, cross, scale, times};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -121,9 +121,7 @@ fn recursion<L: Lane>(
         force = add(force, own_force);
         moment = add(moment, own_moment);
         write(joint, chain.along(joint, force, moment));
-        let [turned_force, turned_moment] = chain.rotation(joint).to_parent(link.turn, [force, moment]);
-        moment = add_cross(turned_moment, link.translation, turned_force);
-        force = turned_force;
+        (force, moment) = chain.carried(joint, link, force, moment);
     }
 }
 

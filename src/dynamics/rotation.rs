@@ -67,7 +67,7 @@ impl Fixed {
     fn undo<L: Lane, const N: usize>(&self, vectors: &mut [Vec3<L>; N]) {
         match self {
             Fixed::None => {}
-            Fixed::About(axis, s, c) => turn_back(*axis, vectors, L::splat(*s), L::splat(*c)),
+            Fixed::About(axis, s, c) => turn(*axis, vectors, L::splat(-*s), L::splat(*c)),
             Fixed::Matrix(m) => {
                 let m = [splat3(&m[0]), splat3(&m[1]), splat3(&m[2])];
                 vectors.iter_mut().for_each(|v| *v = transpose_times(&m, *v));
@@ -132,7 +132,7 @@ impl Rotation {
     ) -> [Vec3<L>; N] {
         self.before.undo(&mut vectors);
         if let Some(axis) = self.turn {
-            turn_back(axis, &mut vectors, sine, cosine);
+            turn(axis, &mut vectors, -sine, cosine);
         }
         self.after.undo(&mut vectors);
         vectors
@@ -146,16 +146,6 @@ fn turn<L: Lane, const N: usize>(axis: usize, vectors: &mut [Vec3<L>; N], sine: 
         0 => vectors.iter_mut().for_each(|[_, y, z]| (*y, *z) = plane((*y, *z), sine, cosine)),
         1 => vectors.iter_mut().for_each(|[x, _, z]| (*z, *x) = plane((*z, *x), sine, cosine)),
         _ => vectors.iter_mut().for_each(|[x, y, _]| (*x, *y) = plane((*x, *y), sine, cosine)),
-    }
-}
-
-/// Turns vectors the other way.
-#[inline(always)]
-fn turn_back<L: Lane, const N: usize>(axis: usize, vectors: &mut [Vec3<L>; N], sine: L, cosine: L) {
-    match axis {
-        0 => vectors.iter_mut().for_each(|[_, y, z]| (*z, *y) = plane((*z, *y), sine, cosine)),
-        1 => vectors.iter_mut().for_each(|[x, _, z]| (*x, *z) = plane((*x, *z), sine, cosine)),
-        _ => vectors.iter_mut().for_each(|[x, y, _]| (*y, *x) = plane((*y, *x), sine, cosine)),
     }
 }
 

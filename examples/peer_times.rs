@@ -24,7 +24,7 @@ use tauscope::robot::{self, InertiaCheck, Robot};
 use tauscope::scenario::Setup;
 use tauscope::signal::{Edge, SavitzkyGolay};
 use tauscope::simulation::engine::EngineKind;
-use tauscope::simulation::{measure, simulate_with};
+use tauscope::simulation::{sensed, simulate_with};
 
 /// The allocator of the command, so that times are those of the product.
 #[global_allocator]
@@ -176,12 +176,8 @@ fn trial(times: &mut Times) -> Result<()> {
     let truth = simulate_with(EngineKind::Recursive, &setup, &motion, &mut |_| ())?;
     let model = Model::new(&setup.known);
     let names: Vec<String> = model.base().groupings().iter().map(|grouping| grouping.name.clone()).collect();
-    let seeds = AtomicU64::new(0);
-    let drawn = || {
-        let mut setup = setup.clone();
-        setup.scenario.seed = seeds.fetch_add(1, Ordering::Relaxed);
-        measure(&setup, &truth, 0)
-    };
+    let runs = AtomicU64::new(0);
+    let drawn = || sensed(&setup, &truth, runs.fetch_add(1, Ordering::Relaxed));
     let one = threads(1)?;
     let smoothing = Smoothing::SavitzkyGolay { window: 31, order: 4, decimation: 1 };
     let fast = || {

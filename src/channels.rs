@@ -24,6 +24,19 @@ impl Channels {
         Channels { channels: vectors.len(), samples, data: vectors.concat() }
     }
 
+    /// From what appends each signal, told its index, to those before it.
+    ///
+    /// # Panics
+    /// If the signals differ in length.
+    pub fn appended(channels: usize, samples: usize, mut append: impl FnMut(usize, &mut Vec<f64>)) -> Self {
+        let mut data = Vec::with_capacity(channels * samples);
+        for index in 0..channels {
+            append(index, &mut data);
+            assert_eq!(data.len(), (index + 1) * samples, "channels differ in length");
+        }
+        Channels { channels, samples, data }
+    }
+
     /// Number of channels.
     pub fn channels(&self) -> usize {
         self.channels

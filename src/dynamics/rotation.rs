@@ -58,7 +58,9 @@ impl Fixed {
             Fixed::About(axis, s, c) => turn(*axis, vectors, L::splat(*s), L::splat(*c)),
             Fixed::Matrix(m) => {
                 let m = [splat3(&m[0]), splat3(&m[1]), splat3(&m[2])];
-                vectors.iter_mut().for_each(|v| *v = times(&m, *v));
+                for v in vectors {
+                    *v = times(&m, *v);
+                }
             }
         }
     }
@@ -70,7 +72,9 @@ impl Fixed {
             Fixed::About(axis, s, c) => turn(*axis, vectors, L::splat(-*s), L::splat(*c)),
             Fixed::Matrix(m) => {
                 let m = [splat3(&m[0]), splat3(&m[1]), splat3(&m[2])];
-                vectors.iter_mut().for_each(|v| *v = transpose_times(&m, *v));
+                for v in vectors {
+                    *v = transpose_times(&m, *v);
+                }
             }
         }
     }
@@ -142,10 +146,13 @@ impl Rotation {
 /// Turns vectors about a coordinate axis.
 #[inline(always)]
 fn turn<L: Lane, const N: usize>(axis: usize, vectors: &mut [Vec3<L>; N], sine: L, cosine: L) {
-    match axis {
-        0 => vectors.iter_mut().for_each(|[_, y, z]| (*y, *z) = plane((*y, *z), sine, cosine)),
-        1 => vectors.iter_mut().for_each(|[x, _, z]| (*z, *x) = plane((*z, *x), sine, cosine)),
-        _ => vectors.iter_mut().for_each(|[x, y, _]| (*x, *y) = plane((*x, *y), sine, cosine)),
+    // No closures: left out of line, they would be compiled for the oldest machines.
+    for [x, y, z] in vectors {
+        match axis {
+            0 => (*y, *z) = plane((*y, *z), sine, cosine),
+            1 => (*z, *x) = plane((*z, *x), sine, cosine),
+            _ => (*x, *y) = plane((*x, *y), sine, cosine),
+        }
     }
 }
 

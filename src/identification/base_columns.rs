@@ -7,7 +7,7 @@ use super::model::STANDARD;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Entries, Motion};
 use crate::effects::direction;
-use crate::lane::{Aligned, Lanes};
+use crate::lane::{Aligned, Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 use std::ops::Range;
 
@@ -118,13 +118,7 @@ impl BaseColumns {
                     Kind::Rigid => {}
                     Kind::Rotor => column.copy_from_slice(&motor.qdd.channel(joint)[samples.clone()]),
                     Kind::Viscous => column.copy_from_slice(velocity),
-                    // The plain sign apart, so that it is taken of several at once.
-                    Kind::Coulomb if width == 0.0 => {
-                        column.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, 0.0));
-                    }
-                    Kind::Coulomb => {
-                        column.iter_mut().zip(velocity).for_each(|(x, &v)| *x = direction(v, width));
-                    }
+                    Kind::Coulomb => lanes.run(Directions { velocity, width, column }),
                 }
             }
         }
@@ -158,5 +152,29 @@ fn kind(standard: usize) -> Kind {
         PARAMETERS => Kind::Rotor,
         11 => Kind::Viscous,
         _ => Kind::Coulomb,
+    }
+}
+/// Directions of motion; a loop over plain numbers, which the compiler makes lanes of.
+struct Directions<'a> {
+    velocity: &'a [f64],
+    width: f64,
+    column: &'a mut [f64],
+}
+
+impl Kernel for Directions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lane>(self) {
+        // The plain sign apart: it has no branches.
+        if self.width == 0.0 {
+            for (x, &v) in self.column.iter_mut().zip(self.velocity) {
+                *x = direction(v, 0.0);
+            }
+        } else {
+            for (x, &v) in self.column.iter_mut().zip(self.velocity) {
+                *x = direction(v, self.width);
+            }
+        }
     }
 }

@@ -20,8 +20,8 @@ use std::ops::Range;
 /// Samples in the cache at once.
 const BLOCK: usize = super::base_columns::BLOCK;
 
-/// Samples of a stretch that one thread does: many of them to a log, so that threads are done at about the same time.
-const STRETCH: usize = 21 * BLOCK;
+/// Most blocks of a stretch that one thread does: many of them to a log, so that threads are done at about the same time.
+const STRETCH: usize = 21;
 
 /// A motion with the torque it took.
 #[derive(Debug, Clone, Copy)]
@@ -140,9 +140,16 @@ pub fn triangles(model: &Model, log: Log) -> Vec<DMatrix<f64>> {
     all.into_iter().map(Triangle::factor).collect()
 }
 
+/// Stretches of whole blocks, an even number of about equal ones where there are several: two threads then have as much to do.
 fn stretches(log: Log) -> Vec<Range<usize>> {
     let samples = log.motion.samples();
-    (0..samples).step_by(STRETCH).map(|start| start..samples.min(start + STRETCH)).collect()
+    let blocks = samples.div_ceil(BLOCK);
+    let count = match blocks.div_ceil(STRETCH) {
+        several if several > 1 => several.next_multiple_of(2),
+        one => one,
+    };
+    let border = |stretch: usize| samples.min(stretch * blocks / count * BLOCK);
+    (0..count).map(|stretch| border(stretch)..border(stretch + 1)).collect()
 }
 
 /// Hands out, block by block, each joint's columns with its torque behind them, `[column][row]`; what does not count is

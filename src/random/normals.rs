@@ -62,20 +62,22 @@ impl Normals {
 
 /// Writes the numbers of the words up to the first one that does not pass the test; how many they are.
 fn quick(edges: &Edges, words: &[u64], out: &mut [f64]) -> usize {
+    let (groups, rest) = words.as_chunks::<TOGETHER>();
+    let (outs, last) = out.as_chunks_mut::<TOGETHER>();
     let mut found = 0;
-    for (words, out) in words.chunks_exact(TOGETHER).zip(out.chunks_exact_mut(TOGETHER)) {
-        let mut all = true;
-        for (&word, out) in words.iter().zip(out) {
+    for (words, out) in groups.iter().zip(outs) {
+        let mut failed = 0u32;
+        for (k, (&word, out)) in words.iter().zip(out).enumerate() {
             let (number, passed) = tested(edges, word);
             *out = number;
-            all &= passed;
+            failed |= u32::from(!passed) << k;
         }
-        if !all {
-            break;
+        if failed != 0 {
+            return found + failed.trailing_zeros() as usize;
         }
         found += TOGETHER;
     }
-    for (&word, out) in words[found..].iter().zip(&mut out[found..]) {
+    for (&word, out) in rest.iter().zip(last) {
         let (number, passed) = tested(edges, word);
         if !passed {
             break;

@@ -84,7 +84,7 @@ impl SavitzkyGolay {
             return refuse(format!("the sample period is {sample_period_s} s; give the seconds between two samples"));
         }
         let half = window / 2;
-        let gram = Gram { half, order };
+        let gram = Gram::new(half, order);
         let row = |position: f64| gram.weights(position, derivative).into_iter().map(|w| w * per_period);
         let mut weights: Vec<f64> = row(0.0).skip(half).collect();
         if derivative % 2 == 1 {

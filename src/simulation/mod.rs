@@ -131,36 +131,56 @@ fn distorted<'a>(setup: &Setup, truth: &'a Truth, period: f64) -> (Cow<'a, Chann
     (q, tau)
 }
 
-/// What the sensors of `setup` make of a run; `run` numbers the noise, so that two motions never share it.
+/// What the sensors of `setup` make of a run, with velocity and acceleration as differences of the positions where nothing measures
+/// them; `run` numbers the noise, so that two motions never share it.
 ///
 /// # Errors
 /// If the run is too short to differentiate.
 pub fn measure(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
+    let mut log = sensed(setup, truth, run)?;
+    let period = 1.0 / setup.scenario.sensors.rate_hz;
+    let mut qdd = Channels::zeros(log.q.channels(), log.q.samples());
+    for (joint, position) in log.q.iter().enumerate() {
+        signal::second_derivative(position, period, qdd.channel_mut(joint))?;
+    }
+    if log.qd.is_none() {
+        log.qd = Some(rates(&log.q, period)?);
+    }
+    log.qdd = Some(qdd);
+    let tachometers = setup.sensors.iter().all(|sensor| sensor.tachometer_noise.is_some());
+    log.provenance.extend([
+        ("qd".to_owned(), if tachometers { "tachometer" } else { "central differences of q" }.to_owned()),
+        ("qdd".to_owned(), "second central differences of q".to_owned()),
+    ]);
+    Ok(log)
+}
+
+/// What the sensors of `setup` make of a run, and no more: no accelerations, and no velocities where no joint has a tachometer. The
+/// noise is that of [`measure`].
+///
+/// # Errors
+/// If the run is too short to differentiate, where some joints have tachometers and others have not.
+pub fn sensed(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
     let seed = setup.scenario.seed;
     let period = 1.0 / setup.scenario.sensors.rate_hz;
     let (q, tau) = distorted(setup, truth, period);
     let q = sensors::encoders(&q, &setup.sensors, seed, run);
-    let mut qd = Channels::zeros(q.channels(), q.samples());
-    let mut qdd = qd.clone();
-    for joint in 0..q.channels() {
-        match setup.sensors[joint].tachometer_noise {
-            Some(noise) => {
-                let measured = sensors::tachometer(truth.signals.qd.channel(joint), noise, seed, run, joint);
-                qd.channel_mut(joint).copy_from_slice(&measured);
-            }
-            None => signal::first_derivative(q.channel(joint), period, qd.channel_mut(joint))?,
+    let tachometers = || setup.sensors.iter().enumerate().filter_map(|(j, sensor)| Some((j, sensor.tachometer_noise?)));
+    let mut qd = None;
+    if tachometers().next().is_some() {
+        let mut measured = rates(&q, period)?;
+        for (joint, noise) in tachometers() {
+            let own = sensors::tachometer(truth.signals.qd.channel(joint), noise, seed, run, joint);
+            measured.channel_mut(joint).copy_from_slice(&own);
         }
-        signal::second_derivative(q.channel(joint), period, qdd.channel_mut(joint))?;
+        qd = Some(measured);
     }
-    let tachometers = setup.sensors.iter().all(|sensor| sensor.tachometer_noise.is_some());
     let provenance = BTreeMap::from([
         ("generator".to_owned(), random::GENERATOR.to_owned()),
         ("seed".to_owned(), seed.to_string()),
         ("run".to_owned(), run.to_string()),
         ("scenario".to_owned(), setup.scenario.name.clone()),
         ("tauscope".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ("qd".to_owned(), if tachometers { "tachometer" } else { "central differences of q" }.to_owned()),
-        ("qdd".to_owned(), "second central differences of q".to_owned()),
     ]);
     Ok(Recording {
         robot: setup.plant.name.clone(),
@@ -168,9 +188,18 @@ pub fn measure(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
         time: truth.time.clone(),
         tau: sensors::torque(&tau, &setup.sensors, period, seed, run),
         q,
-        qd: Some(qd),
-        qdd: Some(qdd),
+        qd,
+        qdd: None,
         truth: Some(truth.signals.clone()),
         provenance,
     })
+}
+
+/// Central differences of positions sampled every `period` seconds.
+fn rates(q: &Channels, period: f64) -> Result<Channels> {
+    let mut qd = Channels::zeros(q.channels(), q.samples());
+    for (joint, position) in q.iter().enumerate() {
+        signal::first_derivative(position, period, qd.channel_mut(joint))?;
+    }
+    Ok(qd)
 }

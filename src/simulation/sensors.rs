@@ -21,74 +21,90 @@ pub struct JointSensors {
 
 /// Position as the encoders of the joints tell it. `seed` and `run` choose the noise; every joint has a stream of its own.
 pub fn encoders(q: &Channels, sensors: &[JointSensors], seed: u64, run: u64) -> Channels {
-    let mut out = Channels::zeros(q.channels(), q.samples());
     assert!(sensors.len() >= q.channels(), "every joint has its sensors");
-    for (joint, sensor) in sensors.iter().enumerate().take(q.channels()) {
-        let signal = out.channel_mut(joint);
-        noisy(q.channel(joint), sensor.encoder_noise, normals(seed, "encoder", run, joint), signal);
-        if sensor.encoder_resolution > 0.0 {
-            Lanes::best().run(Rounding { signal, step: sensor.encoder_resolution });
-        }
+    Channels::appended(q.channels(), q.samples(), |joint, out| {
+        let JointSensors { encoder_noise, encoder_resolution, .. } = sensors[joint];
+        let noise = white(normals(seed, "encoder", run, joint));
+        measure(q.channel(joint), encoder_noise, noise, encoder_resolution, out);
+    })
+}
+
+/// Samples of a signal whose noise is drawn at once: few enough to stay in the nearest cache.
+const PART: usize = 512;
+
+/// Appends a signal to `out` with noise of a standard deviation, rounded to whole steps where `step` is not zero. Part by part
+/// `noise` fills in what is added, of unit standard deviation.
+fn measure(signal: &[f64], std: f64, mut noise: impl FnMut(&mut [f64]), step: f64, out: &mut Vec<f64>) {
+    let mut part = [0.0; PART];
+    for signal in signal.chunks(PART) {
+        let part = &mut part[..signal.len()];
+        noise(part);
+        Lanes::best().run(Measuring { signal, std, step, part });
+        out.extend_from_slice(part);
     }
-    out
 }
 
-/// A signal with white noise of a standard deviation.
-fn noisy(signal: &[f64], noise_std: f64, mut noise: Normals, out: &mut [f64]) {
-    noise.fill(out);
-    out.iter_mut().zip(signal).for_each(|(out, value)| *out = value + noise_std * *out);
-}
-
-/// Rounds a signal to whole steps.
-struct Rounding<'a> {
-    signal: &'a mut [f64],
+/// Turns noise of unit standard deviation into what is measured.
+struct Measuring<'a> {
+    signal: &'a [f64],
+    std: f64,
     step: f64,
+    part: &'a mut [f64],
 }
 
-impl Kernel for Rounding<'_> {
+impl Kernel for Measuring<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lane>(self) {
-        let step = L::splat(self.step);
-        for part in self.signal.chunks_mut(L::WIDTH) {
-            ((L::load_part(part) / step).round() * step).store_part(part);
+        let (std, step) = (L::splat(self.std), L::splat(self.step));
+        for (part, signal) in self.part.chunks_mut(L::WIDTH).zip(self.signal.chunks(L::WIDTH)) {
+            let measured = L::load_part(signal) + std * L::load_part(part);
+            let rounded = if self.step > 0.0 { (measured / step).round() * step } else { measured };
+            rounded.store_part(part);
+        }
+    }
+}
+
+/// White noise.
+fn white(mut normals: Normals) -> impl FnMut(&mut [f64]) {
+    move |part| normals.fill(part)
+}
+
+/// Noise of first order, started from its stationary distribution, so that the first samples are like all others. `memory` is
+/// what a sample keeps of the one before it.
+fn correlated(memory: f64, mut normals: Normals) -> impl FnMut(&mut [f64]) {
+    let renewal = (1.0 - memory * memory).sqrt();
+    let mut before = None;
+    move |part| {
+        normals.fill(part);
+        for value in part {
+            *value = before.map_or(*value, |before| memory * before + renewal * *value);
+            before = Some(*value);
         }
     }
 }
 
 /// Velocity of one joint as its tachometer tells it.
 pub fn tachometer(qd: &[f64], noise_std: f64, seed: u64, run: u64, joint: usize) -> Vec<f64> {
-    let mut out = vec![0.0; qd.len()];
-    noisy(qd, noise_std, normals(seed, "tachometer", run, joint), &mut out);
+    let mut out = Vec::with_capacity(qd.len());
+    measure(qd, noise_std, white(normals(seed, "tachometer", run, joint)), 0.0, &mut out);
     out
 }
 
 /// Torque as measured, sampled every `period_s`.
 pub fn torque(tau: &Channels, sensors: &[JointSensors], period_s: f64, seed: u64, run: u64) -> Channels {
-    let mut out = Channels::zeros(tau.channels(), tau.samples());
     assert!(sensors.len() >= tau.channels(), "every joint has its sensors");
-    for (joint, sensor) in sensors.iter().enumerate().take(tau.channels()) {
-        let JointSensors { torque_noise, torque_correlation_s, .. } = *sensor;
-        let (signal, own) = (tau.channel(joint), out.channel_mut(joint));
-        let mut noise = normals(seed, "torque", run, joint);
+    Channels::appended(tau.channels(), tau.samples(), |joint, out| {
+        let JointSensors { torque_noise, torque_correlation_s, .. } = sensors[joint];
+        let (signal, noise) = (tau.channel(joint), normals(seed, "torque", run, joint));
         if torque_correlation_s > 0.0 {
             let memory = (-period_s / torque_correlation_s).exp();
-            let renewal = (1.0 - memory * memory).sqrt();
-            noise.fill(own);
-            // Started from its stationary distribution, so that the first samples are like all others.
-            let mut state = own.first().copied().unwrap_or(0.0);
-            for (sample, (own, value)) in own.iter_mut().zip(signal).enumerate() {
-                if sample > 0 {
-                    state = memory * state + renewal * *own;
-                }
-                *own = value + torque_noise * state;
-            }
+            measure(signal, torque_noise, correlated(memory, noise), 0.0, out);
         } else {
-            noisy(signal, torque_noise, noise, own);
+            measure(signal, torque_noise, white(noise), 0.0, out);
         }
-    }
-    out
+    })
 }
 
 /// The noise of one sensor: runs and joints never share numbers.

@@ -11,7 +11,7 @@ use crate::identification::prepare::{Prepared, Smoothing, measured};
 use crate::random;
 use crate::recording::Recording;
 use crate::scenario::{NoiseLevel, Setup, drawable, misjudged};
-use crate::simulation::{Truth, measure, simulate_with};
+use crate::simulation::{Truth, sensed, simulate_with};
 use crate::study::closed_loop::{Beside, ClosedLoop};
 use crate::study::score::parameter_distance;
 use chacha20::ChaCha8Rng;
@@ -143,7 +143,7 @@ impl Study {
             setup.sensors.clone_from(&drawn.setup.sensors);
             set_noise(&mut setup, noise);
             let place = Place { trial, level, truth };
-            match measure(&setup, &drawn.run, 0) {
+            match sensed(&setup, &drawn.run, 0) {
                 Ok(log) => rows.extend(self.at_level(&place, &log, &arm, &drawn.start)),
                 Err(problem) => rows.extend(self.failed_at(&place, &problem.to_string())),
             }

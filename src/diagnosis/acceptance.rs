@@ -53,6 +53,10 @@ const ANOTHER_FORM: f64 = 1e-5;
 /// stands in for the noise.
 const CONFIRMED: f64 = 0.5;
 
+/// Level of the training logs beyond which they say nothing that held-out logs could confirm. Together both would keep the level all
+/// the same, but what then decides is one log alone.
+const NOTHING_SAID: f64 = 0.3;
+
 /// Share of what is left that an effect must take to be worth a name where much is: there all that is little fits a little.
 /// Beside constants, the second look, it must be twice the share.
 const WORTH_A_NAME: f64 = 0.05;
@@ -227,7 +231,7 @@ impl Trial<'_> {
         if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
             return Ok(accepted(winner, bound, level));
         }
-        let Some(tries) = self.tries.filter(|_| confirmable) else { return refused(false) };
+        let Some(tries) = self.tries.filter(|_| confirmable && level <= NOTHING_SAID) else { return refused(false) };
         let together = beside_errors.together(level, tries);
         tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
         let believed = (there || elsewhere < SEEN_ELSEWHERE_TOO.ln()) && together <= self.alpha * CONFIRMED;

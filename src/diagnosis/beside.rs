@@ -119,6 +119,7 @@ pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, co
         let freedom = strength.freedom as f64;
         excess += share * (strength.statistic / freedom - 1.0).max(0.0);
         certainty += share * share / freedom;
+        tracing::debug!(joint, slow, strength = strength.statistic / freedom, freedom, "slow");
     }
     let freedom = test.freedom as f64;
     let ratio = test.statistic / freedom / (1.0 + excess);

@@ -56,6 +56,7 @@ pub mod innovations;
 pub mod judging;
 pub mod known;
 pub mod multiplicity;
+mod noise_spectrum;
 pub mod passband;
 pub mod play;
 pub mod preparation;

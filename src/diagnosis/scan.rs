@@ -7,13 +7,21 @@ use super::roles::linear;
 use super::score::Projection;
 use super::session::Session;
 use super::whitening::Whitener;
+use crate::effects::Nature;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// Probability above which a shift of torque in time shows nothing beside what errors of the positions do.
+const MIMICKED: f64 = 1e-3;
 
 /// The tests of all candidates against one fit.
 #[derive(Debug)]
 pub struct Scan {
     judged: Vec<Judged>,
+    /// Which of them may be a name: all but lags and delays of which nothing is left beside errors of the positions. These look
+    /// surer than anything where encoders are coarse, and would stand beside every name.
+    stand: Vec<bool>,
     /// Whether a change is looked for, which may go either way.
     change: bool,
 }
@@ -21,8 +29,21 @@ pub struct Scan {
 impl Scan {
     /// Tests all candidates; those that cannot be told or make no sense are left out.
     pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
-        let judged = all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
-        Scan { judged, change: session.train.rows.before > 0 }
+        let judged: Vec<Judged> =
+            all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
+        let beside_errors = OnceLock::new();
+        let stands = |judged: &Judged| {
+            let placed = &judged.candidate.placed;
+            if !matches!(placed.effect.about().nature, Nature::Lag | Nature::Delay) {
+                return true;
+            }
+            // The errors are the same beside all of them.
+            let fit: &Projection =
+                beside_errors.get_or_init(|| fit.with(&whitener.apply_all(&session.train.errors_beside(placed))));
+            fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
+        };
+        let stand = judged.iter().map(stands).collect();
+        Scan { judged, stand, change: session.train.rows.before > 0 }
     }
 
     /// How many independent tests the scan is worth.
@@ -40,10 +61,10 @@ impl Scan {
         Multiplicity::new(fit, &scanned, &whitener.rows(), seed)
     }
 
-    /// The likeliest candidate of every family, the best first.
+    /// The likeliest candidate that may be a name of every family, the best first.
     pub fn best_per_family(&self) -> Vec<&Judged> {
         let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
-        for judged in &self.judged {
+        for (judged, _) in self.judged.iter().zip(&self.stand).filter(|(_, stands)| **stands) {
             let place = best.entry(judged.candidate.slot()).or_insert(judged);
             if judged.likeliness() < place.likeliness() {
                 *place = judged;

@@ -57,6 +57,9 @@ pub struct Session<'a> {
     pub passband: Option<LowPass>,
 }
 
+/// Standard deviations from zero at which a parameter is told.
+const SIZED: f64 = 2.0;
+
 /// An effect in the model, with what it takes there.
 #[derive(Debug, Clone)]
 pub struct Member {
@@ -332,6 +335,13 @@ impl Member {
         linear(self.placed.effect).len() + shapes(self.placed.effect).len()
     }
 
+    /// Whether the logs tell how large it is: some amplitude lies two standard deviations from zero.
+    pub fn is_sized(&self) -> bool {
+        linear(self.placed.effect)
+            .into_iter()
+            .any(|index| self.placed.parameters[index].abs() > SIZED * self.std[index])
+    }
+
     /// A candidate with the factors of its columns as part of the model.
     pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();
@@ -348,4 +358,24 @@ impl Member {
 /// A value within the bounds of its parameter.
 pub fn bounded(parameter: &Parameter, value: f64) -> f64 {
     value.clamp(parameter.lower, parameter.upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn one_amplitude_told_from_zero_is_enough() {
+        let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
+        let candidate = Candidate { placed, log: None, columns: Vec::new() };
+        let mut member = Member::new(&candidate, &[]);
+        let sizes = member.placed.parameters.clone();
+        member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();
+        assert!(!member.is_sized());
+        member.std[0] = 0.4 * sizes[0].abs();
+        assert!(member.is_sized());
+        member.std.fill(f64::INFINITY);
+        assert!(!member.is_sized());
+    }
 }

@@ -2,26 +2,21 @@
 //!
 //! From the residual of the plain baseline the noise model would swallow what is to be found: a constant offset looks like
 //! very slow noise. A regression on much more than the baseline leaves little but noise; that it also takes some of the
-//! noise with it, slow noise most of all, is made good by sending simulated noise through it (Kunsch and others call the
-//! idea indirect inference).
+//! noise with it, slow noise most of all, is made good frequency by frequency (`noise_spectrum`).
 
 use super::column::{Column, inner_product};
 use super::innovations::InnovationsFilter;
+use super::noise_spectrum::corrected;
 use super::rows::Rows;
 use super::score::Projection;
-use crate::identification::noise::{AutoregressiveNoise, white};
-use crate::random;
+use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 
 /// Order of the noise models.
 const ORDER: usize = 6;
 
-/// Rounds of, and draws in each round of, making good what the rich regression takes of the noise.
-const BIAS_ROUNDS: usize = 3;
-const BIAS_DRAWS: u64 = 12;
-
-/// Largest share of a step that the next may keep: beyond it the rows do not tell how much was taken.
-const SLOWEST_STEPS: f64 = 0.75;
+/// Times that the spectrum is corrected for what the rich regression takes of the noise.
+const SPECTRUM_ROUNDS: usize = 2;
 
 /// Share of the rows' directions that the regression is taken to have left, at least: beyond it the rows do not tell.
 const LEAST_FREE: f64 = 0.25;
@@ -156,49 +151,37 @@ impl JointWhitener {
         columns.extend_from_slice(&rich[joint]);
         let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
         let (valid, share) = (&rows.valid[joint], rows.share_as_logged());
-        JointWhitener::new(valid, &rows.starts, &signal, rows.apart(columns), joint, share)
+        JointWhitener::new(valid, &rows.starts, &signal, rows.apart(columns), share)
     }
 
-    fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, joint: usize, share: f64) -> Self {
+    fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, share: f64) -> Self {
         let masked = |signal: &[f64]| -> Vec<f64> {
             signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect()
         };
         let columns: Vec<Vec<f64>> = columns.iter().map(|column| masked(column)).collect();
         let basis = orthonormal(columns.clone());
-        let left = |signal: &[f64]| residual(&basis, masked(signal));
-        let observed = lags(&left(torque), valid);
-        // What the regression takes of noise with given autocovariances is added to what is observed. The same draws in every
-        // round make this a fixed point of a smooth map, and where most of the noise is taken its steps shrink slowly: every
-        // other step goes on to where they would end.
-        let source = |draw| random::normals(0, &format!("noise bias of joint {joint}"), draw);
-        let draws = white((0..BIAS_DRAWS).map(source).collect(), valid.len());
-        let corrected = |covariance: &[f64]| -> Vec<f64> {
-            let noise = AutoregressiveNoise::from_autocovariance(&before_low_pass(covariance.to_vec(), share));
-            let mut corrected = observed.clone();
-            for drawn in noise.of_white(&draws) {
-                let (before, after) = (lags(&drawn, valid), lags(&left(&drawn), valid));
-                for ((target, b), a) in corrected.iter_mut().zip(before).zip(after) {
-                    *target += (b - a) / BIAS_DRAWS as f64;
-                }
-            }
-            corrected
+        let observed = before_low_pass(lags(&residual(&basis, masked(torque)), valid), share);
+        let mut noise = AutoregressiveNoise::from_autocovariance(&observed);
+        // In white noise all frequencies are alike.
+        let rounds = if share < 1.0 { 0 } else { SPECTRUM_ROUNDS };
+        let seen_in = |noise: AutoregressiveNoise| {
+            let filter = InnovationsFilter::new(noise, valid, starts);
+            let basis = orthonormal(columns.iter().map(|column| filter.apply(column)).collect());
+            let left = residual(&basis, filter.apply(torque));
+            (filter, basis, left)
         };
-        let mut covariance = observed.clone();
-        for _ in 0..BIAS_ROUNDS {
-            let first = corrected(&covariance);
-            let second = corrected(&first);
-            covariance = extrapolated(&covariance, &first, &second);
+        for _ in 0..rounds {
+            noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
+            let (filter, basis, left) = seen_in(noise);
+            noise = corrected(filter.noise(), &left, &basis, ORDER);
         }
-        let mut noise = AutoregressiveNoise::from_autocovariance(&before_low_pass(corrected(&covariance), share));
         noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
-        let mut filter = InnovationsFilter::new(noise, valid, starts);
-        // The scale once more from what is white: the autocovariances alone carry the error of the correction.
-        let white = orthonormal(columns.iter().map(|column| filter.apply(column)).collect());
-        let rest = residual(&white, filter.apply(torque));
+        // The scale once more from what is white: a model of low order does not have the whole spectrum.
+        let (mut filter, basis, left) = seen_in(noise);
         // Noise that went through a low-pass has fewer directions than rows.
-        let count = rest.len() as f64;
-        let freedom = (count - white.len() as f64 / share).max(LEAST_FREE * count).max(1.0);
-        let scale = (rest.iter().map(|x| x * x).sum::<f64>() / freedom).sqrt();
+        let count = left.len() as f64;
+        let freedom = (count - basis.len() as f64 / share).max(LEAST_FREE * count).max(1.0);
+        let scale = (left.iter().map(|x| x * x).sum::<f64>() / freedom).sqrt();
         if scale > 0.0 {
             filter.scale_noise(scale);
         }
@@ -222,17 +205,6 @@ fn before_low_pass(mut covariance: Vec<f64>, share: f64) -> Vec<f64> {
         covariance[1..].fill(0.0);
     }
     covariance
-}
-
-/// Where the steps from `start` over `first` to `second` would end (Aitken).
-fn extrapolated(start: &[f64], first: &[f64], second: &[f64]) -> Vec<f64> {
-    let dot = |a: &[f64], b: &[f64], c: &[f64], d: &[f64]| -> f64 {
-        a.iter().zip(b).zip(c.iter().zip(d)).map(|((a, b), (c, d))| (a - b) * (c - d)).sum()
-    };
-    let before = dot(first, start, first, start);
-    let rate = if before > 0.0 { dot(second, first, first, start) / before } else { 0.0 };
-    let rate = rate.clamp(0.0, SLOWEST_STEPS);
-    first.iter().zip(second).map(|(first, second)| first + (second - first) / (1.0 - rate)).collect()
 }
 
 /// Autocovariances from the pairs of which both count.
@@ -302,6 +274,7 @@ fn norm(signal: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random;
 
     /// Slow noise under columns that take much of it: the model found is that of the noise, not of what is left.
     #[test]
@@ -316,7 +289,7 @@ mod tests {
         let runs = 20;
         for run in 0..runs {
             let noise = truth.simulate(samples, &mut random::stream(3, "whitening", run));
-            let found = JointWhitener::new(&valid, &[0, samples], &noise, columns.clone(), 0, 1.0);
+            let found = JointWhitener::new(&valid, &[0, samples], &noise, columns.clone(), 1.0);
             let lag = AutoregressiveNoise::from_autocovariance(&lags(&noise, &valid));
             first += (found.filter.noise().coefficients[0] - lag.coefficients[0]) / runs as f64;
             scale += found.filter.noise().std() / runs as f64;
@@ -343,7 +316,7 @@ mod tests {
             let noise: Vec<f64> =
                 (0..samples).map(|t| size.iter().enumerate().map(|(k, s)| s * cosine(k, t)).sum()).collect();
             let rms = norm(&noise) / (samples as f64).sqrt();
-            let whitener = JointWhitener::new(&vec![true; samples], &[0, samples], &noise, columns.clone(), 0, share);
+            let whitener = JointWhitener::new(&vec![true; samples], &[0, samples], &noise, columns.clone(), share);
             found += whitener.filter.noise().std() / rms / runs as f64;
             let rest = residual(&orthonormal(columns.clone()), noise);
             left += norm(&rest) / (samples as f64).sqrt() / rms / runs as f64;

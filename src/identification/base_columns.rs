@@ -154,6 +154,7 @@ fn kind(standard: usize) -> Kind {
         _ => Kind::Coulomb,
     }
 }
+
 /// Directions of motion; a loop over plain numbers, which the compiler makes lanes of.
 struct Directions<'a> {
     velocity: &'a [f64],

@@ -144,10 +144,8 @@ pub fn triangles(model: &Model, log: Log) -> Vec<DMatrix<f64>> {
 fn stretches(log: Log) -> Vec<Range<usize>> {
     let samples = log.motion.samples();
     let blocks = samples.div_ceil(BLOCK);
-    let count = match blocks.div_ceil(STRETCH) {
-        several if several > 1 => several.next_multiple_of(2),
-        one => one,
-    };
+    let least = blocks.div_ceil(STRETCH);
+    let count = if least > 1 { least.next_multiple_of(2) } else { least };
     let border = |stretch: usize| samples.min(stretch * blocks / count * BLOCK);
     (0..count).map(|stretch| border(stretch)..border(stretch + 1)).collect()
 }

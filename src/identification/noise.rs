@@ -2,7 +2,6 @@
 
 use super::sequences::{Law, lagged_products, recur_backward, recur_forward};
 use crate::channels::Channels;
-use crate::random::Normals;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -42,6 +41,16 @@ impl AutoregressiveNoise {
         AutoregressiveNoise { coefficients, innovation_std: variance.max(0.0).sqrt() }
     }
 
+    /// Variance at an angle of `omega` a sample over that of white noise of unit variance.
+    pub fn power(&self, omega: f64) -> f64 {
+        let parts = self.coefficients.iter().zip(1..).map(|(a, lag)| {
+            let (sin, cos) = (omega * f64::from(lag)).sin_cos();
+            [a * cos, a * sin]
+        });
+        let [cos, sin] = parts.fold([0.0; 2], |[c, s], [cos, sin]| [c + cos, s + sin]);
+        self.innovation_std.powi(2) / ((1.0 - cos).powi(2) + sin.powi(2))
+    }
+
     /// Standard deviation of the noise itself: the response to a unit of what is new, summed in squares.
     pub fn std(&self) -> f64 {
         const MEMORY: usize = 2000;
@@ -58,31 +67,11 @@ impl AutoregressiveNoise {
         simulate_together(std::slice::from_ref(self), samples, source).pop().unwrap_or_default()
     }
 
-    /// Stretches of this noise, one from each signal of white noise of unit variance ([`white`]).
-    pub fn of_white(&self, white: &Channels) -> Vec<Vec<f64>> {
-        let mut table = white.clone();
-        let laws: Vec<Law> = (0..table.channels())
-            .map(|_| Law { gain: self.innovation_std, coefficients: &self.coefficients })
-            .collect();
-        recur_forward(&mut table, &laws);
-        table.iter().map(|noise| noise[RUN_IN..].to_vec()).collect()
-    }
-
     /// Turns every signal of `table` into L' signal, where L is the filter that makes this noise from unit white noise: the
     /// sum of squares of the result is the variance of signal . noise.
     pub fn color_backward(&self, table: &mut Channels) {
         recur_backward(table, self.innovation_std, &self.coefficients);
     }
-}
-
-/// Signals of white noise of unit variance, each from its source, with what [`AutoregressiveNoise::of_white`] needs to start from
-/// rest.
-pub fn white(sources: Vec<Normals>, samples: usize) -> Channels {
-    let mut table = Channels::zeros(sources.len(), RUN_IN + samples);
-    for (channel, mut source) in sources.into_iter().enumerate() {
-        source.fill(table.channel_mut(channel));
-    }
-    table
 }
 
 /// A stretch of each of several noises, one after the other from the same source.
@@ -124,12 +113,13 @@ mod tests {
     }
 
     #[test]
-    fn white_noise_is_coloured_as_if_drawn_for_it() {
+    fn the_power_of_all_frequencies_is_the_variance() {
         let noise = AutoregressiveNoise { coefficients: vec![1.2, -0.5], innovation_std: 2.0 };
-        let sources = (0..5).map(|draw| random::normals(3, "test", draw)).collect();
-        for (draw, own) in noise.of_white(&white(sources, 400)).iter().enumerate() {
-            assert_eq!(*own, noise.simulate(400, &mut random::stream(3, "test", draw as u64)));
-        }
+        let points = 4000;
+        let omega = |k: i32| std::f64::consts::PI * (f64::from(k) + 0.5) / f64::from(points);
+        let mean = (0..points).map(|k| noise.power(omega(k))).sum::<f64>() / f64::from(points);
+        assert!((mean / noise.std().powi(2) - 1.0).abs() < 1e-9, "{mean}");
+        assert!((noise.power(0.0) - 4.0 / 0.09).abs() < 1e-9, "2^2 / (1 - 1.2 + 0.5)^2");
     }
 
     #[test]

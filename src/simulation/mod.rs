@@ -144,7 +144,7 @@ pub fn measure(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
         signal::second_derivative(position, period, qdd.channel_mut(joint))?;
     }
     if log.qd.is_none() {
-        log.qd = Some(rates(&log.q, period)?);
+        log.qd = Some(velocities(setup, truth, &log.q, run)?);
     }
     log.qdd = Some(qdd);
     let tachometers = setup.sensors.iter().all(|sensor| sensor.tachometer_noise.is_some());
@@ -165,16 +165,8 @@ pub fn sensed(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
     let period = 1.0 / setup.scenario.sensors.rate_hz;
     let (q, tau) = distorted(setup, truth, period);
     let q = sensors::encoders(&q, &setup.sensors, seed, run);
-    let tachometers = || setup.sensors.iter().enumerate().filter_map(|(j, sensor)| Some((j, sensor.tachometer_noise?)));
-    let mut qd = None;
-    if tachometers().next().is_some() {
-        let mut measured = rates(&q, period)?;
-        for (joint, noise) in tachometers() {
-            let own = sensors::tachometer(truth.signals.qd.channel(joint), noise, seed, run, joint);
-            measured.channel_mut(joint).copy_from_slice(&own);
-        }
-        qd = Some(measured);
-    }
+    let tachometers = setup.sensors.iter().take(q.channels()).any(|sensor| sensor.tachometer_noise.is_some());
+    let qd = if tachometers { Some(velocities(setup, truth, &q, run)?) } else { None };
     let provenance = BTreeMap::from([
         ("generator".to_owned(), random::GENERATOR.to_owned()),
         ("seed".to_owned(), seed.to_string()),
@@ -195,11 +187,19 @@ pub fn sensed(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
     })
 }
 
-/// Central differences of positions sampled every `period` seconds.
-fn rates(q: &Channels, period: f64) -> Result<Channels> {
+/// Velocities as the tachometers tell them; central differences of the measured positions where there is none.
+fn velocities(setup: &Setup, truth: &Truth, q: &Channels, run: u64) -> Result<Channels> {
+    let period = 1.0 / setup.scenario.sensors.rate_hz;
     let mut qd = Channels::zeros(q.channels(), q.samples());
     for (joint, position) in q.iter().enumerate() {
-        signal::first_derivative(position, period, qd.channel_mut(joint))?;
+        let own = qd.channel_mut(joint);
+        match setup.sensors[joint].tachometer_noise {
+            Some(noise) => {
+                let velocity = truth.signals.qd.channel(joint);
+                own.copy_from_slice(&sensors::tachometer(velocity, noise, setup.scenario.seed, run, joint));
+            }
+            None => signal::first_derivative(position, period, own)?,
+        }
     }
     Ok(qd)
 }

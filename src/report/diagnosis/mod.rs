@@ -87,6 +87,8 @@ struct Finding {
     verdict: Verdict,
     alternatives: Vec<Alternative>,
     parameters: Vec<Parameter>,
+    /// Whether any of its amplitudes is told from zero.
+    size_told: bool,
     family_wise_p: f64,
     test_rms_before_nm: Vec<f64>,
     test_rms_after_nm: Vec<f64>,
@@ -288,6 +290,10 @@ fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     inertias.chain(found.map(|(found, derived)| finding(robot, found, derived))).collect()
 }
 
+/// What is said of a finding whose amplitudes the logs leave open.
+pub const NOT_SIZED: &str =
+    "the logs show that it is there, and not how its parameters share it: none is told from zero";
+
 /// The inertias of the description are wrong as a whole.
 fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     let [before, after] = gain.rms.clone();
@@ -297,6 +303,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
         verdict: Verdict::Named,
         alternatives: Vec::new(),
         parameters: Vec::new(),
+        size_told: false,
         family_wise_p: 0.0,
         test_rms_before_nm: before,
         test_rms_after_nm: after,
@@ -328,6 +335,7 @@ fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::D
             .chain(derived)
             .map(|(name, value, std, unit)| Parameter { name, joint: joint.clone(), value, std, unit })
             .collect(),
+        size_told: found.member.is_sized(),
         joints: own,
         family_wise_p: found.family_wise_p,
         test_rms_before_nm: before,

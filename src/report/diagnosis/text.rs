@@ -1,6 +1,6 @@
 //! The answer in a few lines.
 
-use super::{EXTENDED_SCENARIO, finding, findings, joints};
+use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::found::Found;
@@ -52,7 +52,8 @@ pub fn lines(
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
         let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
         let verb = if diagnosis.against_reference { "Changed by" } else { "Add to the model:" };
-        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}", told.explanation));
+        let open = if told.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
+        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", told.explanation));
     }
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;

@@ -5,7 +5,7 @@ use crate::diagnosis::Diagnosis;
 use crate::diagnosis::found::Found;
 use crate::effects::{About, Role};
 use crate::report::console::significant;
-use crate::report::diagnosis::impacts;
+use crate::report::diagnosis::{NOT_SIZED, impacts};
 use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 
@@ -61,6 +61,9 @@ pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
             probability(found.family_wise_p.log10()),
         )));
         blocks.push(Block::table(["parameter", "value", "unit", "std", "95 % from", "to"], rows.collect()));
+        if !found.member.is_sized() {
+            blocks.push(Block::text(sentence(NOT_SIZED)));
+        }
         blocks.push(Block::text(format!("Law: {}. Reference: {}", about.equation, sentence(about.reference))));
         blocks.extend(confusions(robot, found, about));
     }

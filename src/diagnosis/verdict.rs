@@ -20,6 +20,10 @@ use std::collections::BTreeMap;
 /// Share of a joint's excess over the noise that must be explained for the names on it to stand, where structure is left.
 const FIRM: f64 = 0.7;
 
+/// Factor on what is left of the held-out logs, in squares over the noise, from which an effect predicts them worse than none: noise in
+/// the estimate of what is there makes less.
+const WORSE: f64 = 1.1;
+
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
 
@@ -123,7 +127,8 @@ pub fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> 
     }
 }
 
-/// Takes back the names on joints of which surely much stays unexplained, and those that structure without a name stands for.
+/// Takes back the names on joints of which surely much stays unexplained, those that structure without a name stands for, and those with
+/// which the held-out logs are predicted worse.
 /// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.
 pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
@@ -143,10 +148,19 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
     for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none() && one.impacts.is_none()) {
         let joints = one.member.candidate.joints();
         // An effect on many joints does not fall with one of them.
-        if joints.iter().all(|joint| open.contains(joint)) {
+        if joints.iter().all(|joint| open.contains(joint)) || predicts_worse(one, noise) {
             one.verdict = Verdict::Unexplained;
         }
     }
+}
+
+/// Whether the held-out logs are predicted worse with a finding than without it, on the joints that it acts on together: it fits the
+/// training logs, and is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
+pub fn predicts_worse(found: &Found, noise: &[f64]) -> bool {
+    let joints = found.member.candidate.joints();
+    let [before, after] =
+        found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
+    found.impacts.is_none() && after > WORSE * before
 }
 
 /// Whether a finding is what sampling does: torque that is held over a step, or read at one end of it, lies up to half a sample
@@ -221,5 +235,33 @@ pub fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Rob
         false => {
             "record a new motion and repeat the diagnosis with --scenario extended.toml: nothing should be left".into()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::acceptance::Accepted;
+    use crate::diagnosis::candidates::Candidate;
+    use crate::diagnosis::session::Member;
+    use crate::effects::find;
+
+    /// A spring on the first joint that leaves so much of two joints, before and after.
+    fn spring(before: [f64; 2], after: [f64; 2]) -> Found {
+        let placed = Placed::typical(find("joint_spring").unwrap(), 0);
+        let member = Member::new(&Candidate { placed, log: None, columns: Vec::new() }, &[]);
+        let mut found = Found::new(Accepted { member, gain_lower_bound: 0.1, level: 1e-6 }, Vec::new());
+        found.rms = [before.to_vec(), after.to_vec()];
+        found
+    }
+
+    #[test]
+    fn a_name_that_predicts_its_joint_worse_is_taken_back() {
+        // Squares of 1.44 and 1.21 times as much are worse, of 1.0816 are not; nor is what happens on another joint.
+        let after = [[1.2, 1.0], [1.1, 1.0], [1.04, 1.0], [0.5, 3.0]];
+        let mut found: Vec<Found> = after.into_iter().map(|after| spring([1.0, 1.0], after)).collect();
+        take_back(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5]);
+        let stay: Vec<bool> = found.iter().map(|one| one.verdict == Verdict::Named).collect();
+        assert_eq!(stay, [false, false, true, true]);
     }
 }

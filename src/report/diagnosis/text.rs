@@ -7,6 +7,7 @@ use crate::diagnosis::found::Found;
 use crate::diagnosis::gap::Share;
 use crate::diagnosis::impacts::Play;
 use crate::diagnosis::screening::{Consequence, DataFault};
+use crate::diagnosis::verdict::predicts_worse;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::quality::Kind;
 use crate::report::console::{significant, table};
@@ -190,7 +191,11 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         names += &format!(" or {}", place(robot, other.family));
     }
     if found.verdict == Verdict::Unexplained {
-        names = format!("something like {names} (much stays unexplained there)");
+        let why = match predicts_worse(found, &diagnosis.noise_floor) {
+            true => "it fits the training logs and not the held-out ones",
+            false => "much stays unexplained there",
+        };
+        names = format!("something like {names} ({why})");
     }
     let chance =
         if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };

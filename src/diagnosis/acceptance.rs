@@ -9,7 +9,7 @@ use super::cut_off::is_flat;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
-use super::roles::is_level;
+use super::roles::{is_level, is_shift};
 use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
@@ -309,7 +309,7 @@ pub fn strictness(candidate: &Candidate) -> f64 {
         EXTREMES
     } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
         GEARS
-    } else if matches!(candidate.placed.effect.about().nature, Nature::Lag | Nature::Delay | Nature::AfterReversals) {
+    } else if is_shift(candidate.placed.effect) || candidate.placed.effect.about().nature == Nature::AfterReversals {
         SUDDEN
     } else {
         NOISE_IS_ESTIMATED

@@ -35,8 +35,8 @@ pub fn corrected(noise: &AutoregressiveNoise, left: &[f64], basis: &[Vec<f64>], 
         let mut buffer = signal.to_vec();
         transform.process_dct2(&mut buffer);
         // As if orthonormal: the transform's own rows have a square norm of half the length, the first one of all of it.
-        let half = left.len() as f64 / 2.0;
-        buffer.iter().enumerate().map(|(k, x)| x * x / if k == 0 { 2.0 * half } else { half }).collect()
+        let length = left.len() as f64;
+        buffer.iter().enumerate().map(|(k, x)| x * x / if k == 0 { length } else { 0.5 * length }).collect()
     };
     let observed = energies(left);
     let mut free = vec![1.0; left.len()];
@@ -46,9 +46,10 @@ pub fn corrected(noise: &AutoregressiveNoise, left: &[f64], basis: &[Vec<f64>], 
     let frequency = |k: usize, of: usize| (k as f64 + 0.5) / of as f64;
     let weights: Vec<[(usize, f64); 2]> = (0..left.len()).map(|k| between(frequency(k, left.len()))).collect();
     let curve = fitted(&weights, &observed, &free);
-    let at = |w: [(usize, f64); 2]| w.iter().map(|(knot, weight)| weight * curve[*knot]).sum::<f64>();
-    let spectrum: Vec<f64> =
-        (0..GRID).map(|k| noise.power(PI * frequency(k, GRID)) * at(between(frequency(k, GRID))).exp()).collect();
+    let spectrum: Vec<f64> = (0..GRID)
+        .map(|k| frequency(k, GRID))
+        .map(|frequency| noise.power(PI * frequency) * at(&curve, &between(frequency)).exp())
+        .collect();
     let lag = |lag: usize| {
         let terms = spectrum.iter().enumerate().map(|(k, power)| power * (PI * frequency(k, GRID) * lag as f64).cos());
         terms.sum::<f64>() / GRID as f64
@@ -62,6 +63,11 @@ fn between(frequency: f64) -> [(usize, f64); 2] {
     let (low, high) = (KNOTS[after - 1].ln(), KNOTS[after].ln());
     let share = ((frequency.ln() - low) / (high - low)).clamp(0.0, 1.0);
     [(after - 1, 1.0 - share), (after, share)]
+}
+
+/// The curve between two knots.
+fn at(curve: &DVector<f64>, pair: &[(usize, f64); 2]) -> f64 {
+    pair.iter().map(|(knot, weight)| weight * curve[*knot]).sum()
 }
 
 /// Logarithms of the ratio at the knots, by Fisher scoring.
@@ -78,8 +84,7 @@ fn fitted(weights: &[[(usize, f64); 2]], observed: &[f64], free: &[f64]) -> DVec
         let mut slope = &smooth * &curve;
         let mut curvature = &smooth + DMatrix::identity(knots, knots) * LEAST_CURVATURE;
         for ((pair, observed), free) in weights.iter().zip(observed).zip(free) {
-            let expected: f64 = pair.iter().map(|(knot, weight)| weight * curve[*knot]).sum();
-            let relative = observed * (-expected).exp();
+            let relative = observed * (-at(&curve, pair)).exp();
             for (knot, weight) in pair {
                 slope[*knot] += 0.5 * weight * (free - relative);
                 for (other, by) in pair {

@@ -39,6 +39,11 @@ pub fn acts_upon_arm(effect: &dyn Effect) -> bool {
     about.site != Site::Joint || about.uses_acceleration
 }
 
+/// Whether an effect shifts or spreads torque in time.
+pub fn is_shift(effect: &dyn Effect) -> bool {
+    matches!(effect.about().nature, Nature::Lag | Nature::Delay)
+}
+
 /// Whether an effect comes and goes on its own, whatever the motion.
 pub fn is_event(effect: &dyn Effect) -> bool {
     effect.about().nature == Nature::Event

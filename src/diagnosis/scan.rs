@@ -3,11 +3,10 @@
 use super::candidates::{Candidate, Family, Slot};
 use super::judging::Judged;
 use super::multiplicity::{Multiplicity, Scanned};
-use super::roles::linear;
+use super::roles::{is_shift, linear};
 use super::score::Projection;
 use super::session::Session;
 use super::whitening::Whitener;
-use crate::effects::Nature;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -34,7 +33,7 @@ impl Scan {
         let beside_errors = OnceLock::new();
         let stands = |judged: &Judged| {
             let placed = &judged.candidate.placed;
-            if !matches!(placed.effect.about().nature, Nature::Lag | Nature::Delay) {
+            if !is_shift(placed.effect) {
                 return true;
             }
             // The errors are the same beside all of them.

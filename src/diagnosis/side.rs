@@ -3,8 +3,9 @@
 use super::column::Column;
 use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
+use super::roles::is_shift;
 use super::rows::Rows;
-use crate::effects::{Nature, Placed};
+use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::model::Model;
 
@@ -43,7 +44,7 @@ impl Side {
     /// in them is in the torque against the accelerations.
     pub fn errors_beside(&self, placed: &Placed) -> Vec<Column> {
         let mut errors = self.errors.beside(placed, &self.rows);
-        if matches!(placed.effect.about().nature, Nature::Lag | Nature::Delay) {
+        if is_shift(placed.effect) {
             errors.extend(self.bands.iter().cloned());
         }
         errors

@@ -164,18 +164,17 @@ impl JointWhitener {
         let mut noise = AutoregressiveNoise::from_autocovariance(&observed);
         // In white noise all frequencies are alike.
         let rounds = if share < 1.0 { 0 } else { SPECTRUM_ROUNDS };
-        let seen_in = |noise: AutoregressiveNoise| {
+        let seen_in = |mut noise: AutoregressiveNoise| {
+            noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
             let filter = InnovationsFilter::new(noise, valid, starts);
             let basis = orthonormal(columns.iter().map(|column| filter.apply(column)).collect());
             let left = residual(&basis, filter.apply(torque));
             (filter, basis, left)
         };
         for _ in 0..rounds {
-            noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
             let (filter, basis, left) = seen_in(noise);
             noise = corrected(filter.noise(), &left, &basis, ORDER);
         }
-        noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
         // The scale once more from what is white: a model of low order does not have the whole spectrum.
         let (mut filter, basis, left) = seen_in(noise);
         // Noise that went through a low-pass has fewer directions than rows.

@@ -9,7 +9,7 @@ use super::cut_off::is_flat;
 use super::held_out::{Gains, SEEN_AGAIN};
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
-use super::roles::{is_level, is_shift};
+use super::roles::is_level;
 use super::rows::Rows;
 use super::score::Projection;
 use super::session::{Member, Noise, Session};
@@ -41,21 +41,24 @@ const GEARS: f64 = 1e-7;
 /// if the torque had been cut off.
 const EXTREMES: f64 = 1e-9;
 
-/// The same for lags and delays of the torque: its derivative weighs most at the highest frequencies, of which models of slow noise
-/// tell least; and for friction that comes up after reversals, near which smooth positions err most.
+/// The same for friction that comes up after reversals, near which smooth positions err most.
 const SUDDEN: f64 = 1e-4;
 
 /// The same for friction over speed beside another law of it on the same joint: books write such curves in many forms, and none is
 /// that of a gear.
 const ANOTHER_FORM: f64 = 1e-5;
 
-/// Share of the level at which training and held-out logs together are believed: on held-out logs the scatter over stretches
-/// stands in for the noise.
+/// Share of the level at which is believed what logs confirm that did not choose it, held-out ones or each of all in its turn: there
+/// the scatter over stretches stands in for the noise.
 const CONFIRMED: f64 = 0.5;
 
 /// Level of the training logs beyond which they say nothing that held-out logs could confirm. Together both would keep the level all
 /// the same, but what then decides is one log alone.
 const NOTHING_SAID: f64 = 0.3;
+
+/// Chance beyond which held-out logs confirm nothing, however sure the training logs are: what goes with noise alone as often speaks
+/// against it as for it.
+const NOTHING_CONFIRMED: f64 = 0.2;
 
 /// Share of what is left that an effect must take to be worth a name where much is: there all that is little fits a little.
 /// Beside constants, the second look, it must be twice the share.
@@ -141,10 +144,11 @@ impl Trial<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn by_others(&self, winner: &Judged, level: f64) -> Result<Outcome> {
-        let Seen { level, limit, elsewhere, .. } = match self.seen(winner, level)? {
+        let Seen { level, limit, elsewhere, confirmable } = match self.seen(winner, level)? {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
+        let limit = if confirmable { self.alpha * CONFIRMED } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
@@ -234,7 +238,8 @@ impl Trial<'_> {
         let Some(tries) = self.tries.filter(|_| confirmable && level <= NOTHING_SAID) else { return refused(false) };
         let together = beside_errors.together(level, tries);
         tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
-        let believed = (there || elsewhere < SEEN_ELSEWHERE_TOO.ln()) && together <= self.alpha * CONFIRMED;
+        let confirmed = beside_errors.chance() <= NOTHING_CONFIRMED && together <= self.alpha * CONFIRMED;
+        let believed = confirmed && (there || elsewhere < SEEN_ELSEWHERE_TOO.ln());
         if believed && gains.share() > 0.0 { Ok(accepted(winner, bound, together)) } else { refused(true) }
     }
 
@@ -309,7 +314,7 @@ pub fn strictness(candidate: &Candidate) -> f64 {
         EXTREMES
     } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
         GEARS
-    } else if is_shift(candidate.placed.effect) || candidate.placed.effect.about().nature == Nature::AfterReversals {
+    } else if candidate.placed.effect.about().nature == Nature::AfterReversals {
         SUDDEN
     } else {
         NOISE_IS_ESTIMATED

@@ -6,6 +6,7 @@
 
 use super::Options;
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
+use super::arm::Moved;
 use super::candidates::{Candidate, columns_in};
 use super::contest::{Contest, InOwnNoise, contest};
 use super::eligible::{Contenders, Refused, Standing};
@@ -88,6 +89,6 @@ pub fn search(
 fn from_training(session: &Session, mut member: Member) -> Result<Member> {
     let (candidate, rows) = (&mut member.candidate, &session.train.rows);
     candidate.columns =
-        columns_in(&session.arm, rows, candidate.log, std::slice::from_ref(&candidate.placed))?.concat();
+        columns_in(&session.arm, rows, candidate.log, std::slice::from_ref(&candidate.placed), Moved::Tested)?.concat();
     Ok(member)
 }

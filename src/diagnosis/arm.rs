@@ -2,7 +2,9 @@
 
 use super::column::Column;
 use super::cutoffs::WIDEST_HZ;
-use super::rows::{Log, Rows};
+use super::log::Log;
+use super::roles::is_shift;
+use super::rows::Rows;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
 use crate::effects::{Along, Placed, Scope, Site, contributions};
@@ -43,6 +45,16 @@ pub struct Arm {
     found: Robot,
     chain: Chain,
     trust: Trust,
+}
+
+/// Which torque is moved in time by what shifts or spreads it. Moved torque holds the noise of the accelerations twice, once as it is in what
+/// is left of the measured one: that looks like a shift.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moved {
+    /// To test for a shift: along accelerations that stand clear of the noise, which leaves some of the motion out.
+    Tested,
+    /// In a model: the same on joints of which [`Log::noisy`] says so, along all of the motion on the others.
+    Modelled,
 }
 
 impl Arm {
@@ -228,7 +240,7 @@ impl Arm {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn added(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
-        self.added_in(rows.before..rows.logs.len(), placed, rows)
+        self.added_in(rows.before..rows.logs.len(), placed, rows, Moved::Modelled)
     }
 
     /// [`Arm::added`] over all rows, those from before the change too.
@@ -236,14 +248,14 @@ impl Arm {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn added_throughout(&self, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
-        self.added_in(0..rows.logs.len(), placed, rows)
+        self.added_in(0..rows.logs.len(), placed, rows, Moved::Modelled)
     }
 
     /// The same over all rows where they act in some of the logs only.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows) -> Result<Vec<Column>> {
+    pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows, moved: Moved) -> Result<Vec<Column>> {
         let absent = |log: &Log| vec![Channels::zeros(rows.dof(), log.time.len()); BATCH];
         let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
         let batches: Vec<Vec<Column>> = jobs
@@ -251,7 +263,7 @@ impl Arm {
             .map(|batch| {
                 let logs = rows.logs.iter().enumerate();
                 let logs = logs.map(|(k, log)| match acting.contains(&k) {
-                    true => self.added_to(batch, log),
+                    true => self.added_to(batch, log, moved),
                     false => Ok(absent(log)),
                 });
                 let logs: Vec<Vec<Channels>> = logs.collect::<Result<_>>()?;
@@ -266,7 +278,7 @@ impl Arm {
         Ok(batches.into_iter().flatten().collect())
     }
 
-    fn added_to(&self, batch: &[Placed], log: &Log) -> Result<Vec<Channels>> {
+    fn added_to(&self, batch: &[Placed], log: &Log, moved: Moved) -> Result<Vec<Channels>> {
         let mut out: Vec<Option<Channels>> = vec![None; batch.len()];
         for site in [Site::Joint, Site::Integrator] {
             let of_site: Vec<usize> = (0..batch.len())
@@ -286,19 +298,38 @@ impl Arm {
                 out[k] = Some(torque);
             }
         }
-        let mut plain = None;
+        let (mut plain, mut to_move) = (None, None);
         let mut all = Vec::with_capacity(batch.len());
         for (placed, done) in batch.iter().zip(out) {
             let torque = match done {
                 Some(torque) => torque,
                 None => {
                     let plain = plain.get_or_insert_with(|| self.torque(&log.motion, &log.motion));
-                    self.changed(placed, log, plain)?
+                    if is_shift(placed.effect) && to_move.is_none() {
+                        to_move = Some(self.torque_to_move(log, plain, moved)?);
+                    }
+                    let before = to_move.as_ref().filter(|_| is_shift(placed.effect)).unwrap_or(plain);
+                    self.changed(placed, log, before)?
                 }
             };
             all.push(torque);
         }
         Ok(all)
+    }
+
+    /// Torque that is to be moved in time, where `plain` is that along the motion: along accelerations that stand clear of the encoders'
+    /// noise, on all joints or where that noise is most of what is left once it is moved.
+    fn torque_to_move(&self, log: &Log, plain: &Channels, moved: Moved) -> Result<Channels> {
+        let is_clear = |joint: usize| moved == Moved::Tested || log.noisy[joint];
+        let mut torque = plain.clone();
+        if (0..torque.channels()).any(is_clear) {
+            let motion = log.clear()?;
+            let clear = self.torque(motion, motion);
+            for joint in (0..torque.channels()).filter(|joint| is_clear(*joint)) {
+                torque.channel_mut(joint).copy_from_slice(clear.channel(joint));
+            }
+        }
+        Ok(torque)
     }
 
     /// Change of the logged torque by an effect in a gear or a sensor.

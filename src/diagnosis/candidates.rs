@@ -1,6 +1,6 @@
 //! Candidates: every effect of the library at every place, at a grid of the parameters that are not linear.
 
-use super::arm::Arm;
+use super::arm::{Arm, Moved};
 use super::column::Column;
 use super::grid::grid;
 use super::roles::{acts_upon_arm, is_event, linear};
@@ -71,23 +71,29 @@ pub struct Family {
     pub joint: usize,
 }
 
-/// Columns of placed effects, one group each, for the arm as found.
+/// Columns to test placed effects with, one group each, for the arm as found.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
-    columns_in(arm, rows, None, placed)
+    columns_in(arm, rows, None, placed, Moved::Tested)
 }
 
 /// Columns of placed effects of which each acts in one log only, or in all.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn columns_in(arm: &Arm, rows: &Rows, log: Option<usize>, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
+pub fn columns_in(
+    arm: &Arm,
+    rows: &Rows,
+    log: Option<usize>,
+    placed: &[Placed],
+    moved: Moved,
+) -> Result<Vec<Vec<Column>>> {
     let units: Vec<Vec<Placed>> = placed.iter().map(units).collect();
     let flat: Vec<Placed> = units.iter().flatten().cloned().collect();
     let acting = log.map_or(rows.before..rows.logs.len(), |log| log..log + 1);
-    let mut added = arm.added_in(acting, &flat, rows)?.into_iter();
+    let mut added = arm.added_in(acting, &flat, rows, moved)?.into_iter();
     Ok(placed
         .iter()
         .map(|one| {

@@ -24,6 +24,10 @@ const NOISE_SHARE: f64 = 0.25;
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
 
+/// The same of a band that stands clear of that noise, and the stretches over half of which it must, s.
+const CLEAR: f64 = 10.0;
+const CLEAR_OVER_S: f64 = 0.5;
+
 /// Points of integrals over frequency.
 pub const POINTS: usize = 4000;
 
@@ -48,7 +52,22 @@ pub fn cutoff(recordings: &[&Recording]) -> Result<f64> {
     Ok(each.into_iter().fold(CUTOFFS_HZ[0], f64::max))
 }
 
+/// The lowest cut-off, Hz, above which no band of the positions `q` stands clear of the encoder's noise most of the time.
+///
+/// # Errors
+/// If there are too few samples for the filters.
+pub fn clear_of_noise(q: &[f64], rate_hz: f64) -> Result<f64> {
+    let stretch = (CLEAR_OVER_S * rate_hz) as usize;
+    highest_band(q, rate_hz, |band, noise| typical_power(band, stretch) > CLEAR * noise)
+}
+
 fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
+    highest_band(q, rate_hz, |band, noise| inner_power(band, rate_hz) > WHITE * noise)
+}
+
+/// Upper edge of the highest band, Hz, that `holds` more than noise, which is asked with what is in it and the power that the encoder's
+/// white noise has there.
+fn highest_band(q: &[f64], rate_hz: f64, holds: impl Fn(&[f64], f64) -> bool) -> Result<f64> {
     let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz <= HIGHEST_SHARE * rate_hz).collect();
     let edges: Vec<f64> = candidates.iter().copied().chain([NOISE_SHARE * rate_hz]).collect();
     let filters: Vec<ZeroPhaseLowPass> =
@@ -68,7 +87,7 @@ fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
     for band in (0..top).rev() {
         let inside: Vec<f64> = passed[band + 1].iter().zip(&passed[band]).map(|(wide, narrow)| wide - narrow).collect();
         let expected = noise * share(|hz| filters[band + 1].gain(hz) - filters[band].gain(hz), rate_hz);
-        if inner_power(&inside, rate_hz) > WHITE * expected {
+        if holds(&inside, expected) {
             lowest = (band + 1).min(candidates.len() - 1);
             break;
         }
@@ -81,6 +100,16 @@ pub fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
     let cut = (2.0 * rate_hz) as usize;
     let inner = if signal.len() > 4 * cut { &signal[cut..signal.len() - cut] } else { signal };
     inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
+}
+
+/// Median over stretches of so many samples of their mean square.
+fn typical_power(signal: &[f64], stretch: usize) -> f64 {
+    let mut powers: Vec<f64> = signal
+        .chunks_exact(stretch.max(1))
+        .map(|part| part.iter().map(|x| x * x).sum::<f64>() / stretch as f64)
+        .collect();
+    powers.sort_by(f64::total_cmp);
+    powers.get(powers.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Share of white noise that a zero-phase filter of this gain passes.
@@ -115,5 +144,15 @@ pub(super) mod tests {
         assert!(slow <= 4.0, "{slow}");
         let fast = cutoff_of(&swing(9.0, 1e-3), RATE).unwrap();
         assert!((10.0..=16.0).contains(&fast), "{fast}");
+    }
+
+    #[test]
+    fn what_is_there_for_moments_is_not_clear_of_the_noise() {
+        let mut q = swing(0.4, 0.1);
+        let all_the_time = swing(9.0, 1e-3);
+        assert!((10.0..=16.0).contains(&clear_of_noise(&all_the_time, RATE).unwrap()));
+        q[4000..4500].copy_from_slice(&all_the_time[4000..4500]);
+        assert!(cutoff_of(&q, RATE).unwrap() >= 10.0);
+        assert_eq!(clear_of_noise(&q, RATE).unwrap(), CUTOFFS_HZ[0]);
     }
 }

@@ -2,8 +2,9 @@
 
 use super::arm::Arm;
 use super::column::Column;
+use super::log::Log;
 use super::roles::is_level;
-use super::rows::{Log, Rows};
+use super::rows::Rows;
 use crate::effects::{Nature, Placed};
 use crate::error::Result;
 

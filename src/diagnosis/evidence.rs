@@ -1,6 +1,7 @@
 //! What a diagnosis rests on: the held-out rows with what each model leaves of them, and the first scan's candidates.
 
-use super::candidates::{Family, columns};
+use super::arm::Moved;
+use super::candidates::{Family, columns_in};
 use super::column::{Column, combined};
 use super::scan::Scan;
 use super::session::{Member, Session};
@@ -80,7 +81,8 @@ impl Evidence {
             if member.candidate.log.is_some() {
                 return Ok(table(&Column::default()));
             }
-            let columns = columns(&session.arm, rows, std::slice::from_ref(&member.candidate.placed))?.concat();
+            let placed = std::slice::from_ref(&member.candidate.placed);
+            let columns = columns_in(&session.arm, rows, None, placed, Moved::Modelled)?.concat();
             Ok(table(&combined(&columns, &member.factors)))
         };
         let joints = 0..rows.dof();

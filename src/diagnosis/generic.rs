@@ -49,7 +49,7 @@ pub struct Reach {
 impl Reach {
     /// The ranges of a joint over `rows`.
     pub fn new(rows: &Rows, joint: usize) -> Self {
-        let all = |of: fn(&super::rows::Log) -> &crate::channels::Channels| {
+        let all = |of: fn(&super::log::Log) -> &crate::channels::Channels| {
             rows.logs.iter().flat_map(move |log| of(log).channel(joint)).copied()
         };
         Reach {

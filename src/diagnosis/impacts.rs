@@ -7,7 +7,8 @@
 //! friction jumps there.
 
 use super::arm::Arm;
-use super::rows::{Log, Rows};
+use super::log::Log;
+use super::rows::Rows;
 use super::score::fisher;
 use crate::channels::Channels;
 use crate::identification::noise::{AutoregressiveNoise, autocovariance};

@@ -1,5 +1,6 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
+use super::arm::Moved;
 use super::bodies;
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined, rms};
@@ -102,7 +103,7 @@ impl Session<'_> {
         whitener: &Whitener,
         fit: &Projection,
     ) -> Result<Vec<Option<Judged>>> {
-        let columns = columns_in(&self.arm, &self.train.rows, log, placed)?;
+        let columns = columns_in(&self.arm, &self.train.rows, log, placed, Moved::Tested)?;
         let candidates = placed.par_iter().cloned().zip(columns);
         let judged = candidates.map(|(placed, columns)| self.judge(&Candidate { placed, log, columns }, whitener, fit));
         Ok(judged.collect())

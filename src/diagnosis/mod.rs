@@ -4,7 +4,7 @@
 //! |---|---|
 //! | faults of the data, before any physics | [`screening`] |
 //! | what the simulation has already, logs from before a change | [`known`] |
-//! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`rows`], [`smoothing`] |
+//! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`log`], [`rows`], [`smoothing`] |
 //! | the low-pass that torque went through before it was logged | [`passband`] |
 //! | which low-passes serve the logs best | [`preparation`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
@@ -55,6 +55,7 @@ pub mod inertias;
 pub mod innovations;
 pub mod judging;
 pub mod known;
+pub mod log;
 pub mod multiplicity;
 mod noise_spectrum;
 pub mod passband;

@@ -23,8 +23,9 @@ const EACH: f64 = 0.05;
 /// other is not an alternative; and among moments only in which the loads change as much, where they must still show.
 const OWN: f64 = 0.01;
 
-/// Probability of a joint's impacts by chance up to which they leave its play open.
-const OPEN: f64 = 0.02;
+/// Probability of a joint's impacts by chance up to which they leave its play open: small play hardly rattles, and where it is another
+/// name for what was found it need not be shown, only not spoken against.
+const OPEN: f64 = 0.1;
 
 /// Gears with play that impacts in the logs show, the surest first; the session is told which others they leave open. Their
 /// steady torque joins the session's baseline, and the rows that impacts disturb are left out.

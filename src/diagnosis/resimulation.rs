@@ -6,7 +6,8 @@
 
 use super::column::Column;
 use super::extended::ExtendedModel;
-use super::rows::{Log, Rows};
+use super::log::Log;
+use super::rows::Rows;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::effects::Placed;

@@ -4,18 +4,13 @@
 //! become means over the same short blocks, which keeps white noise white.
 
 use super::column::Column;
-use super::cutoffs::{ORDER, POINTS};
+use super::cutoffs::POINTS;
+use super::log::{BLOCK_S, Log, MEMORY, MEMORY_OF_ENDS};
 use super::passband::LowPass;
-use crate::channels::Channels;
-use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::signal::{ZeroPhaseLowPass, block_means, smooth_derivatives};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
-
-/// Length of a block, s.
-const BLOCK_S: f64 = 0.02;
 
 /// Velocity under which the direction of a joint is not certain, rad/s or m/s, but no more than this share of the joint's
 /// fastest and no less than the least; and the rows on either side that go with it.
@@ -24,14 +19,7 @@ const BAND_SHARE: f64 = 0.1;
 const LEAST_BAND: f64 = 0.003;
 const REVERSAL_NEIGHBOURS: usize = 2;
 
-/// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
-const MEMORY: f64 = 1.0;
-
-/// The same at an end of the log at which the arm moves: the filter starts from a motion that it cannot know, and a tiny
-/// share of an arm's torque is much against its noise.
-const MEMORY_OF_ENDS: f64 = 5.0;
-
-/// The same of the low-pass that torque went through before it was logged.
+/// Length of the memory of the low-pass that torque went through before it was logged, in periods of its cut-off.
 const MEMORY_OF_LOGGER: f64 = 2.5;
 
 /// Stretch at an end that tells whether the arm moves there, s.
@@ -47,71 +35,6 @@ const KEPT_SHARE: f64 = 0.85;
 pub const FEWEST_ROWS: usize = 100;
 /// Fewest rows that count on every joint, to judge by.
 pub const FEWEST_TEST_ROWS: usize = 30;
-
-/// One log made ready, at its own rate.
-#[derive(Debug, Clone)]
-pub struct Log {
-    /// Time, s.
-    pub time: Vec<f64>,
-    /// The motion from smooth positions.
-    pub motion: Motion,
-    /// The motion from positions smoothed no more than their noise asks, where `motion` is smoother.
-    pub whole: Option<Motion>,
-    /// Measured torque, `[joint][time]`; not a number where it must not be used.
-    pub torque: Channels,
-    /// Time between samples, s.
-    pub period: f64,
-    /// The low-pass that the positions of each joint went through.
-    pub low_pass: Vec<ZeroPhaseLowPass>,
-    /// The low-pass that torque went through before it was logged, if any.
-    passed: Option<ZeroPhaseLowPass>,
-    /// Samples in a block.
-    pub block: usize,
-}
-
-impl Log {
-    /// The motion whose positions are `q`, smooth already.
-    ///
-    /// # Errors
-    /// If there are too few samples to differentiate.
-    pub fn motion_of(q: Channels, period: f64) -> Result<Motion> {
-        let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
-        for joint in 0..motion.joints() {
-            let Motion { q, qd, qdd } = &mut motion;
-            smooth_derivatives(q.channel(joint), period, qd.channel_mut(joint), qdd.channel_mut(joint))?;
-        }
-        Ok(motion)
-    }
-
-    /// The motion with its positions smoothed once more.
-    ///
-    /// # Errors
-    /// If there are too few samples to differentiate.
-    pub fn smoothed_again(&self) -> Result<Motion> {
-        let mut q = self.motion.q.clone();
-        for (joint, low_pass) in self.low_pass.iter().enumerate() {
-            low_pass.apply_in_place(q.channel_mut(joint))?;
-        }
-        Log::motion_of(q, self.period)
-    }
-
-    /// Means over the blocks of a signal of this log.
-    pub fn blocks(&self, signal: &[f64]) -> Vec<f64> {
-        block_means(signal, self.block).unwrap_or_default()
-    }
-
-    /// Means over the blocks of a part of the torque, as it would have been logged: through the low-pass that the torque went
-    /// through.
-    pub fn as_logged(&self, torque: &[f64]) -> Vec<f64> {
-        let Some(passed) = &self.passed else { return self.blocks(torque) };
-        let mut logged = vec![0.0; torque.len()];
-        match passed.apply(torque, &mut logged) {
-            Ok(()) => self.blocks(&logged),
-            // No log is so short that made it here.
-            Err(_) => self.blocks(torque),
-        }
-    }
-}
 
 /// All logs of one kind, their blocks one after the other. Signals over the rows have one value per block of every log.
 #[derive(Debug, Clone)]
@@ -167,8 +90,8 @@ impl Rows {
         };
         let lowest_hz = cutoffs_hz.iter().copied().fold(f64::INFINITY, f64::min);
         for recording in recordings {
-            let mut log = prepared(recording, cutoffs_hz, whole_hz)?;
-            log.passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
+            let passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
+            let log = Log::new(recording, (cutoffs_hz, whole_hz), passed)?;
             let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
             // What torque there was before and after the log, its low-pass knew.
             let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
@@ -301,38 +224,6 @@ impl Rows {
     }
 }
 
-/// The motion of a log with the positions of each joint smoothed by a low-pass, which is returned too.
-fn smooth(recording: &Recording, cutoffs_hz: &[f64]) -> Result<(Motion, Vec<ZeroPhaseLowPass>)> {
-    let rate = recording.rate_hz();
-    let low_pass: Vec<ZeroPhaseLowPass> =
-        cutoffs_hz.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate)).collect::<Result<_>>()?;
-    let mut q = recording.q.clone();
-    for (joint, low_pass) in low_pass.iter().enumerate() {
-        low_pass
-            .apply_in_place(q.channel_mut(joint))
-            .map_err(|e| Error::request(format!("joint `{}`", recording.joints[joint]), e.to_string()))?;
-    }
-    Ok((Log::motion_of(q, 1.0 / rate)?, low_pass))
-}
-
-fn prepared(recording: &Recording, cutoffs_hz: &[f64], whole_hz: f64) -> Result<Log> {
-    let rate = recording.rate_hz();
-    let (motion, low_pass) = smooth(recording, cutoffs_hz)?;
-    let is_smoother = cutoffs_hz.iter().any(|hz| *hz < whole_hz);
-    let whole = if is_smoother { Some(smooth(recording, &vec![whole_hz; cutoffs_hz.len()])?.0) } else { None };
-    let block = ((BLOCK_S * rate).round() as usize).max(1);
-    Ok(Log {
-        time: recording.time.clone(),
-        motion,
-        whole,
-        torque: recording.tau.clone(),
-        period: 1.0 / rate,
-        low_pass,
-        passed: None,
-        block,
-    })
-}
-
 /// Whether all joints rest at the start and at the end of a log.
 fn rests(recording: &Recording) -> [bool; 2] {
     let samples = recording.samples();
@@ -380,6 +271,7 @@ fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::channels::Channels;
     use crate::diagnosis::cutoffs::tests::{RATE, swing};
 
     #[test]

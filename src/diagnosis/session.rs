@@ -1,6 +1,6 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
-use super::arm::Arm;
+use super::arm::{Arm, Moved};
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
 use super::errors_of_motion::ErrorsOfMotion;
@@ -125,6 +125,10 @@ impl<'a> Session<'a> {
             session.arm = session.known.arm.clone();
             noise = session.settle_baseline()?;
         }
+        let noisy = smoothing::noisy_once_moved(&session.arm, &session.train.rows, &noise.whitener)?;
+        for log in session.train.rows.logs.iter_mut().chain(&mut session.test.rows.logs) {
+            log.noisy.clone_from(&noisy);
+        }
         session.leave_out_distorted(&noise.whitener);
         Ok(session)
     }
@@ -175,7 +179,9 @@ impl<'a> Session<'a> {
         for member in members.iter().filter(|member| !member.held) {
             if side.training || member.candidate.log.is_none() {
                 let Candidate { placed, log, .. } = &member.candidate;
-                all.extend(columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed))?.concat());
+                all.extend(
+                    columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat(),
+                );
                 all.extend(self.tangents(side, &member.candidate, &member.factors)?);
             } else {
                 // What happened in a training log did not happen here.
@@ -202,7 +208,7 @@ impl<'a> Session<'a> {
             };
             let (ahead, behind) = (moved(step), moved(-step));
             let apart = ahead.parameters[index] - behind.parameters[index];
-            let both = columns_in(&self.arm, &side.rows, *log, &[ahead, behind])?;
+            let both = columns_in(&self.arm, &side.rows, *log, &[ahead, behind], Moved::Modelled)?;
             let mut tangent = combined(&both[0], factors);
             tangent.add(-1.0, &combined(&both[1], factors));
             tangent.scale(1.0 / apart);

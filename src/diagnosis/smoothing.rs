@@ -1,11 +1,13 @@
 //! How smooth the positions of each joint should be: what serves a base joint of much inertia, whose accelerations let the encoder's
 //! noise into its torque, bends the starts and stops of a wrist that friction holds.
 
-use super::arm::Arm;
+use super::arm::{Arm, Moved};
 use super::column::Column;
 use super::cutoffs::{CUTOFFS_HZ, ORDER};
-use super::rows::{Log, Rows};
+use super::log::Log;
+use super::rows::Rows;
 use super::whitening::Whitener;
+use crate::effects::{Placed, TimeDelay};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::signal::ZeroPhaseLowPass;
@@ -16,6 +18,12 @@ const APART: f64 = 2.2;
 
 /// By how much more likely, in its logarithm, the training torque must be with another cut-off of a joint.
 const LIKELIER: f64 = 5.0;
+
+/// Time by which torque is moved to see how noisy it gets, s.
+const MOVED_S: f64 = 1e-3;
+
+/// What a moved torque must hold, over what it holds along accelerations that stand clear of the noise, to be mostly noise.
+const NOISY: f64 = 2.0;
 
 /// Cut-off of the positions of every joint, Hz, up to `highest_hz`: where the torque of `arm`, fitted with all joints at the
 /// `common` cut-off, is likeliest once that joint alone goes to another. `residual` is what the fit leaves, in units of the noise;
@@ -64,6 +72,25 @@ pub fn of_joints(
             Ok(best.1)
         })
         .collect()
+}
+
+/// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion, in units of the noise of the torque.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener) -> Result<Vec<bool>> {
+    let delay = Placed { effect: &TimeDelay, joint: 0, parameters: vec![MOVED_S] };
+    let power = |moved: Moved| -> Result<Column> {
+        let added = arm.added_in(0..rows.logs.len(), std::slice::from_ref(&delay), rows, moved)?;
+        Ok(whitener.apply(&added[0]))
+    };
+    let (all, clear) = (power(Moved::Modelled)?, power(Moved::Tested)?);
+    Ok((0..rows.dof())
+        .map(|joint| {
+            let of = |column: &Column| column.only(&[joint]).dot(&column.only(&[joint]));
+            of(&all) > NOISY * of(&clear)
+        })
+        .collect())
 }
 
 /// What the motion of each joint between a cut-off and the one that the rows are smoothed with, Hz, does to the torque of each joint:

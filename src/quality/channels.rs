@@ -1,6 +1,7 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
 use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use crate::channels::Channels;
 use std::f64::consts::TAU;
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
@@ -22,11 +23,11 @@ const COARSE: f64 = 3.5;
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
 
-/// Findings about the channels of every joint.
-pub fn findings(view: &View) -> Vec<Finding> {
+/// Findings about the channels of every joint; `logged` is the torque as it was logged, whose digits even steps do not keep.
+pub fn findings(view: &View, logged: &Channels) -> Vec<Finding> {
     let mut out = Vec::new();
     for joint in 0..view.dof() {
-        let (q, tau) = (view.log.q.channel(joint), view.log.tau.channel(joint));
+        let (q, tau, logged) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged.channel(joint));
         out.extend(wrapped(view, joint, q));
         out.extend(spike(view, joint, q));
         out.extend(frozen_position(view, joint, q));
@@ -35,11 +36,11 @@ pub fn findings(view: &View) -> Vec<Finding> {
             out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
             continue;
         }
-        if !coarse(tau) {
+        if !coarse(logged) {
             out.extend(clipped(view, joint, tau));
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
         }
-        out.extend(unsigned(view, joint, tau));
+        out.extend(unsigned(view, joint, logged));
     }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", "no joint has a torque that changes"));

@@ -140,7 +140,7 @@ pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
         let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
         let view = View::new(&even)?;
         summaries = motion::summaries(&view, robot);
-        findings.extend(channels::findings(&view));
+        findings.extend(channels::findings(&view, &recording.tau));
         let units = motion::findings(&view, &summaries, robot);
         let positions_doubtful = units.iter().any(|f| f.kind == Kind::PositionUnit);
         findings.extend(units);

@@ -4,6 +4,7 @@ use super::*;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::random;
 use crate::robot::{self, InertiaCheck};
+use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -259,6 +260,29 @@ fn rows_that_were_lost_are_no_jitter() {
     assert!(gap.text.starts_with("3 gaps") && gap.text.contains("3 rows lost"), "{gap:?}");
     assert!(gap.place.starts_with("2.7960 s (line 701)"), "{gap:?}");
     assert!(report.clock.jitter_s < 1e-9, "{}", report.clock.jitter_s);
+}
+
+/// Currents of few digits rest between them, and stay what they are when a jittered log is taken at even steps.
+#[test]
+fn a_torque_of_few_digits_is_not_frozen() {
+    let robot = irb();
+    let mut sieved = log(&robot, 2000.0, 12.0);
+    let recording = &mut sieved.recording;
+    let mut random = random::stream(8, "jitter", 0);
+    let rows: Vec<usize> = (1..2400).map(|k| 10 * k + random.random_range(0..3)).collect();
+    let thin = |table: &Channels| table.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
+    (recording.q, recording.tau) = (thin(&recording.q), thin(&recording.tau));
+    recording.qd = recording.qd.as_ref().map(thin);
+    recording.time = rows.iter().map(|&row| recording.time[row]).collect();
+    recording.tau = recording.tau.map(|_, tau| {
+        let step = 0.05 * tau.iter().fold(0.0f64, |most, tau| most.max(tau.abs()));
+        tau.iter().map(|tau| (tau / step).round() * step).collect()
+    });
+    sieved.lines = rows.iter().map(|row| row + 2).collect();
+    let report = examine(&sieved, Some(&robot)).unwrap();
+    assert!(report.clock.is_irregular());
+    let told = report.findings.iter().filter(|finding| finding.kind == Kind::Frozen);
+    assert_eq!(told.count(), 0, "{:?}", report.findings);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::roles::is_shift;
 use super::rows::Rows;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
-use crate::effects::{Along, Placed, Scope, Site, contributions};
+use crate::effects::{Along, Placed, Scope, Site, contributions, direction};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::{Model, STANDARD};
@@ -45,6 +45,8 @@ pub struct Arm {
     found: Robot,
     chain: Chain,
     trust: Trust,
+    /// Speed over which dry friction changes its direction, rad/s or m/s: tanh(v / width); zero for the plain sign.
+    pub sign_width: f64,
 }
 
 /// Which torque is moved in time by what shifts or spreads it. Moved torque holds the noise of the accelerations twice, once as it is in what
@@ -60,7 +62,12 @@ pub enum Moved {
 impl Arm {
     /// The arm before anything is identified.
     pub fn new(robot: &Robot, trust: Trust) -> Self {
-        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust }
+        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, sign_width: 0.0 }
+    }
+
+    /// The same with friction that changes its direction over a speed, rad/s or m/s.
+    pub fn with_sign_width(self, sign_width: f64) -> Self {
+        Arm { sign_width, ..self }
     }
 
     /// The arm as found.
@@ -71,7 +78,8 @@ impl Arm {
     /// Columns of the baseline: rotor inertia, viscous and Coulomb friction of every joint, and where the inertias are
     /// not believed all base parameters.
     pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
-        let tables: Vec<Vec<Channels>> = rows.logs.par_iter().map(|log| model.columns(&log.motion, 0.0)).collect();
+        let tables: Vec<Vec<Channels>> =
+            rows.logs.par_iter().map(|log| model.columns(&log.motion, self.sign_width)).collect();
         let base = (0..model.base().len()).filter(|&b| self.trust == Trust::Structure || model.is_friction(b));
         let mut columns: Vec<Column> = base
             .map(|b| {
@@ -227,8 +235,7 @@ impl Arm {
             let drive = spec.drive;
             let moving = motor.qd.channel(joint).iter().zip(motor.qdd.channel(joint));
             for (value, (&v, &a)) in torque.channel_mut(joint).iter_mut().zip(moving) {
-                let direction = if v == 0.0 { 0.0 } else { v.signum() };
-                *value += drive.armature * a + drive.viscous * v + drive.coulomb * direction;
+                *value += drive.armature * a + drive.viscous * v + drive.coulomb * direction(v, self.sign_width);
             }
         }
         torque
@@ -292,7 +299,7 @@ impl Arm {
             }
             // What rapier's step gets wrong depends on where each mass really is.
             let robot = if site == Site::Integrator { &self.known } else { &self.found };
-            let along = Along::new(robot, &self.chain, &log.time, &log.motion, 0.0);
+            let along = Along::new(robot, &self.chain, &log.time, &log.motion, self.sign_width);
             let placed: Vec<Placed> = of_site.iter().map(|&k| batch[k].clone()).collect();
             for (k, torque) in of_site.into_iter().zip(contributions(&placed, &along)) {
                 out[k] = Some(torque);

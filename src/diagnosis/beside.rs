@@ -7,7 +7,7 @@ use super::generic::slow_cosines;
 use super::judging::Judged;
 use super::roles::is_level;
 use super::rows::Rows;
-use super::score::{Projection, Test};
+use super::score::{PRIOR, Projection, Test};
 use super::session::Session;
 use super::stretches::STRETCH;
 use super::whitening::Whitener;
@@ -35,14 +35,13 @@ const DRIFTS: usize = 10;
 /// that it acts on: how sharply it begins and ends the rows tell well.
 pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
     let rows = &session.train.rows;
-    let mut nuisances: Vec<Column> = Vec::new();
-    if candidate.candidate.log.is_some() {
+    let fit = if candidate.candidate.log.is_some() {
         let joints = candidate.candidate.joints();
-        nuisances.extend(joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)));
+        let drifts: Vec<Column> = joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)).collect();
+        fit.with(&whitener.apply_all(&drifts))
     } else {
-        nuisances.extend(session.train.errors_beside(&candidate.candidate.placed));
-    }
-    let fit = fit.with(&whitener.apply_all(&nuisances));
+        session.train.errors_beside(&candidate.candidate.placed).beside(fit, whitener)
+    };
     let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return 0.0 };
     let slow = against_slow_noise(rows, whitener, &fit, &judged.whitened, &judged.test);
     if happens_anywhere(&candidate.candidate) {
@@ -61,12 +60,14 @@ fn over_stretches(rows: usize, whitener: &Whitener, fit: &Projection, columns: &
     let residual = Projection::new(&columns, &fit.residual).residual;
     let width = (rows / STRETCHES).clamp(SHORTEST_STRETCH, STRETCH);
     let (count, stretches) = (columns.len(), rows / width + 1);
-    let mut scores = vec![DVector::<f64>::zeros(count); stretches];
+    // What is known beforehand is no part of any stretch.
+    let mut scores = vec![DVector::<f64>::zeros(count); stretches + 1];
     for (joint, left) in &residual.parts {
+        let places = if *joint == PRIOR { None } else { Some(whitener.places(*joint)) };
         for (index, column) in columns.iter().enumerate() {
             let Some(values) = column.part(*joint) else { continue };
-            for ((place, r), z) in whitener.places(*joint).iter().zip(left).zip(values) {
-                scores[place / width][index] += r * z;
+            for (row, (r, z)) in left.iter().zip(values).enumerate() {
+                scores[places.map_or(stretches, |places| places[row] / width)][index] += r * z;
             }
         }
     }
@@ -101,7 +102,8 @@ fn happens_anywhere(candidate: &Candidate) -> bool {
 /// left with them, as far as they are slow themselves.
 ///
 /// White noise has as much in each cosine; where the whitening knows the slow noise badly there is more, and the number of
-/// cosines limits how well that is known.
+/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit tells nothing: what the fit leaves of it
+/// is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
 pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, columns: &[Column], test: &Test) -> f64 {
     let predicted = fit.left_of(combined(columns, &test.values));
     let all = predicted.dot(&predicted);
@@ -110,12 +112,12 @@ pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, co
     }
     let with = fit.with(columns);
     let (mut excess, mut certainty) = (0.0, 0.0);
-    for (joint, _) in &predicted.parts {
+    for (joint, _) in predicted.parts.iter().filter(|(joint, _)| *joint != PRIOR) {
         let own = predicted.only(&[*joint]);
         let cosines = whitener.apply_all(&slow_cosines(rows, *joint, 1..SLOW + 1));
         let slow = 1.0 - Projection::new(&cosines, &own).left() / own.dot(&own).max(f64::MIN_POSITIVE);
         let share = slow.clamp(0.0, 1.0) * own.dot(&own) / all;
-        let Some(strength) = with.test(&cosines) else { continue };
+        let Some(strength) = with.test_of_what_is_mostly_left(&cosines) else { continue };
         let freedom = strength.freedom as f64;
         excess += share * (strength.statistic / freedom - 1.0).max(0.0);
         certainty += share * share / freedom;

@@ -260,6 +260,7 @@ fn answer<'a>(
         before,
         found,
         sampling_delay,
+        sign_width: session.arm.sign_width,
         unexplained,
         evidence,
     };

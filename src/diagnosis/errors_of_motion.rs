@@ -3,10 +3,14 @@
 use super::arm::Arm;
 use super::column::Column;
 use super::log::Log;
-use super::roles::is_level;
+use super::roles::{is_level, is_shift};
 use super::rows::Rows;
+use super::score::Projection;
+use super::whitening::Whitener;
 use crate::effects::{Nature, Placed};
 use crate::error::Result;
+use crate::signal::ZeroPhaseLowPass;
+use std::f64::consts::TAU;
 
 /// Columns of the errors of one kind of logs, for the arm as found. None before anything was fitted.
 #[derive(Debug, Clone, Default)]
@@ -18,6 +22,17 @@ pub struct ErrorsOfMotion {
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
     pub bend: Vec<Column>,
+    /// Standard deviation of the factor of `bend`, s2: noise near the lowest cut-off of the positions is in the torque and, more by the
+    /// square of the angular frequency, in its second derivative.
+    bend_spread: f64,
+}
+
+/// Columns that stand beside what is tested, with the standard deviation of their factors about zero as far as that is known
+/// beforehand; infinite where it is not.
+#[derive(Debug, Clone, Default)]
+pub struct Nuisances {
+    columns: Vec<Column>,
+    spread: Vec<f64>,
 }
 
 impl ErrorsOfMotion {
@@ -27,33 +42,72 @@ impl ErrorsOfMotion {
     /// If a log is too short to differentiate.
     pub fn new(arm: &Arm, rows: &Rows) -> Result<Self> {
         let along = arm.along(rows);
+        let cutoffs_hz = rows.logs.iter().flat_map(|log| &log.low_pass).map(ZeroPhaseLowPass::cutoff_hz);
+        let lowest_hz = cutoffs_hz.fold(f64::INFINITY, f64::min);
         let is_smoother = rows.logs.iter().any(|log| log.whole.is_some());
         let whole = |_, log: &Log| Ok(log.whole.as_ref().unwrap_or(&log.motion).clone());
         Ok(ErrorsOfMotion {
             smoothing: of_joints(arm.departure(rows, &along, |_, log| log.smoothed_again())?),
             beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
+            bend_spread: (TAU * lowest_hz).powi(-2),
         })
     }
 
-    /// All of them.
-    pub fn all(&self) -> Vec<Column> {
-        self.smoothing.iter().chain(&self.beyond).chain(&self.bend).cloned().collect()
+    /// All of them, their factors free.
+    pub fn all(&self) -> Nuisances {
+        let mut all = Nuisances::default();
+        [&self.smoothing, &self.beyond, &self.bend].into_iter().for_each(|columns| all.add(columns, f64::INFINITY));
+        all
     }
 
     /// Those that stand beside an effect along `rows`: none where torque is cut off, since the smoothing errs there too; not the second
     /// derivative of the torque beside an elastic gear, whose column that is; beside friction that comes up after reversals what is the
     /// same at each of them, since friction that holds a joint for a moment looks like it through smooth positions.
-    pub fn beside(&self, placed: &Placed, rows: &Rows) -> Vec<Column> {
+    ///
+    /// The smoothing errs about as much as smoothing once more does, and what is not smooth is at most all there, so that where these are
+    /// small they take nothing of what is tested. Beside what shifts torque in time their factors are free: that holds the noise of the
+    /// encoders itself.
+    pub fn beside(&self, placed: &Placed, rows: &Rows) -> Nuisances {
+        let mut nuisances = Nuisances::default();
         if is_level(placed.effect) {
-            Vec::new()
-        } else if placed.effect.gear(&placed.parameters).is_some() {
-            self.smoothing.iter().chain(&self.beyond).cloned().collect()
-        } else if placed.effect.about().nature == Nature::AfterReversals {
-            self.all().into_iter().chain(at_reversals(rows, placed.joint)).collect()
-        } else {
-            self.all()
+            return nuisances;
         }
+        let (error, bend) =
+            if is_shift(placed.effect) { (f64::INFINITY, f64::INFINITY) } else { (1.0, self.bend_spread) };
+        nuisances.add(&self.smoothing, error);
+        nuisances.add(&self.beyond, error);
+        if placed.effect.gear(&placed.parameters).is_none() {
+            nuisances.add(&self.bend, bend);
+        }
+        if placed.effect.about().nature == Nature::AfterReversals {
+            nuisances.add(&at_reversals(rows, placed.joint), f64::INFINITY);
+        }
+        nuisances
+    }
+}
+
+impl Nuisances {
+    /// Adds columns of one spread.
+    pub fn add(&mut self, columns: &[Column], spread: f64) {
+        self.columns.extend_from_slice(columns);
+        self.spread.resize(self.columns.len(), spread);
+    }
+
+    /// The columns alone.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The same on some joints only.
+    pub fn only(&self, joints: &[usize]) -> Self {
+        let columns = self.columns.iter().map(|column| column.only(joints));
+        Nuisances { columns: columns.collect(), spread: self.spread.clone() }
+    }
+
+    /// A fit in the units of `whitener` with these beside its columns.
+    pub fn beside(&self, fit: &Projection, whitener: &Whitener) -> Projection {
+        fit.with_prior(&whitener.apply_all(&self.columns), &self.spread)
     }
 }
 

@@ -142,7 +142,8 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
 
 /// Inner products of the base parameters' columns on whitened training rows.
 fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
-    let base = Arm::new(session.model.robot(), Trust::Structure).baseline(session.model, &session.train.rows);
+    let arm = Arm::new(session.model.robot(), Trust::Structure).with_sign_width(session.arm.sign_width);
+    let base = arm.baseline(session.model, &session.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
     // What these rows do not tell stays where it is.
     let largest = normal.diagonal().max();

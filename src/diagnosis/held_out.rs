@@ -1,6 +1,7 @@
 //! What an effect takes away on rows that it was not fitted to, with its chance.
 
 use super::column::Column;
+use super::errors_of_motion::Nuisances;
 use super::generic::slow_cosines;
 use super::rows::Rows;
 use super::score::{Projection, fisher};
@@ -45,7 +46,8 @@ impl Gains {
     /// The same beside a constant torque on every joint of every log: what reads wrong by a constant, as sensors do, hides what
     /// an effect of motion gains.
     pub fn beside_constants(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: &Rows) -> Self {
-        let constants: Vec<Column> = joints.iter().flat_map(|&joint| slow_cosines(rows, joint, 0..1)).collect();
+        let mut constants = Nuisances::default();
+        joints.iter().for_each(|&joint| constants.add(&slow_cosines(rows, joint, 0..1), f64::INFINITY));
         Self::beside(unseen, before, after, joints, &constants, rows.len())
     }
 
@@ -55,11 +57,14 @@ impl Gains {
         before: &Column,
         after: &Column,
         joints: &[usize],
-        others: &[Column],
+        others: &Nuisances,
         rows: usize,
     ) -> Self {
-        let others: Vec<Column> = others.iter().map(|column| unseen.apply(&column.only(joints))).collect();
-        let left = |residual: &Column| Projection::new(&others, &unseen.apply(&residual.only(joints))).residual;
+        let others = others.only(joints);
+        let left = |residual: &Column| {
+            let fit = Projection::new(&[], &unseen.apply(&residual.only(joints)));
+            others.beside(&fit, unseen).residual.only(joints)
+        };
         Self::of_white(unseen, [left(before), left(after)], rows)
     }
 

@@ -33,6 +33,11 @@ impl Known<'_> {
         Known { arm: Arm::new(robot, trust), effects: Vec::new(), reference: Vec::new() }
     }
 
+    /// The same with an arm whose friction changes its direction over a speed, rad/s or m/s.
+    pub fn with_sign_width(&self, width: f64) -> Self {
+        Known { arm: self.arm.clone().with_sign_width(width), ..self.clone() }
+    }
+
     /// Torque of the effects over all rows.
     ///
     /// # Errors

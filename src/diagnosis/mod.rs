@@ -6,7 +6,7 @@
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`log`], [`rows`], [`smoothing`] |
 //! | the low-pass that torque went through before it was logged | [`passband`] |
-//! | which low-passes serve the logs best | [`preparation`] |
+//! | which low-passes serve the logs best, and how sharply friction turns | [`preparation`], [`sign_width`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
@@ -73,6 +73,7 @@ pub mod screening;
 pub mod selection;
 pub mod session;
 pub mod side;
+pub mod sign_width;
 pub mod smoothing;
 pub mod solution;
 pub mod stretches;

@@ -56,6 +56,12 @@ impl<'a> Preparation<'a> {
         Ok(Preparation { model, known, whole_hz: cutoff(&all)?, train, test })
     }
 
+    /// The same logs with other things known.
+    pub fn knowing<'b>(&'b self, known: &'b Known<'b>) -> Preparation<'b> {
+        let Preparation { model, ref train, test, whole_hz, .. } = *self;
+        Preparation { model, known, train: train.clone(), test, whole_hz }
+    }
+
     /// Whether no log is both identified from and judged by.
     pub fn is_apart(&self) -> bool {
         !self.test.iter().any(|log| self.train.iter().any(|other| std::ptr::eq(*log, *other)))

@@ -38,7 +38,7 @@ impl Scan {
             }
             // The errors are the same beside all of them.
             let fit: &Projection =
-                beside_errors.get_or_init(|| fit.with(&whitener.apply_all(&session.train.errors_beside(placed))));
+                beside_errors.get_or_init(|| session.train.errors_beside(placed).beside(fit, whitener));
             fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
         };
         let stand = judged.iter().map(stands).collect();

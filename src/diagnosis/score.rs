@@ -8,6 +8,12 @@ use statrs::function::gamma::ln_gamma;
 /// Share of a direction's squared norm that the baseline must leave for the direction to be testable.
 const TESTABLE: f64 = 1e-5;
 
+/// The same for a direction to count as mostly left.
+const MOSTLY_LEFT: f64 = 0.3;
+
+/// In place of a joint: the rows of what is known beforehand, at which nothing was seen.
+pub const PRIOR: usize = usize::MAX;
+
 /// Share of a factor's direction that must be testable for the factor to count as told.
 const TOLD: f64 = 0.5;
 
@@ -35,6 +41,20 @@ impl Projection {
         let mut fit = self.clone();
         fit.extend(columns);
         fit
+    }
+
+    /// The same fit with more columns whose factors are known beforehand to lie near zero, with these standard deviations (infinite where
+    /// nothing is known): an observation of zero is added for each (mixed estimation; Theil and Goldberger, International Economic
+    /// Review 2, 1961). They are rows of no joint, [`PRIOR`].
+    pub fn with_prior(&self, columns: &[Column], spread: &[f64]) -> Self {
+        let observed = columns.iter().zip(spread).enumerate().map(|(k, (column, spread))| {
+            let mut own = vec![0.0; columns.len()];
+            own[k] = 1.0 / spread;
+            let mut column = column.clone();
+            column.add(1.0, &Column::on(PRIOR, own));
+            column
+        });
+        self.with(&observed.collect::<Vec<_>>())
     }
 
     fn extend(&mut self, columns: &[Column]) {
@@ -82,9 +102,20 @@ impl Projection {
         self.test_with_prior(columns, &vec![f64::INFINITY; columns.len()])
     }
 
+    /// The same of only those directions of the group that the baseline mostly leaves: what remains of the others may be anything but
+    /// like the columns themselves.
+    pub fn test_of_what_is_mostly_left(&self, columns: &[Column]) -> Option<Test> {
+        self.test_of(columns, &vec![f64::INFINITY; columns.len()], MOSTLY_LEFT)
+    }
+
     /// The score test of columns whose factors are known beforehand to lie near zero, with these standard deviations: an
     /// observation of zero is added for each.
     pub fn test_with_prior(&self, columns: &[Column], spread: &[f64]) -> Option<Test> {
+        self.test_of(columns, spread, TESTABLE)
+    }
+
+    /// The test of the directions of which the baseline leaves at least a share of the squared norm.
+    fn test_of(&self, columns: &[Column], spread: &[f64], least: f64) -> Option<Test> {
         let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
         if norms.is_empty() || !norms.iter().all(|norm| norm.is_finite()) {
             return None;
@@ -100,7 +131,7 @@ impl Projection {
         gram -= along.tr_mul(&along);
         let known = DMatrix::from_fn(count, count, |r, c| if r == c { (norms[c] * spread[c]).powi(-2) } else { 0.0 });
         let eigen = SymmetricEigen::new(&gram + &known);
-        let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > TESTABLE).collect();
+        let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > least).collect();
         // Directions that the prior holds more than the rows do are not free.
         let free: f64 = kept
             .iter()
@@ -225,5 +256,46 @@ mod tests {
         assert!((test.std[0] * perpendicular.sqrt() - 1.0).abs() < 1e-9);
         assert!(fit.test(std::slice::from_ref(&base)).is_none() && fit.test(&[]).is_none());
         assert!(fit.with(&[extra]).left() < 1e-18 * torque.dot(&torque));
+    }
+
+    /// What is known of a factor beforehand is one more observation: with one of zero, a norm of 2 gives 4 / (4 + 1 / spread^2) of it.
+    #[test]
+    fn a_factor_that_is_known_takes_no_more_than_it_can() {
+        let rows = 400;
+        let (error, extra) = (wave(3, rows), wave(5, rows));
+        let mut torque = error.clone();
+        torque.scale(2.0);
+        torque.add(0.7, &extra);
+        let fit = Projection::new(&[], &torque);
+        let norm = error.dot(&error);
+        let left = |spread: f64| {
+            let beside = fit.with_prior(std::slice::from_ref(&error), &[spread]);
+            1.0 - beside.residual.dot(&error) / (2.0 * norm)
+        };
+        for spread in [0.01, 0.1, 1.0] {
+            let share = norm / (norm + 1.0 / (spread * spread));
+            assert!((left(spread) - share).abs() < 1e-9, "{} {share}", left(spread));
+        }
+        assert!((left(f64::INFINITY) - 1.0).abs() < 1e-9);
+        // Nothing else is touched.
+        let beside = fit.with_prior(&[error], &[0.1]);
+        assert!((beside.test(&[extra]).unwrap().values[0] - 0.7).abs() < 1e-9);
+    }
+
+    /// A baseline of a wave with a little of another: the sum of waves that it nearly is tells of the other alone.
+    #[test]
+    fn what_remains_of_a_group_is_not_the_group() {
+        let rows = 400;
+        let mut base = wave(2, rows);
+        base.add(0.1, &wave(90, rows));
+        // Much of the fast wave is in the torque, and nothing slow beyond the baseline.
+        let mut torque = base.clone();
+        torque.add(5.0, &wave(90, rows));
+        let fit = Projection::new(&[base], &torque);
+        let slow: Vec<Column> = (1..6).map(|k| wave(2 * k, rows)).collect();
+        let all = fit.test(&slow).unwrap();
+        let mostly = fit.test_of_what_is_mostly_left(&slow).unwrap();
+        assert!(all.freedom == 5 && all.statistic > 1000.0, "{all:?}");
+        assert!(mostly.freedom == 4 && mostly.statistic < 1e-9, "{mostly:?}");
     }
 }

@@ -3,6 +3,7 @@
 use super::arm::{Arm, Moved};
 use super::candidates::{Candidate, columns_in};
 use super::column::{Column, combined};
+use super::cut_off::flat_level;
 use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
 use super::passband::LowPass;
@@ -10,6 +11,7 @@ use super::preparation::{Preparation, Prepared};
 use super::roles::{is_level, linear, shapes};
 use super::score::Projection;
 use super::side::Side;
+use super::sign_width;
 use super::smoothing;
 use super::solution::{Solved, solve};
 use super::whitening::Whitener;
@@ -105,7 +107,13 @@ impl<'a> Session<'a> {
         test: &[&Recording],
     ) -> Result<Self> {
         let preparation = Preparation::new(model, &known, train, test)?;
-        let Prepared { sides: [train, test], cutoff_hz, passband } = preparation.prepared()?;
+        let Prepared { sides: [mut train, mut test], cutoff_hz, passband } = preparation.prepared()?;
+        let both = if preparation.is_apart() { train.and(&test) } else { train.clone() };
+        let known = known.with_sign_width(sign_width::likeliest(model, &known, &both)?);
+        let preparation = preparation.knowing(&known);
+        if known.arm.sign_width > 0.0 {
+            [train, test] = preparation.sides(passband, &preparation.alike(cutoff_hz))?;
+        }
         let (arm, open_play) = (known.arm.clone(), Vec::new());
         let (known, apart) = (known.clone(), preparation.is_apart());
         let cutoffs_hz = preparation.alike(cutoff_hz);
@@ -161,7 +169,7 @@ impl<'a> Session<'a> {
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
     pub fn believe(&mut self, robot: &Robot) {
-        self.arm = Arm::new(robot, self.trust);
+        self.arm = Arm::new(robot, self.trust).with_sign_width(self.arm.sign_width);
     }
 
     /// Largest torque of a joint of the arm as found, on the training rows, N m.
@@ -284,9 +292,15 @@ impl<'a> Session<'a> {
                 place += 1;
             }
             for index in shapes(effect) {
-                member.placed.parameters[index] = member.candidate.placed.parameters[index];
-                member.std[index] = solved.std(place);
+                let fitted = member.candidate.placed.parameters[index];
+                (member.placed.parameters[index], member.std[index]) = (fitted, solved.std(place));
                 place += 1;
+                if is_level(effect)
+                    && let Some(flat) = flat_level(&self.arm, &self.train.rows, member.placed.joint, fitted)
+                {
+                    member.placed.parameters[index] = flat.level;
+                    member.std[index] = member.std[index].max(flat.std);
+                }
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! One kind of logs with what every fit needs of them.
 
 use super::column::Column;
-use super::errors_of_motion::ErrorsOfMotion;
+use super::errors_of_motion::{ErrorsOfMotion, Nuisances};
 use super::known::Known;
 use super::roles::is_shift;
 use super::rows::Rows;
@@ -42,10 +42,10 @@ impl Side {
 
     /// Columns of errors of the positions that stand beside an effect: beside what shifts torque in time also the bands, since the noise
     /// in them is in the torque against the accelerations.
-    pub fn errors_beside(&self, placed: &Placed) -> Vec<Column> {
+    pub fn errors_beside(&self, placed: &Placed) -> Nuisances {
         let mut errors = self.errors.beside(placed, &self.rows);
         if is_shift(placed.effect) {
-            errors.extend(self.bands.iter().cloned());
+            errors.add(&self.bands, f64::INFINITY);
         }
         errors
     }

@@ -3,6 +3,7 @@
 
 use super::beside::against_slow_noise;
 use super::column::Column;
+use super::errors_of_motion::Nuisances;
 use super::found::members;
 use super::generic::{Block, modulated};
 use super::held_out::{Gains, SEEN_AGAIN};
@@ -132,10 +133,10 @@ pub struct Fitted<'a> {
     firm: Vec<bool>,
     /// Its columns, those of the baseline first, and columns of what errors of the positions put into the torque.
     columns: Vec<Column>,
-    errors: Vec<Column>,
+    errors: Nuisances,
     /// The same on the held-out rows.
     unseen_columns: Vec<Column>,
-    unseen_errors: Vec<Column>,
+    unseen_errors: Nuisances,
     /// The noise under the model.
     pub under: Under,
     /// Residual on the held-out rows.
@@ -147,8 +148,8 @@ pub struct Fitted<'a> {
 }
 
 impl Under {
-    fn new(session: &Session, whitener: Whitener, fit: Projection, errors: &[Column]) -> Self {
-        let beside_errors = fit.with(&whitener.apply_all(errors));
+    fn new(session: &Session, whitener: Whitener, fit: Projection, errors: &Nuisances) -> Self {
+        let beside_errors = errors.beside(&fit, &whitener);
         Under { unseen: whitener.on(&session.test.rows), whitener, fit, beside_errors }
     }
 
@@ -175,7 +176,11 @@ impl<'a> Fitted<'a> {
     pub fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
         let members = members(&selection.found);
         let columns = session.all_columns(&session.train, &members)?;
-        let errors = |side: &Side| [side.errors.all(), side.bands.clone()].concat();
+        let errors = |side: &Side| {
+            let mut errors = side.errors.all();
+            errors.add(&side.bands, f64::INFINITY);
+            errors
+        };
         let train_errors = errors(&session.train);
         let fit = selection.whitener.fit(&columns, &session.train.torque);
         Ok(Fitted {
@@ -269,7 +274,7 @@ impl<'a> Fitted<'a> {
     /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
     fn seen_again(&self, under: &Under, again: &Block) -> Option<Again> {
         let Session { test, .. } = self.session;
-        let model = [self.unseen_columns.as_slice(), &self.unseen_errors].concat();
+        let model = [self.unseen_columns.as_slice(), self.unseen_errors.columns()].concat();
         let fit = under.unseen.fit(&model, &test.torque);
         let whitened = under.unseen.apply_all(&again.columns);
         let found = fit.test(&whitened)?;

@@ -17,7 +17,8 @@ use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 
-/// Share of a joint's excess over the noise that must be explained for the names on it to stand, where structure is left.
+/// Share of a joint's excess over the noise that must be explained for the names on it to stand, where structure is left. However large
+/// the share, what is left must not be as much as the noise itself: a name that only comes near the law leaves that much of a strong one.
 const FIRM: f64 = 0.7;
 
 /// Factor on what is left of the held-out logs, in squares over the noise, from which an effect predicts them worse than none: noise in
@@ -102,6 +103,8 @@ pub struct Diagnosis {
     pub found: Vec<Found>,
     /// A delay of the torque, and its standard deviation, s, that is of the sampling: in the model, and no effect.
     pub sampling_delay: Option<[f64; 2]>,
+    /// Speed over which friction changes its direction, rad/s or m/s: tanh(v / width); zero where a plain sign does as well.
+    pub sign_width: f64,
     /// What follows from the parameters of each.
     pub derived: Vec<Vec<Derived>>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
@@ -142,7 +145,7 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
         .map(|left| left.joint)
         .filter(|&joint| {
             let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
-            excess(after) > (1.0 - FIRM) * excess(before)
+            excess(after) > (noise[joint].powi(2)).min((1.0 - FIRM) * excess(before))
         })
         .collect();
     for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none() && one.impacts.is_none()) {
@@ -253,6 +256,25 @@ mod tests {
         let mut found = Found::new(Accepted { member, gain_lower_bound: 0.1, level: 1e-6 }, Vec::new());
         found.rms = [before.to_vec(), after.to_vec()];
         found
+    }
+
+    #[test]
+    fn a_name_that_leaves_as_much_as_the_noise_is_taken_back() {
+        // Of an excess of 15 in units of the noise, 1.2 are left, or 0.8; without structure a name stands all the same.
+        let structure = |sure| {
+            let (family_wise_p, instead_of) = (1e-6, Vec::new());
+            Unexplained { joint: 0, share: 0.3, structure: "follows the speed", family_wise_p, sure, instead_of }
+        };
+        let left = |excess: f64, unexplained: &[Unexplained]| {
+            let after = (1.0 + excess).sqrt();
+            let mut found = [spring([4.0, 1.0], [after, 1.0])];
+            take_back(&mut found, unexplained, [&[4.0, 1.0], &[after, 1.0]], &[1.0, 1.0]);
+            found[0].verdict
+        };
+        assert_eq!(left(1.2, &[structure(true)]), Verdict::Unexplained);
+        assert_eq!(left(0.8, &[structure(true)]), Verdict::Named);
+        assert_eq!(left(1.2, &[structure(false)]), Verdict::Named);
+        assert_eq!(left(1.2, &[]), Verdict::Named);
     }
 
     #[test]

@@ -96,6 +96,11 @@ impl ZeroPhaseLowPass {
         Ok(Self { order, rate_hz, warped_cutoff, sections: real_pole.into_iter().chain(pairs).collect() })
     }
 
+    /// The cut-off, Hz.
+    pub fn cutoff_hz(&self) -> f64 {
+        self.warped_cutoff.atan() * self.rate_hz / PI
+    }
+
     /// Samples by which the signal is continued at each end; it must be longer than that.
     pub fn padding(&self) -> usize {
         3 * (self.order + 1)

@@ -52,3 +52,29 @@ fn a_part_of_a_sample_of_delay_is_no_finding() {
     // One that stands out of the noise is, however short.
     assert_eq!(families(&diagnosed(&later(0.4), &["time_delay"])), [("time_delay", 0)]);
 }
+
+/// Simulators write dry friction as tanh(v / width), whose tails look like two laws of low speed on every joint.
+#[test]
+fn friction_that_turns_over_some_speed_is_no_finding() {
+    let width = 0.03;
+    let smooth = |mut log: Recording| {
+        let qd = log.truth.as_ref().unwrap().qd.clone();
+        log.tau = log.tau.map(|joint, tau| {
+            let dry = SETUP.plant.joints[joint].drive.coulomb;
+            let turned = |v: &f64| dry * ((v / width).tanh() - v.signum());
+            tau.iter().zip(qd.channel(joint)).map(|(tau, v)| tau + turned(v)).collect()
+        });
+        log
+    };
+    let logs: Vec<Recording> = logs(&SETUP, 25, 3).into_iter().map(smooth).collect();
+    let speed_laws = ["stribeck_friction", "nonlinear_viscous_friction", "presliding_hysteresis"];
+    let diagnosis = diagnosed(&logs, &speed_laws);
+    assert_eq!(families(&diagnosis), []);
+    assert!((diagnosis.sign_width / width - 1.0).abs() < 0.4, "{}", diagnosis.sign_width);
+    // A law of one joint is not taken for the friction of all.
+    let concave =
+        Placed { effect: find("nonlinear_viscous_friction").unwrap(), joint: 1, parameters: vec![60.0, 0.3, 0.01] };
+    let diagnosis = diagnosed(&super::logs(&with(&[concave]), 25, 3), &speed_laws);
+    assert_eq!(families(&diagnosis), [("nonlinear_viscous_friction", 1)]);
+    assert_eq!(diagnosis.sign_width, 0.0);
+}

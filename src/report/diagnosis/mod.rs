@@ -208,6 +208,13 @@ pub fn result(
         text,
         consequence: Consequence::Told,
     }));
+    data_quality.extend(text::smooth_friction(diagnosis).map(|text| Quality {
+        kind: QualityKind::Notice("smooth_friction"),
+        log: String::new(),
+        r#where: "tau".into(),
+        text,
+        consequence: Consequence::Told,
+    }));
     data_quality.extend(text::extrapolation(robot, diagnosis).map(|text| Quality {
         kind: QualityKind::Notice("extrapolation"),
         log: String::new(),

@@ -144,6 +144,17 @@ pub fn sampling(diagnosis: &Diagnosis) -> Option<String> {
     ))
 }
 
+/// What is said of friction that does not change its direction at once.
+pub fn smooth_friction(diagnosis: &Diagnosis) -> Option<String> {
+    let width = diagnosis.sign_width;
+    (width > 0.0).then(|| {
+        format!(
+            "dry friction changes its direction over some speed, on most joints as tanh(v / {width} rad/s), not at once: the baseline \
+             has it, and it is no finding. Simulators write friction so; on a real arm look for low-speed friction with a slower motion"
+        )
+    })
+}
+
 /// What is said where the training logs leave the model more open on the held-out logs than the noise.
 pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(robot.joint_names());

@@ -52,6 +52,10 @@ const ANOTHER_FORM: f64 = 1e-5;
 /// the scatter over stretches stands in for the noise.
 const CONFIRMED: f64 = 0.5;
 
+/// The same for either where something else was found before: what is not quite right with that is left, too. Delays do not count, which
+/// sampling brings with it.
+const LATER: f64 = 0.02;
+
 /// Level of the training logs beyond which they say nothing that held-out logs could confirm. Together both would keep the level all
 /// the same, but what then decides is one log alone.
 const NOTHING_SAID: f64 = 0.3;
@@ -148,7 +152,7 @@ impl Trial<'_> {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
-        let limit = if confirmable { self.alpha * CONFIRMED } else { limit };
+        let limit = if confirmable { self.level_at(CONFIRMED) } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
@@ -172,7 +176,7 @@ impl Trial<'_> {
         let refused = |may_be| Ok(Err(Refusal { may_be, asked: false }));
         let another_form = self.is_another_form(&winner.candidate);
         let share = strictness(&winner.candidate);
-        let limit = self.alpha * if another_form { share.min(ANOTHER_FORM) } else { share };
+        let limit = self.level_at(if another_form { share.min(ANOTHER_FORM) } else { share });
         let confirmable = is_confirmable(&winner.candidate) && !another_form;
         let highest = if confirmable { 1.0 } else { limit };
         // What is significant only in the noise model that does not know it is an error of that noise model.
@@ -199,6 +203,12 @@ impl Trial<'_> {
             without_best_stretches(self.session, self.members, self.whitener, winner)?
         };
         Ok(Ok(Seen { level, limit, elsewhere, confirmable }))
+    }
+
+    /// The level at which something is believed: a share of that of the whole, no more than [`LATER`] where something was found before.
+    fn level_at(&self, share: f64) -> f64 {
+        let counts = |member: &Member| member.placed.effect.about().nature != Nature::Delay;
+        self.alpha * if self.members.iter().any(counts) { share.min(LATER) } else { share }
     }
 
     /// Whether a candidate says how friction goes with speed on a joint of which the model says so in another way.
@@ -230,15 +240,18 @@ impl Trial<'_> {
             let enough = winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
             return if enough { Ok(accepted(winner, bound, level)) } else { refused(false) };
         }
-        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little.
-        let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level(winner.candidate.placed.effect));
-        if alone && (bound > 0.0 || (sure && gains.share() > 0.0)) {
+        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little, and held-out motions that stay below
+        // the level say nothing.
+        let is_level = is_level(winner.candidate.placed.effect);
+        let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level);
+        let gained = gains.share() > 0.0 || (is_level && !gains.is_contradicted());
+        if alone && (bound > 0.0 || (sure && gained)) {
             return Ok(accepted(winner, bound, level));
         }
         let Some(tries) = self.tries.filter(|_| confirmable && level <= NOTHING_SAID) else { return refused(false) };
         let together = beside_errors.together(level, tries);
         tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
-        let confirmed = beside_errors.chance() <= NOTHING_CONFIRMED && together <= self.alpha * CONFIRMED;
+        let confirmed = beside_errors.chance() <= NOTHING_CONFIRMED && together <= self.level_at(CONFIRMED);
         let believed = confirmed && (there || elsewhere < SEEN_ELSEWHERE_TOO.ln());
         if believed && gains.share() > 0.0 { Ok(accepted(winner, bound, together)) } else { refused(true) }
     }

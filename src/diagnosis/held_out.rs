@@ -108,6 +108,11 @@ impl Gains {
         self.share() - SURELY * self.std / self.before
     }
 
+    /// Whether the rows speak against it: by one standard deviation (84 %) nothing is gained.
+    pub fn is_contradicted(&self) -> bool {
+        self.share() + SURELY * self.std / self.before < 0.0
+    }
+
     /// Whether the chance in the gain is that of the noise: the residual holds little else.
     pub fn is_calm(&self) -> bool {
         self.std < CALM * self.expected_std
@@ -180,5 +185,12 @@ mod tests {
         let beside = Gains::beside_constants(&unseen, &before, &after, &[0], &rows);
         assert!(plain.lower_bound() < 0.0, "{plain:?}");
         assert!(beside.lower_bound() > 0.5, "{}", beside.lower_bound());
+        assert!(!beside.is_contradicted());
+        // What predicts what is not there is contradicted, what predicts nothing is not.
+        let noise = Column::new(rows.torque.iter().cloned());
+        let mut wrong = noise.clone();
+        wrong.add(1.0, &effect);
+        assert!(Gains::new(&unseen, &noise, &wrong, &[0], rows.len()).is_contradicted());
+        assert!(!Gains::new(&unseen, &noise, &noise, &[0], rows.len()).is_contradicted());
     }
 }

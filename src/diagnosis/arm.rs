@@ -29,6 +29,9 @@ const SWING_ORDER: usize = 4;
 const SLOWEST_SWING_HZ: f64 = 1.5;
 const PLACES: usize = 10;
 
+/// Place of Coulomb friction among the standard parameters of a joint.
+const COULOMB: usize = 12;
+
 /// Rounds in which the position behind an encoder's error is found.
 const ENCODER_ROUNDS: usize = 4;
 
@@ -45,8 +48,8 @@ pub struct Arm {
     found: Robot,
     chain: Chain,
     trust: Trust,
-    /// Speed over which dry friction changes its direction, rad/s or m/s: tanh(v / width); zero for the plain sign.
-    pub sign_width: f64,
+    /// Speed over which the dry friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for the plain sign.
+    pub sign_widths: Vec<f64>,
 }
 
 /// Which torque is moved in time by what shifts or spreads it. Moved torque holds the noise of the accelerations twice, once as it is in what
@@ -62,12 +65,13 @@ pub enum Moved {
 impl Arm {
     /// The arm before anything is identified.
     pub fn new(robot: &Robot, trust: Trust) -> Self {
-        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, sign_width: 0.0 }
+        let sign_widths = vec![0.0; robot.dof()];
+        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, sign_widths }
     }
 
-    /// The same with friction that changes its direction over a speed, rad/s or m/s.
-    pub fn with_sign_width(self, sign_width: f64) -> Self {
-        Arm { sign_width, ..self }
+    /// The same with friction that changes its direction over some speed on each joint, rad/s or m/s.
+    pub fn with_sign_widths(self, sign_widths: Vec<f64>) -> Self {
+        Arm { sign_widths, ..self }
     }
 
     /// The arm as found.
@@ -78,13 +82,19 @@ impl Arm {
     /// Columns of the baseline: rotor inertia, viscous and Coulomb friction of every joint, and where the inertias are
     /// not believed all base parameters.
     pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
-        let tables: Vec<Vec<Channels>> =
-            rows.logs.par_iter().map(|log| model.columns(&log.motion, self.sign_width)).collect();
+        let tables: Vec<Vec<Channels>> = rows.logs.par_iter().map(|log| model.columns(&log.motion, 0.0)).collect();
+        let dry = |b: usize| model.base().kept()[b] % STANDARD == COULOMB;
         let base = (0..model.base().len()).filter(|&b| self.trust == Trust::Structure || model.is_friction(b));
         let mut columns: Vec<Column> = base
             .map(|b| {
                 let on = |joint: usize| {
                     let place = model.active(joint).into_iter().position(|other| other == b)?;
+                    if dry(b) {
+                        let width = self.sign_widths[joint];
+                        let turned =
+                            |log: &Log| log.motion.qd.channel(joint).iter().map(|&v| direction(v, width)).collect();
+                        return Some(rows.signal(turned));
+                    }
                     let logs = rows.logs.iter().zip(&tables);
                     Some(logs.flat_map(|(log, table)| log.as_logged(table[joint].channel(place))).collect())
                 };
@@ -235,7 +245,8 @@ impl Arm {
             let drive = spec.drive;
             let moving = motor.qd.channel(joint).iter().zip(motor.qdd.channel(joint));
             for (value, (&v, &a)) in torque.channel_mut(joint).iter_mut().zip(moving) {
-                *value += drive.armature * a + drive.viscous * v + drive.coulomb * direction(v, self.sign_width);
+                *value +=
+                    drive.armature * a + drive.viscous * v + drive.coulomb * direction(v, self.sign_widths[joint]);
             }
         }
         torque
@@ -299,7 +310,7 @@ impl Arm {
             }
             // What rapier's step gets wrong depends on where each mass really is.
             let robot = if site == Site::Integrator { &self.known } else { &self.found };
-            let along = Along::new(robot, &self.chain, &log.time, &log.motion, self.sign_width);
+            let along = Along::turning_over(robot, &self.chain, &log.time, &log.motion, &self.sign_widths);
             let placed: Vec<Placed> = of_site.iter().map(|&k| batch[k].clone()).collect();
             for (k, torque) in of_site.into_iter().zip(contributions(&placed, &along)) {
                 out[k] = Some(torque);

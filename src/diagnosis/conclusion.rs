@@ -260,7 +260,7 @@ fn answer<'a>(
         before,
         found,
         sampling_delay,
-        sign_width: session.arm.sign_width,
+        sign_widths: session.arm.sign_widths.clone(),
         unexplained,
         evidence,
     };

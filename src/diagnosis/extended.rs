@@ -142,7 +142,7 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
 
 /// Inner products of the base parameters' columns on whitened training rows.
 fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
-    let arm = Arm::new(session.model.robot(), Trust::Structure).with_sign_width(session.arm.sign_width);
+    let arm = Arm::new(session.model.robot(), Trust::Structure).with_sign_widths(session.arm.sign_widths.clone());
     let base = arm.baseline(session.model, &session.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
     // What these rows do not tell stays where it is.

@@ -33,9 +33,9 @@ impl Known<'_> {
         Known { arm: Arm::new(robot, trust), effects: Vec::new(), reference: Vec::new() }
     }
 
-    /// The same with an arm whose friction changes its direction over a speed, rad/s or m/s.
-    pub fn with_sign_width(&self, width: f64) -> Self {
-        Known { arm: self.arm.clone().with_sign_width(width), ..self.clone() }
+    /// The same with an arm whose friction changes its direction over some speed on each joint, rad/s or m/s.
+    pub fn with_sign_widths(&self, widths: Vec<f64>) -> Self {
+        Known { arm: self.arm.clone().with_sign_widths(widths), ..self.clone() }
     }
 
     /// Torque of the effects over all rows.

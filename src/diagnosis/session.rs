@@ -109,9 +109,9 @@ impl<'a> Session<'a> {
         let preparation = Preparation::new(model, &known, train, test)?;
         let Prepared { sides: [mut train, mut test], cutoff_hz, passband } = preparation.prepared()?;
         let both = if preparation.is_apart() { train.and(&test) } else { train.clone() };
-        let known = known.with_sign_width(sign_width::likeliest(model, &known, &both)?);
+        let known = known.with_sign_widths(sign_width::likeliest(model, trust, &known, &both)?);
         let preparation = preparation.knowing(&known);
-        if known.arm.sign_width > 0.0 {
+        if known.arm.sign_widths.iter().any(|width| *width > 0.0) {
             [train, test] = preparation.sides(passband, &preparation.alike(cutoff_hz))?;
         }
         let (arm, open_play) = (known.arm.clone(), Vec::new());
@@ -169,7 +169,7 @@ impl<'a> Session<'a> {
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
     pub fn believe(&mut self, robot: &Robot) {
-        self.arm = Arm::new(robot, self.trust).with_sign_width(self.arm.sign_width);
+        self.arm = Arm::new(robot, self.trust).with_sign_widths(self.arm.sign_widths.clone());
     }
 
     /// Largest torque of a joint of the arm as found, on the training rows, N m.

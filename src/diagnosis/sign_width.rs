@@ -1,48 +1,101 @@
 //! Over which speed dry friction changes its direction. Books write a sign; simulators and drivers write tanh(v / width), whose tails reach
 //! far beyond the rows that are left out near reversals and look like friction that falls at low speed.
 //!
-//! One law that is wrong on one joint must not be taken for it: the width is that of all joints, and what the joints that gain most by it
-//! gain does not count.
+//! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
+//! more by it than by any law of the library that says how friction goes with speed.
 
+use super::candidates;
 use super::known::Known;
+use super::roles::linear;
+use super::score::Projection;
 use super::side::Side;
 use super::whitening::Whitener;
+use crate::effects::{LIBRARY, Nature, Placed};
 use crate::error::Result;
+use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use rayon::prelude::*;
 
 /// Widths that are tried, rad/s or m/s. Narrower ones end within the rows that are left out.
 const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
 
+/// Factors on the best of them, in rounds.
+const FINER: [&[f64]; 2] = [&[0.8, 0.9, 1.12, 1.25], &[0.95, 1.05]];
+
 /// Joints whose gain does not count, where more than twice as many are left.
 const LEFT_OUT: usize = 2;
 
-/// By how much more likely, in its logarithm, the torque of the others must be than with a plain sign.
-const LIKELIER: f64 = 5.0;
+/// By how much more likely, in its logarithm, the torque of the others must be than with a plain sign, or that of one joint.
+const LIKELIER: f64 = 8.0;
 
-/// The width under which the torque of most joints is likeliest, rad/s or m/s; zero where a plain sign does as well. `side` is all logs, made
+/// The same for a joint of its own to have a width at all, where most do.
+const TOLD: f64 = 1.0;
+
+/// Widths of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
+type Widths = Vec<(f64, f64)>;
+
+/// The width of each joint under which its torque is likeliest, rad/s or m/s; zeros where a plain sign does as well. `side` is all logs, made
 /// with the arm as `known`: where motions are slow tells most, and those may be the held-out ones.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn likeliest(model: &Model, known: &Known, side: &Side) -> Result<f64> {
+pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Result<Vec<f64>> {
     let whitener = Whitener::new(&side.rows, &side.torque, &side.baseline);
-    let left = |side: &Side| -> Vec<f64> {
-        let residual = whitener.fit(&side.baseline, &side.torque).residual;
-        let of_joint = |joint| residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
+    let plain = whitener.fit(&side.baseline, &side.torque);
+    let left = |fit: &Projection| -> Vec<f64> {
+        let of_joint = |joint| fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         (0..model.dof()).map(of_joint).collect()
     };
-    let plain = left(side);
-    let gain = |&width: &f64| -> Result<(f64, f64)> {
-        let known = known.with_sign_width(width);
-        let with = left(&Side::new(model, &known, side.rows.clone(), side.training)?);
-        let gains: Vec<f64> = plain.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with)).collect();
-        tracing::debug!(width, ?gains, "width of the sign of friction");
-        Ok((of_most(gains), width))
+    let gains = |widths: Vec<f64>| -> Result<Widths> {
+        let known = known.with_sign_widths(widths.clone());
+        let Side { baseline, torque, .. } = Side::new(model, &known, side.rows.clone(), side.training)?;
+        let with = left(&whitener.fit(&baseline, &torque));
+        let gains = left(&plain).into_iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
+        Ok(widths.into_iter().zip(gains).collect())
     };
-    let gains: Vec<(f64, f64)> = WIDTHS.par_iter().map(gain).collect::<Result<_>>()?;
-    let best = gains.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b));
-    Ok(best.filter(|(gain, _)| *gain > LIKELIER).map_or(0.0, |(_, width)| width))
+    let tried = |all: Vec<Vec<f64>>| all.into_par_iter().map(gains).collect::<Result<Vec<Widths>>>();
+    let mut best: Widths = vec![(0.0, 0.0); model.dof()];
+    better(&mut best, tried(WIDTHS.iter().map(|width| vec![*width; model.dof()]).collect())?);
+    for factors in FINER {
+        let scaled = |factor: &f64| best.iter().map(|(width, _)| factor * width).collect();
+        let finer = tried(factors.iter().map(scaled).collect())?;
+        better(&mut best, finer);
+    }
+    let by_laws = by_laws(trust, known, side, &whitener, &plain)?;
+    tracing::debug!(?best, ?by_laws, "width of the sign of friction");
+    if of_most(best.iter().map(|(_, gain)| *gain).collect()) < LIKELIER {
+        let by_a_law = |((_, gain), by_law): &(&mut (f64, f64), f64)| *gain < LIKELIER || gain < by_law;
+        best.iter_mut().zip(by_laws).filter(by_a_law).for_each(|(best, _)| *best = (0.0, 0.0));
+    }
+    Ok(best.into_iter().map(|(width, gain)| if gain > TOLD { width } else { 0.0 }).collect())
+}
+
+/// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the
+/// `plain` fit.
+fn by_laws(trust: Trust, known: &Known, side: &Side, whitener: &Whitener, plain: &Projection) -> Result<Vec<f64>> {
+    let of_speed = LIBRARY.iter().map(|effect| effect.about()).filter(|about| about.nature == Nature::OfSpeed);
+    let names: Vec<String> = of_speed.map(|about| about.name.to_owned()).collect();
+    let mut best = vec![0.0; side.rows.dof()];
+    for candidate in candidates::all(&known.arm, &side.rows, trust, &names)? {
+        let Placed { effect, joint, .. } = candidate.placed;
+        let Some(test) = plain.test(&whitener.apply_all(&candidate.columns)) else { continue };
+        let bounds = linear(effect).into_iter().map(|index| &effect.parameters()[index]);
+        if bounds.zip(&test.values).all(|(bounds, value)| (bounds.lower..=bounds.upper).contains(value)) {
+            best[joint] = f64::max(best[joint], 0.5 * test.statistic);
+        }
+    }
+    Ok(best)
+}
+
+/// Takes the width of each joint that gains more than the one it has.
+fn better(best: &mut Widths, tried: Vec<Widths>) {
+    for widths in tried {
+        for (best, tried) in best.iter_mut().zip(widths) {
+            if tried.1 > best.1 {
+                *best = tried;
+            }
+        }
+    }
 }
 
 /// The sum without the largest.
@@ -54,12 +107,22 @@ fn of_most(mut gains: Vec<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::of_most;
+    use super::*;
 
     #[test]
     fn what_one_or_two_joints_gain_does_not_count() {
         assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5]), 2.5);
         assert_eq!(of_most(vec![5.0, 9.0, 4.0]), 9.0);
         assert_eq!(of_most(vec![7.0]), 7.0);
+    }
+
+    #[test]
+    fn every_joint_takes_the_width_that_serves_it_best() {
+        let mut best = vec![(0.0, 0.0); 3];
+        better(
+            &mut best,
+            vec![vec![(0.01, 3.0), (0.01, -1.0), (0.01, 2.0)], vec![(0.02, 1.0), (0.02, -4.0), (0.02, 5.0)]],
+        );
+        assert_eq!(best, [(0.01, 3.0), (0.0, 0.0), (0.02, 5.0)]);
     }
 }

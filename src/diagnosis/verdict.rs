@@ -29,7 +29,7 @@ const WORSE: f64 = 1.1;
 const POWER: f64 = 0.8;
 
 /// Size of a delay, over the noise of every joint, up to which it is of the sampling.
-const SMALL: f64 = 0.3;
+const SMALL: f64 = 0.5;
 
 /// What the diagnosis says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -103,8 +103,8 @@ pub struct Diagnosis {
     pub found: Vec<Found>,
     /// A delay of the torque, and its standard deviation, s, that is of the sampling: in the model, and no effect.
     pub sampling_delay: Option<[f64; 2]>,
-    /// Speed over which friction changes its direction, rad/s or m/s: tanh(v / width); zero where a plain sign does as well.
-    pub sign_width: f64,
+    /// Speed over which the friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for a plain sign.
+    pub sign_widths: Vec<f64>,
     /// What follows from the parameters of each.
     pub derived: Vec<Vec<Derived>>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.

@@ -25,7 +25,19 @@ pub struct Along<'a> {
 impl<'a> Along<'a> {
     /// Prepares a motion; `width` is the velocity over which the direction is smoothed, rad/s.
     pub fn new(robot: &'a Robot, chain: &'a Chain, time: &'a [f64], motion: &'a Motion, width: f64) -> Self {
-        let heading = motion.qd.map(|_, signal| signal.iter().map(|&v| direction(v, width)).collect());
+        Self::turning_over(robot, chain, time, motion, &vec![width; motion.qd.channels()])
+    }
+
+    /// [`Along::new`] with a width for each joint.
+    pub fn turning_over(
+        robot: &'a Robot,
+        chain: &'a Chain,
+        time: &'a [f64],
+        motion: &'a Motion,
+        widths: &[f64],
+    ) -> Self {
+        let turned = |joint: usize, signal: &[f64]| signal.iter().map(|&v| direction(v, widths[joint])).collect();
+        let heading = motion.qd.map(turned);
         Along { robot, chain, time, motion, direction: heading, load: OnceCell::new() }
     }
 

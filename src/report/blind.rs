@@ -105,11 +105,12 @@ pub fn confusion_csv(summary: &Summary) -> String {
     text
 }
 
-const HEADER: [&str; 9] = [
+const HEADER: [&str; 10] = [
     "class",
     "outcomes",
     "as it should be",
     "the best of all tests",
+    "through the encoders",
     "a wrong firm name",
     "unexplained",
     "parameters within 3 std",
@@ -125,11 +126,13 @@ fn class_row(summary: &ClassSummary) -> Vec<String> {
     if summary.failed > 0 {
         outcomes.push(format!("{} failed", summary.failed));
     }
+    let share = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.0} %", 100.0 * share));
     vec![
         class(summary.class).to_owned(),
         outcomes.join(", "),
         summary.right.text(),
-        summary.power.map_or("-".to_owned(), |power| format!("{:.0} %", 100.0 * power)),
+        share(summary.power),
+        share(summary.power_as_measured),
         summary.wrong_names.text(),
         summary.unexplained.text(),
         summary.parameters.text(),

@@ -5,10 +5,13 @@
 use std::sync::LazyLock;
 use tauscope::diagnosis::Verdict;
 use tauscope::effects::{Placed, find};
+use tauscope::excitation::random_sequence::random_sequence;
 use tauscope::identification::effect_model::Trust;
 use tauscope::scenario::Setup;
+use tauscope::simulation::{measure, simulate};
 use tauscope::study::blind::fault::Fault;
 use tauscope::study::blind::outside::OUTSIDE;
+use tauscope::study::blind::power::power_as_measured;
 use tauscope::study::blind::{ArmKind, BlindRun, Case, Class, MotionKind, Outcome, Plan, run};
 
 const SEED: u64 = 41;
@@ -69,6 +72,25 @@ fn two_effects_are_both_named_and_estimated() {
     assert!(judgement.errors.len() >= 3 && judgement.errors.iter().all(|error| error.abs() < 4.0), "{judgement:?}");
     let (closed, accounted_for) = (run.diagnosis.unwrap().gap_closed, run.accounted_for.unwrap());
     assert!(closed > 0.9 && accounted_for > 0.9, "{closed} {accounted_for}");
+    assert!(run.power.iter().chain(&run.power_as_measured).all(|power| *power > 0.99), "{:?}", run.power);
+    assert_eq!((run.power.len(), run.power_as_measured.len()), (2, 2));
+}
+
+/// No test sees through encoders what their noise drowns in the torque.
+#[test]
+fn noisy_encoders_hide_effects_from_the_best_of_all_tests() {
+    let hidden =
+        vec![Placed { effect: find("stribeck_friction").unwrap(), joint: 1, parameters: vec![1.5, 0.15, 2.0] }];
+    let power = |encoder_noise: f64| {
+        let mut setup = SETUP.clone();
+        setup.effects.extend(hidden.iter().cloned());
+        setup.sensors.iter_mut().for_each(|sensors| sensors.encoder_noise = encoder_noise);
+        let motion = random_sequence(SEED, "power", 0, 9, 16.0, &setup.limits).unwrap();
+        let log = measure(&setup, &simulate(&setup, &motion, &mut |_| ()).unwrap(), 0).unwrap();
+        power_as_measured(&setup, &hidden, &Case { hidden: hidden.clone(), ..Case::plain(SEED) }, &[log]).unwrap()[0]
+    };
+    let [fine, noisy] = [1e-6, 1e-3].map(power);
+    assert!(fine > 0.95 && noisy < 0.5 * fine, "{fine} {noisy}");
 }
 
 #[test]

@@ -194,33 +194,21 @@ pub fn result(
         family_wise_p: left.family_wise_p,
     });
     let mut data_quality = qualities(faults);
-    data_quality.extend(diagnosis.held_out_from_training.then(|| Quality {
-        kind: QualityKind::Notice("held_out_from_training"),
-        log: String::new(),
-        r#where: "training logs".into(),
-        text: "no test log was given: the last part of every training log was held out".into(),
-        consequence: Consequence::Told,
-    }));
-    data_quality.extend(text::sampling(diagnosis).map(|text| Quality {
-        kind: QualityKind::Notice("sampling_delay"),
-        log: String::new(),
-        r#where: "tau".into(),
-        text,
-        consequence: Consequence::Told,
-    }));
-    data_quality.extend(text::smooth_friction(diagnosis).map(|text| Quality {
-        kind: QualityKind::Notice("smooth_friction"),
-        log: String::new(),
-        r#where: "tau".into(),
-        text,
-        consequence: Consequence::Told,
-    }));
-    data_quality.extend(text::extrapolation(robot, diagnosis).map(|text| Quality {
-        kind: QualityKind::Notice("extrapolation"),
-        log: String::new(),
-        r#where: "training logs".into(),
-        text,
-        consequence: Consequence::Told,
+    let held_out = "no test log was given: the last part of every training log was held out";
+    let notices = [
+        ("held_out_from_training", "training logs", diagnosis.held_out_from_training.then(|| held_out.to_owned())),
+        ("sampling_delay", "tau", text::sampling(diagnosis)),
+        ("smooth_friction", "tau", text::smooth_friction(robot, diagnosis)),
+        ("extrapolation", "training logs", text::extrapolation(robot, diagnosis)),
+    ];
+    data_quality.extend(notices.into_iter().filter_map(|(kind, place, text)| {
+        Some(Quality {
+            kind: QualityKind::Notice(kind),
+            log: String::new(),
+            r#where: place.into(),
+            text: text?,
+            consequence: Consequence::Told,
+        })
     }));
     let structure = |of: &[ResidualStructure]| {
         let named = robot.joint_names().into_iter().zip(of.iter().cloned());

@@ -145,12 +145,15 @@ pub fn sampling(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of friction that does not change its direction at once.
-pub fn smooth_friction(diagnosis: &Diagnosis) -> Option<String> {
-    let width = diagnosis.sign_width;
-    (width > 0.0).then(|| {
+pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let each = robot.joint_names().into_iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
+    let each: Vec<String> = each.map(|(joint, width)| format!("{joint} {}", significant(*width))).collect();
+    (!each.is_empty()).then(|| {
         format!(
-            "dry friction changes its direction over some speed, on most joints as tanh(v / {width} rad/s), not at once: the baseline \
-             has it, and it is no finding. Simulators write friction so; on a real arm look for low-speed friction with a slower motion"
+            "dry friction changes its direction over some speed, as tanh(v / width), not at once: the baseline has it, and it is no \
+             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths in rad/s \
+             (m/s): {}",
+            each.join(", ")
         )
     })
 }

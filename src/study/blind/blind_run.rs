@@ -4,7 +4,7 @@ use super::arm::random_setup;
 use super::case::{ArmKind, Case, Class};
 use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
-use super::power::power;
+use super::power::{power, power_as_measured};
 use super::sizing::{noise_at_size, sized};
 use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
 use crate::diagnosis::{Diagnosis, Input, Options, conclude};
@@ -38,6 +38,8 @@ pub struct BlindRun {
     pub accounted_for: Option<f64>,
     /// For each hidden effect, how often the best of all tests would name it.
     pub power: Vec<f64>,
+    /// The same with the positions as the encoders tell them.
+    pub power_as_measured: Vec<f64>,
     /// How it came out.
     pub judgement: Judgement,
     /// Time that screening and diagnosis took, s.
@@ -63,7 +65,7 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
         }
         attempt += 1;
     };
-    let Simulated { setup, hidden, power, logs } = made;
+    let Simulated { setup, hidden, power, power_as_measured, logs } = made;
     let started = Instant::now();
     let (faults, logs_used) = screened(&setup.known, logs.clone())?;
     let model = Model::new(&setup.known);
@@ -79,7 +81,8 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
     };
     let diagnosis = conclusion.map(|conclusion| conclusion.diagnosis);
     let judgement = judge(&case, &hidden, &faults, diagnosis.as_ref());
-    Ok(BlindRun { robot: setup.known, logs, hidden, faults, diagnosis, accounted_for, power, judgement, seconds })
+    let robot = setup.known;
+    Ok(BlindRun { robot, logs, hidden, faults, diagnosis, accounted_for, power, power_as_measured, judgement, seconds })
 }
 
 /// An arm with what is hidden in it, and its logs.
@@ -87,6 +90,7 @@ struct Simulated {
     setup: Setup,
     hidden: Vec<Placed>,
     power: Vec<f64>,
+    power_as_measured: Vec<f64>,
     logs: Vec<Recording>,
 }
 
@@ -124,10 +128,14 @@ fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
             Ok(kept(case, &Recording { truth: None, qdd: None, ..log }))
         })
         .collect::<Result<_>>()?;
+    let power_as_measured = match hidden.is_empty() {
+        true => Vec::new(),
+        false => power_as_measured(&setup, &hidden, case, &logs)?,
+    };
     if let Some(fault) = case.fault {
         fault.put_into(&mut logs, case.seed);
     }
-    Ok(Simulated { setup, hidden, power, logs })
+    Ok(Simulated { setup, hidden, power, power_as_measured, logs })
 }
 
 /// Logs after their faults were looked for.

@@ -7,13 +7,16 @@
 use super::case::{Case, visible};
 use super::sizing::{references, session};
 use crate::diagnosis::candidates::places;
-
+use crate::diagnosis::column::Column;
+use crate::diagnosis::session::Session;
+use crate::diagnosis::side::Side;
 use crate::diagnosis::whitening::Whitener;
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::excitation::Motion;
 use crate::identification::model::Model;
 use crate::identification::noise::AutoregressiveNoise;
+use crate::recording::Recording;
 use crate::scenario::Setup;
 use crate::simulation::sensors::JointSensors;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -36,11 +39,31 @@ pub fn power(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
     let rows = &session.train.rows;
     let added = session.arm.added(std::slice::from_ref(placed), rows)?.swap_remove(0);
     let noises = setup.sensors.iter().map(|sensor| of_rows(sensor, rows.logs[0].period, rows.logs[0].block)).collect();
-    let whitener = Whitener::of_known(rows, noises);
-    let noncentrality = whitener.fit(&session.train.baseline, &added).left();
-    let tests: usize = visible(case.trust).iter().map(|effect| places(*effect, rows.dof()).len()).sum();
+    Ok(in_noise(&session, &Whitener::of_known(rows, noises), &added, case))
+}
+
+/// The same for a test that has the positions as the encoders tell them in `logs`, smooth enough to serve the torque, and knows the noise that
+/// is in the rows then; all that is `hidden` in the logs is known to it.
+///
+/// # Errors
+/// If a log is too short.
+pub fn power_as_measured(setup: &Setup, hidden: &[Placed], case: &Case, logs: &[Recording]) -> Result<Vec<f64>> {
+    let model = Model::new(&setup.known);
+    let session = session(setup, &model, logs, case)?;
+    let Side { rows, baseline, torque, .. } = &session.train;
+    let added = session.arm.added(hidden, rows)?;
+    let mut noise = torque.clone();
+    added.iter().for_each(|added| noise.add(-1.0, added));
+    let whitener = Whitener::new(rows, &noise, baseline);
+    Ok(added.iter().map(|added| in_noise(&session, &whitener, added, case)).collect())
+}
+
+/// Probability that a torque on top of the baseline is seen in noise that `whitener` makes white.
+fn in_noise(session: &Session, whitener: &Whitener, added: &Column, case: &Case) -> f64 {
+    let noncentrality = whitener.fit(&session.train.baseline, added).left();
+    let tests: usize = visible(case.trust).iter().map(|effect| places(*effect, session.model.dof()).len()).sum();
     tracing::debug!(noncentrality, tests, new = ?whitener.innovation_std(), rows = ?whitener.rows(), "power");
-    Ok(of(noncentrality, tests))
+    of(noncentrality, tests)
 }
 
 /// Power of a one-sided test of a normal deviate with a mean square of `noncentrality`, at the level among so many tests.

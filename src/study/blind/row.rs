@@ -56,6 +56,9 @@ pub struct Row {
     pub accounted_for: Option<f64>,
     /// How often the best of all tests would name each hidden effect.
     pub power: Vec<f64>,
+    /// The same with the positions as the encoders tell them.
+    #[serde(default)]
+    pub power_as_measured: Vec<f64>,
     /// Time of the diagnosis, s.
     pub seconds: f64,
     /// Why the run could not be made.
@@ -114,6 +117,7 @@ impl Row {
             gap_closed: None,
             accounted_for: None,
             power: Vec::new(),
+            power_as_measured: Vec::new(),
             seconds: 0.0,
             error: None,
         };
@@ -139,6 +143,7 @@ impl Row {
             gap_closed: diagnosis.map(|diagnosis| diagnosis.gap_closed),
             accounted_for: run.accounted_for,
             power: run.power.clone(),
+            power_as_measured: run.power_as_measured.clone(),
             seconds: run.seconds,
             ..self
         }

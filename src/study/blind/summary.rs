@@ -77,6 +77,8 @@ pub struct ClassSummary {
     pub gap_closed: Rate,
     /// Mean over what is hidden of how often the best of all tests would name it; None where nothing is hidden.
     pub power: Option<f64>,
+    /// The same with the positions as the encoders tell them.
+    pub power_as_measured: Option<f64>,
     /// Median time of a diagnosis, s.
     pub median_seconds: f64,
 }
@@ -135,6 +137,7 @@ fn of_class(class: Class, rows: &[&Row]) -> ClassSummary {
         parameters: Rate::count(&errors, |error| error.abs() <= WITHIN),
         gap_closed: Rate::count(&hiding, |row| row.accounted_for.is_some_and(|share| share >= CLOSED)),
         power: mean(made.iter().flat_map(|row| row.power.iter().copied())),
+        power_as_measured: mean(made.iter().flat_map(|row| row.power_as_measured.iter().copied())),
         median_seconds: seconds.get(seconds.len() / 2).copied().unwrap_or(0.0),
         outcomes,
     }

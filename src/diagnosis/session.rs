@@ -108,10 +108,18 @@ impl<'a> Session<'a> {
     ) -> Result<Self> {
         let preparation = Preparation::new(model, &known, train, test)?;
         let Prepared { sides: [mut train, mut test], cutoff_hz, passband } = preparation.prepared()?;
-        let both = if preparation.is_apart() { train.and(&test) } else { train.clone() };
-        let known = known.with_sign_widths(sign_width::likeliest(model, trust, &known, &both)?);
+        // How sharply friction turns is known from before a change, if one is in question; torque that went through a low-pass does not tell.
+        let widths = match known.reference.is_empty() && passband.is_none() {
+            true => {
+                let both = if preparation.is_apart() { train.and(&test) } else { train.clone() };
+                sign_width::likeliest(model, trust, &known, &both)?
+            }
+            false => known.arm.sign_widths.clone(),
+        };
+        let turned = widths != known.arm.sign_widths;
+        let known = known.with_sign_widths(widths);
         let preparation = preparation.knowing(&known);
-        if known.arm.sign_widths.iter().any(|width| *width > 0.0) {
+        if turned {
             [train, test] = preparation.sides(passband, &preparation.alike(cutoff_hz))?;
         }
         let (arm, open_play) = (known.arm.clone(), Vec::new());

@@ -28,8 +28,15 @@ const LEFT_OUT: usize = 2;
 /// By how much more likely, in its logarithm, the torque of the others must be than with a plain sign, or that of one joint.
 const LIKELIER: f64 = 8.0;
 
-/// The same for a joint of its own to have a width at all, where most do.
+/// The same for a joint to have a width of its own, where most have one.
 const TOLD: f64 = 1.0;
+
+/// Mean square of what a width leaves of one joint alone, in units of the noise, up to which it explains that joint.
+const EXPLAINED: f64 = 1.5;
+
+/// Factor on what the best law of the library gains on a joint, beyond which a width gains surely more: it has fewer parameters, but the laws
+/// are tried at a grid of theirs.
+const BEYOND_LAWS: f64 = 1.5;
 
 /// Widths of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
 type Widths = Vec<(f64, f64)>;
@@ -63,11 +70,23 @@ pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Res
     }
     let by_laws = by_laws(trust, known, side, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "width of the sign of friction");
-    if of_most(best.iter().map(|(_, gain)| *gain).collect()) < LIKELIER {
-        let by_a_law = |((_, gain), by_law): &(&mut (f64, f64), f64)| *gain < LIKELIER || gain < by_law;
-        best.iter_mut().zip(by_laws).filter(by_a_law).for_each(|(best, _)| *best = (0.0, 0.0));
+    let surely: Vec<bool> = best.iter().zip(&by_laws).map(|((_, gain), by_law)| *gain > BEYOND_LAWS * by_law).collect();
+    let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
+    if of_most(gained) < LIKELIER {
+        // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
+        let rows = whitener.rows();
+        let of_noise = |joint: usize| (left(&plain)[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < EXPLAINED;
+        let alone = |joint: &usize| surely[*joint] && best[*joint].1 > LIKELIER && of_noise(*joint);
+        let joints = 0..model.dof();
+        return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { 0.0 }).collect());
     }
-    Ok(best.into_iter().map(|(width, gain)| if gain > TOLD { width } else { 0.0 }).collect())
+    // The others turn as most do, if that does not speak against it.
+    let mut told: Vec<f64> = best.iter().zip(&surely).filter(|(_, surely)| **surely).map(|(best, _)| best.0).collect();
+    told.sort_by(f64::total_cmp);
+    let as_most = gains(vec![told[told.len() / 2]; model.dof()])?;
+    let as_most = as_most.into_iter().map(|(width, gain)| if gain > 0.0 { width } else { 0.0 });
+    let all = best.into_iter().zip(surely).zip(as_most);
+    Ok(all.map(|(((width, gain), surely), as_most)| if surely && gain > TOLD { width } else { as_most }).collect())
 }
 
 /// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the

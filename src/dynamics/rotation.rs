@@ -2,7 +2,7 @@
 
 use super::spatial::{Vec3, splat3, times, transpose_times};
 use crate::lane::Lane;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// A rotation that does not depend on where the joints are.
 #[derive(Debug, Clone)]
@@ -92,8 +92,10 @@ impl Rotation {
         let reversed = axis[turn] < 0.0;
         let mut nearest = Vector3::zeros();
         nearest[turn] = axis[turn].signum();
-        // Less than a right angle apart, so that there is such a rotation.
-        let slant = *Rotation3::rotation_between(&nearest, &axis).unwrap_or_default().matrix();
+        // Less than a right angle apart, so that the sum is never zero. Rodrigues' formula by sine and cosine: an angle by its cosine has
+        // but half of the digits where the two are nearly one.
+        let sines = nearest.cross(&axis).cross_matrix();
+        let slant = Matrix3::identity() + sines + sines * sines / (1.0 + nearest.dot(&axis));
         Rotation {
             before: Fixed::new(origin * slant),
             turn: Some(turn),
@@ -165,6 +167,7 @@ fn plane<L: Lane>((u, v): (L, L), sine: L, cosine: L) -> (L, L) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Rotation3;
     use proptest::prelude::*;
 
     /// The rotation by Rodrigues' formula.
@@ -210,6 +213,17 @@ mod tests {
                 let [turned] = rotation.to_parent(rotation.turn(0.0), [[1.0, 2.0, 3.0]]);
                 let expected = origin * Vector3::new(1.0, 2.0, 3.0);
                 assert_eq!(turned, [expected[0], expected[1], expected[2]]);
+            }
+        }
+    }
+
+    #[test]
+    fn an_axis_that_is_nearly_a_coordinate_axis_keeps_all_digits() {
+        for slope in [5.35e-6, 1e-8, 1e-3] {
+            for axis in
+                [Vector3::new(-1.0, 0.0, slope), Vector3::new(slope, 1.0, -slope), Vector3::new(0.0, slope, -1.0)]
+            {
+                check(Matrix3::identity(), axis.normalize(), -1.509, [0.3, -1.0, -0.537]);
             }
         }
     }

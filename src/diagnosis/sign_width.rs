@@ -53,11 +53,12 @@ pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Res
         let of_joint = |joint| fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         (0..model.dof()).map(of_joint).collect()
     };
+    let plain_left = left(&plain);
     let gains = |widths: Vec<f64>| -> Result<Widths> {
         let known = known.with_sign_widths(widths.clone());
         let Side { baseline, torque, .. } = Side::new(model, &known, side.rows.clone(), side.training)?;
         let with = left(&whitener.fit(&baseline, &torque));
-        let gains = left(&plain).into_iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
+        let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
         Ok(widths.into_iter().zip(gains).collect())
     };
     let tried = |all: Vec<Vec<f64>>| all.into_par_iter().map(gains).collect::<Result<Vec<Widths>>>();
@@ -75,7 +76,7 @@ pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Res
     if of_most(gained) < LIKELIER {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
         let rows = whitener.rows();
-        let of_noise = |joint: usize| (left(&plain)[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < EXPLAINED;
+        let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < EXPLAINED;
         let alone = |joint: &usize| surely[*joint] && best[*joint].1 > LIKELIER && of_noise(*joint);
         let joints = 0..model.dof();
         return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { 0.0 }).collect());

@@ -1,6 +1,6 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, print, progress};
+use super::{DONE, Global, gravity, print, progress};
 use crate::dataset::Dataset;
 use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
 use crate::diagnosis::{Input, Options, conclude, held_out};
@@ -17,7 +17,7 @@ use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What the written scenario says of itself.
 const EXTENDED_NOTE: &str = "\
@@ -57,16 +57,16 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
     /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true)]
-    gravity: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
+    gravity: Option<nalgebra::Vector3<f64>>,
     /// Probability of naming anything where there is nothing.
     #[arg(long, default_value_t = 0.05)]
     alpha: f64,
     /// Most effects that are named.
-    #[arg(long, default_value_t = 12)]
-    max_findings: usize,
-    /// Effect to look for; repeat for more. All of the library where absent.
-    #[arg(long, value_name = "EFFECT")]
+    #[arg(long, default_value = "12", value_parser = clap::value_parser!(u16).range(1..))]
+    max_findings: u16,
+    /// Effects to look for, with commas between, or repeated. All of the library where absent.
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     candidates: Vec<String>,
     /// Leave out the simulation of what was found along the held-out motion.
     #[arg(long)]
@@ -131,7 +131,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let options = Options {
         trust: arguments.trust,
         alpha: arguments.alpha,
-        max_findings: arguments.max_findings,
+        max_findings: arguments.max_findings.into(),
         seed: global.seed.unwrap_or_default(),
         candidates: arguments.candidates.clone(),
     };
@@ -194,14 +194,10 @@ struct Simulation {
 }
 
 fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simulation> {
-    let check = match arguments.trust {
-        Trust::Nominal => InertiaCheck::Required,
-        Trust::Structure => InertiaCheck::Ignored,
-    };
     let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
     let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
     let mut robot = match (&named, &arm) {
-        (Some(path), _) => robot::load(path, check)?,
+        (Some(path), _) => loaded(path, arguments.trust)?,
         (None, Some(arm)) => arm.known.clone(),
         (None, None) => {
             return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
@@ -210,9 +206,7 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
     if let Some(dataset) = dataset {
         dataset.mount(&mut robot)?;
     }
-    if let Some(gravity) = &arguments.gravity {
-        robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
-    }
+    robot.gravity = arguments.gravity.unwrap_or(robot.gravity);
     let mut effects = Vec::new();
     if let (Some(path), Some(arm)) = (&arguments.scenario, &arm) {
         for spec in &arm.scenario.effects {
@@ -220,6 +214,23 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
         }
     }
     Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
+}
+
+/// The arm of a URDF. Inertias that no body has are told; their torque is well defined all the same, unless there are none.
+fn loaded(path: &Path, trust: Trust) -> Result<Robot> {
+    let robot = robot::load(path, InertiaCheck::Ignored)?;
+    if trust == Trust::Nominal {
+        if robot.joints.iter().all(|joint| joint.inertia.mass() == 0.0) {
+            let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
+            return Err(Error::input(path, None, "inertial", problem));
+        }
+        match robot::load(path, InertiaCheck::Required) {
+            Err(problem) if robot.joints.iter().any(|joint| joint.inertia.mass() < 0.0) => return Err(problem),
+            Err(problem) => tracing::warn!("{problem}; they are taken as they are"),
+            Ok(_) => {}
+        }
+    }
+    Ok(robot)
 }
 
 fn described(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {

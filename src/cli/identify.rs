@@ -1,6 +1,6 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::{DONE, Global, print, progress};
+use super::{DONE, Global, gravity, print, progress};
 use crate::dataset::{self, Dataset, Logs};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
@@ -44,8 +44,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
     /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true)]
-    gravity: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
+    gravity: Option<nalgebra::Vector3<f64>>,
     /// Savitzky-Golay window, samples, odd; that of the scenario, or a tenth of a second.
     #[arg(long, value_name = "SAMPLES")]
     window: Option<usize>,
@@ -141,9 +141,7 @@ fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) 
     if let Some(dataset) = dataset {
         dataset.mount(&mut robot)?;
     }
-    if let Some(gravity) = &arguments.gravity {
-        robot.gravity = nalgebra::Vector3::from_column_slice(gravity);
-    }
+    robot.gravity = arguments.gravity.unwrap_or(robot.gravity);
     Ok(robot)
 }
 

@@ -5,6 +5,7 @@ mod check;
 mod diagnose;
 mod effects;
 mod excite;
+mod gravity;
 mod identify;
 mod inspect;
 mod interrupt;

@@ -10,8 +10,8 @@ use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
 use crate::effects::{Along, Placed, Scope, Site, contributions, direction};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
-use crate::identification::model::{Model, STANDARD};
-use crate::robot::{Inertia, PARAMETERS, Robot};
+use crate::identification::model::{COULOMB, Model, ROTOR, STANDARD};
+use crate::robot::Robot;
 use crate::signal::{ZeroPhaseLowPass, second_derivative};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -28,9 +28,6 @@ const BELOW_SWING: f64 = 0.6;
 const SWING_ORDER: usize = 4;
 const SLOWEST_SWING_HZ: f64 = 1.5;
 const PLACES: usize = 10;
-
-/// Place of Coulomb friction among the standard parameters of a joint.
-const COULOMB: usize = 12;
 
 /// Rounds in which the position behind an encoder's error is found.
 const ENCODER_ROUNDS: usize = 4;
@@ -125,12 +122,11 @@ impl Arm {
 
     /// Takes over values of the baseline, in the order of [`Arm::baseline`].
     pub fn take(&mut self, model: &Model, values: &[f64]) {
-        let mut standard = vec![0.0; STANDARD * model.dof()];
+        let mut standard = Model::standard_values(&self.known);
         match self.trust {
             Trust::Structure => {
                 // What motion does not tell is as described. It matters to what gears carry, which is the torque of the bodies
                 // alone though only the sum of a rotor's and a link's inertia can be told, and to gravity of another direction.
-                standard = Model::standard_values(&self.known);
                 model.base().kept().iter().for_each(|&kept| standard[kept] = 0.0);
                 let described = model.base().values(&standard);
                 for ((&kept, &value), described) in model.base().kept().iter().zip(values).zip(described) {
@@ -139,20 +135,15 @@ impl Arm {
                 self.split_off_rotors(model, &mut standard);
             }
             Trust::Nominal => {
-                standard = Model::standard_values(&self.known);
                 let friction = (0..model.base().len()).filter(|&b| model.is_friction(b));
-                let rotors = (0..model.dof()).map(|joint| joint * STANDARD + PARAMETERS);
+                let rotors = (0..model.dof()).map(|joint| joint * STANDARD + ROTOR);
                 let places = friction.map(|b| model.base().kept()[b]).chain(rotors);
                 for (place, &value) in places.zip(values) {
                     standard[place] = value;
                 }
             }
         }
-        for (joint, values) in self.found.joints.iter_mut().zip(standard.chunks_exact(STANDARD)) {
-            joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
-            let drive = &mut joint.drive;
-            [drive.armature, drive.viscous, drive.coulomb] = [values[10], values[11], values[12]];
-        }
+        self.found = Model::with_standard_values(&self.known, &standard);
     }
 
     /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is told and the
@@ -161,7 +152,7 @@ impl Arm {
         let described = Model::standard_values(&self.known);
         let (kept, regrouping) = (model.base().kept(), model.base().regrouping());
         for joint in 0..model.dof() {
-            let (first, rotor) = (joint * STANDARD, joint * STANDARD + PARAMETERS);
+            let (first, rotor) = (joint * STANDARD, joint * STANDARD + ROTOR);
             if model.rotor_stands_alone(joint) || described[rotor] != 0.0 {
                 continue;
             }

@@ -7,7 +7,7 @@ use super::generic::slow_cosines;
 use super::judging::Judged;
 use super::roles::is_level;
 use super::rows::Rows;
-use super::score::{PRIOR, Projection, Test};
+use super::score::{Projection, Test};
 use super::session::Session;
 use super::stretches::STRETCH;
 use super::whitening::Whitener;
@@ -60,17 +60,18 @@ fn over_stretches(rows: usize, whitener: &Whitener, fit: &Projection, columns: &
     let residual = Projection::new(&columns, &fit.residual).residual;
     let width = (rows / STRETCHES).clamp(SHORTEST_STRETCH, STRETCH);
     let (count, stretches) = (columns.len(), rows / width + 1);
-    // What is known beforehand is no part of any stretch.
-    let mut scores = vec![DVector::<f64>::zeros(count); stretches + 1];
+    let mut scores = vec![DVector::<f64>::zeros(count); stretches];
     for (joint, left) in &residual.parts {
-        let places = if *joint == PRIOR { None } else { Some(whitener.places(*joint)) };
+        let places = whitener.places(*joint);
         for (index, column) in columns.iter().enumerate() {
             let Some(values) = column.part(*joint) else { continue };
-            for (row, (r, z)) in left.iter().zip(values).enumerate() {
-                scores[places.map_or(stretches, |places| places[row] / width)][index] += r * z;
+            for ((r, z), place) in left.iter().zip(values).zip(places) {
+                scores[place / width][index] += r * z;
             }
         }
     }
+    // What is known beforehand is no part of any stretch.
+    scores.push(DVector::from_iterator(count, columns.iter().map(|column| column.dot_beforehand(&residual))));
     let used = scores.iter().filter(|score| score.norm_squared() > 0.0).count();
     if used <= 2 * freedom {
         return 0.0;
@@ -112,7 +113,7 @@ pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, co
     }
     let with = fit.with(columns);
     let (mut excess, mut certainty) = (0.0, 0.0);
-    for (joint, _) in predicted.parts.iter().filter(|(joint, _)| *joint != PRIOR) {
+    for (joint, _) in &predicted.parts {
         let own = predicted.only(&[*joint]);
         let cosines = whitener.apply_all(&slow_cosines(rows, *joint, 1..SLOW + 1));
         let slow = 1.0 - Projection::new(&cosines, &own).left() / own.dot(&own).max(f64::MIN_POSITIVE);

@@ -8,18 +8,25 @@ use std::ops::Range;
 pub struct Column {
     /// Joints with their values.
     pub parts: Vec<(usize, Vec<f64>)>,
+    /// Values in rows of no joint: observations that stand for what is known of factors before anything is measured.
+    pub beforehand: Vec<f64>,
 }
 
 impl Column {
     /// From one signal per joint; those that are zero throughout are left out.
     pub fn new(signals: impl IntoIterator<Item = Vec<f64>>) -> Self {
         let parts = signals.into_iter().enumerate();
-        Column { parts: parts.filter(|(_, signal)| signal.iter().any(|&v| v != 0.0)).collect() }
+        Self::of(parts.filter(|(_, signal)| signal.iter().any(|&v| v != 0.0)).collect())
     }
 
     /// A torque on one joint.
     pub fn on(joint: usize, signal: Vec<f64>) -> Self {
-        Column { parts: vec![(joint, signal)] }
+        Self::of(vec![(joint, signal)])
+    }
+
+    /// Of joints with their values, in the order of the joints.
+    pub fn of(parts: Vec<(usize, Vec<f64>)>) -> Self {
+        Column { parts, beforehand: Vec::new() }
     }
 
     /// The values on a joint.
@@ -29,7 +36,13 @@ impl Column {
 
     /// Inner product over all joints and rows.
     pub fn dot(&self, other: &Column) -> f64 {
-        self.parts.iter().filter_map(|(joint, a)| Some(inner_product(a, other.part(*joint)?))).sum()
+        let parts = self.parts.iter().filter_map(|(joint, a)| Some(inner_product(a, other.part(*joint)?)));
+        parts.sum::<f64>() + self.dot_beforehand(other)
+    }
+
+    /// The same over the rows of what is known beforehand alone.
+    pub fn dot_beforehand(&self, other: &Column) -> f64 {
+        self.beforehand.iter().zip(&other.beforehand).map(|(a, b)| a * b).sum()
     }
 
     /// Adds `factor` times `other`.
@@ -40,11 +53,13 @@ impl Column {
                 Err(place) => self.parts.insert(place, (*joint, values.iter().map(|y| factor * y).collect())),
             }
         }
+        self.beforehand.resize(self.beforehand.len().max(other.beforehand.len()), 0.0);
+        self.beforehand.iter_mut().zip(&other.beforehand).for_each(|(x, y)| *x += factor * y);
     }
 
     /// All values times `factor`.
     pub fn scale(&mut self, factor: f64) {
-        self.parts.iter_mut().flat_map(|(_, values)| values).for_each(|x| *x *= factor);
+        self.parts.iter_mut().flat_map(|(_, values)| values).chain(&mut self.beforehand).for_each(|x| *x *= factor);
     }
 
     /// The same with zeros in the rows that do not count, `[joint][row]`.
@@ -53,7 +68,7 @@ impl Column {
             let values = values.iter().zip(&valid[*joint]);
             (*joint, values.map(|(&x, &ok)| if ok { x } else { 0.0 }).collect())
         });
-        Column { parts: parts.collect() }
+        Self::of(parts.collect())
     }
 
     /// This over the first of two stretches of rows of these lengths, and `other` over the second.
@@ -63,7 +78,7 @@ impl Column {
         let of = |column: &Column, joint, rows| column.part(joint).map_or_else(|| vec![0.0; rows], <[f64]>::to_vec);
         let parts =
             joints.into_iter().map(|joint| (joint, [of(self, joint, first), of(other, joint, second)].concat()));
-        Column { parts: parts.collect() }
+        Self::of(parts.collect())
     }
 
     /// The same with zeros outside a range of rows.
@@ -77,9 +92,9 @@ impl Column {
         column
     }
 
-    /// The same on some joints only.
+    /// The same on some joints only, without what is known beforehand.
     pub fn only(&self, joints: &[usize]) -> Self {
-        Column { parts: self.parts.iter().filter(|(joint, _)| joints.contains(joint)).cloned().collect() }
+        Self::of(self.parts.iter().filter(|(joint, _)| joints.contains(joint)).cloned().collect())
     }
 
     /// Whether all values are numbers and not all are zero.

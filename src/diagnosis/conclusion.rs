@@ -4,6 +4,7 @@ use super::Options;
 use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
+use super::disagreement::disagreement;
 use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::found::Found;
@@ -17,7 +18,7 @@ use super::session::{Member, Session};
 use super::side::Side;
 use super::structure::Unexplained;
 use super::unexplained::unexplained;
-use super::verdict::{Diagnosis, is_of_sampling, next_experiment, not_found, take_back, verdict};
+use super::verdict::{self, Diagnosis, next_experiment, not_found, take_back};
 use super::whitening::Whitener;
 use crate::channels::Channels;
 use crate::effects::Placed;
@@ -205,7 +206,7 @@ struct Circumstances {
 fn answer<'a>(
     session: Session<'a>,
     selection: Selection,
-    unexplained: Vec<Unexplained>,
+    mut unexplained: Vec<Unexplained>,
     circumstances: Circumstances,
     options: &Options,
 ) -> Result<Conclusion<'a>> {
@@ -219,24 +220,33 @@ fn answer<'a>(
     let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
+    let solved = session.solved(&members, &whitener)?;
+    let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
+    let trained = session.residual_on(&session.train, &members, &whitener)?;
+    let left = [(&session.train.rows, &trained), (test, &extended)];
+    for other in disagreement(left, &noise_floor, &prediction_std) {
+        unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
+        unexplained.push(other);
+    }
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let closed = residuals.gap_closed(&amiss(&unexplained), options.seed);
-    let solved = session.solved(&members, &whitener)?;
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
-    let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
     let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
     let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
-    let all = found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects));
-    let (sampling, named): (Vec<_>, Vec<_>) =
-        all.partition(|((found, _), _)| is_of_sampling(found, period, &noise_floor));
-    let sampling_delay =
-        sampling.first().map(|((Found { member, .. }, _), _)| [member.placed.parameters[0], member.std[0]]);
+    let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
+    for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
+        let added = session.arm.added_throughout(std::slice::from_ref(&found.member.placed), test)?;
+        match verdict::of_sampling(&found, period, &rms(&test.valid, &added[0]), &noise_floor) {
+            Some(short) => of_sampling.push(short),
+            None => named.push(((found, derived), effect)),
+        }
+    }
     let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
     evidence.effects = effects;
     let diagnosis = Diagnosis {
-        verdict: verdict(&found, inertias.is_some(), &unexplained),
+        verdict: verdict::verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,
         candidates: options.candidates.clone(),
         cutoffs_hz: session.cutoffs_hz.clone(),
@@ -259,7 +269,7 @@ fn answer<'a>(
         against_reference: session.train.rows.before > 0,
         before,
         found,
-        sampling_delay,
+        of_sampling,
         sign_widths: session.arm.sign_widths.clone(),
         unexplained,
         evidence,

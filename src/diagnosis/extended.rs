@@ -12,8 +12,8 @@ use crate::effects::{Along, Placed, Role, Site, contributions};
 use crate::error::Result;
 use crate::identification::consistent;
 use crate::identification::effect_model::Trust;
-use crate::identification::model::{Model, STANDARD};
-use crate::robot::{Drive, Inertia, PARAMETERS, Robot};
+use crate::identification::model::Model;
+use crate::robot::{Drive, Robot};
 use nalgebra::DMatrix;
 
 /// Violation of a body's conditions, relative, that is rounding.
@@ -132,12 +132,7 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
     let normal = normal(session, whitener);
     let beta = model.base().values(&Model::standard_values(robot));
     let solution = consistent::solve(model, &normal, &beta)?;
-    let mut robot = robot.clone();
-    for (joint, values) in robot.joints.iter_mut().zip(solution.standard.chunks_exact(STANDARD)) {
-        joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
-        joint.drive = Drive { armature: values[PARAMETERS], viscous: values[11], coulomb: values[12] };
-    }
-    Ok(robot)
+    Ok(solution.robot(robot))
 }
 
 /// Inner products of the base parameters' columns on whitened training rows.

@@ -40,6 +40,7 @@ pub mod cross_validation;
 pub mod cut_off;
 pub mod cutoffs;
 pub mod derived;
+pub mod disagreement;
 pub mod eligible;
 pub mod errors_of_motion;
 pub mod evidence;

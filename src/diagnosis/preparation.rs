@@ -9,7 +9,7 @@ use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
 use super::side::Side;
 use super::smoothing;
 use super::whitening::{Whitener, rich};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
@@ -111,7 +111,8 @@ impl<'a> Preparation<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn sides(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[Side; 2]> {
-        let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), FEWEST_TEST_ROWS)?;
+        let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), FEWEST_TEST_ROWS);
+        let rows = rows.map_err(of_held_out)?;
         Ok([self.training(through, cutoffs_hz)?, Side::new(self.model, self.known, rows, false)?])
     }
 
@@ -157,5 +158,13 @@ impl<'a> Preparation<'a> {
             Some(passband::left(&rows, &torque, &columns))
         };
         Ok(passband::best(edge_hz, left).and_then(|found| self.best_of(Some(found))))
+    }
+}
+
+/// A problem that the logs to judge by have, told as theirs.
+fn of_held_out(problem: Error) -> Error {
+    match problem {
+        Error::Request { subject, problem } => Error::request(format!("{subject} of the held-out logs"), problem),
+        other => other,
     }
 }

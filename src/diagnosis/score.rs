@@ -11,9 +11,6 @@ const TESTABLE: f64 = 1e-5;
 /// The same for a direction to count as mostly left.
 const MOSTLY_LEFT: f64 = 0.3;
 
-/// In place of a joint: the rows of what is known beforehand, at which nothing was seen.
-pub const PRIOR: usize = usize::MAX;
-
 /// Share of a factor's direction that must be testable for the factor to count as told.
 const TOLD: f64 = 0.5;
 
@@ -24,6 +21,8 @@ const INDEPENDENT: f64 = 1e-7;
 #[derive(Debug, Clone)]
 pub struct Projection {
     basis: Vec<Column>,
+    /// Factors of which something is known beforehand.
+    known: usize,
     /// What the fit leaves.
     pub residual: Column,
 }
@@ -31,7 +30,7 @@ pub struct Projection {
 impl Projection {
     /// Fits `torque` by `columns`, both whitened.
     pub fn new(columns: &[Column], torque: &Column) -> Self {
-        let mut fit = Projection { basis: Vec::new(), residual: torque.clone() };
+        let mut fit = Projection { basis: Vec::new(), known: 0, residual: torque.clone() };
         fit.extend(columns);
         fit
     }
@@ -45,16 +44,16 @@ impl Projection {
 
     /// The same fit with more columns whose factors are known beforehand to lie near zero, with these standard deviations (infinite where
     /// nothing is known): an observation of zero is added for each (mixed estimation; Theil and Goldberger, International Economic
-    /// Review 2, 1961). They are rows of no joint, [`PRIOR`].
+    /// Review 2, 1961).
     pub fn with_prior(&self, columns: &[Column], spread: &[f64]) -> Self {
         let observed = columns.iter().zip(spread).enumerate().map(|(k, (column, spread))| {
-            let mut own = vec![0.0; columns.len()];
-            own[k] = 1.0 / spread;
-            let mut column = column.clone();
-            column.add(1.0, &Column::on(PRIOR, own));
-            column
+            let mut beforehand = vec![0.0; self.known + columns.len()];
+            beforehand[self.known + k] = 1.0 / spread;
+            Column { parts: column.parts.clone(), beforehand }
         });
-        self.with(&observed.collect::<Vec<_>>())
+        let mut fit = self.with(&observed.collect::<Vec<_>>());
+        fit.known += columns.len();
+        fit
     }
 
     fn extend(&mut self, columns: &[Column]) {
@@ -277,6 +276,10 @@ mod tests {
             assert!((left(spread) - share).abs() < 1e-9, "{} {share}", left(spread));
         }
         assert!((left(f64::INFINITY) - 1.0).abs() < 1e-9);
+        // What is known of the same factor twice adds up.
+        let twice = fit.with_prior(std::slice::from_ref(&error), &[0.1]).with_prior(std::slice::from_ref(&error), &[0.1]);
+        let left = twice.residual.dot(&error) / (2.0 * norm);
+        assert!((left - 1.0 / (1.0 + 2.0 * norm * 0.01)).abs() < 1e-9, "{left}");
         // Nothing else is touched.
         let beside = fit.with_prior(&[error], &[0.1]);
         assert!((beside.test(&[extra]).unwrap().values[0] - 0.7).abs() < 1e-9);

@@ -107,25 +107,24 @@ impl<'a> Session<'a> {
         test: &[&Recording],
     ) -> Result<Self> {
         let preparation = Preparation::new(model, &known, train, test)?;
-        let Prepared { sides: [mut train, mut test], cutoff_hz, passband } = preparation.prepared()?;
+        let Prepared { sides: [train, test], cutoff_hz, passband } = preparation.prepared()?;
+        let (arm, open_play) = (known.arm.clone(), Vec::new());
+        let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
+        let knows = known.clone();
+        let mut session =
+            Session { model, trust, known: knows, arm, train, test, apart, open_play, cutoffs_hz, passband };
         // How sharply friction turns is known from before a change, if one is in question; torque that went through a low-pass does not tell.
         let widths = match known.reference.is_empty() && passband.is_none() {
-            true => {
-                let both = if preparation.is_apart() { train.and(&test) } else { train.clone() };
-                sign_width::likeliest(model, trust, &known, &both)?
-            }
+            true if apart => sign_width::likeliest(&session.over_all_logs())?,
+            true => sign_width::likeliest(&session)?,
             false => known.arm.sign_widths.clone(),
         };
-        let turned = widths != known.arm.sign_widths;
         let known = known.with_sign_widths(widths);
         let preparation = preparation.knowing(&known);
-        if turned {
-            [train, test] = preparation.sides(passband, &preparation.alike(cutoff_hz))?;
+        if known.arm.sign_widths != session.arm.sign_widths {
+            [session.train, session.test] = preparation.sides(passband, &session.cutoffs_hz)?;
+            (session.arm, session.known) = (known.arm.clone(), known.clone());
         }
-        let (arm, open_play) = (known.arm.clone(), Vec::new());
-        let (known, apart) = (known.clone(), preparation.is_apart());
-        let cutoffs_hz = preparation.alike(cutoff_hz);
-        let mut session = Session { model, trust, known, arm, train, test, apart, open_play, cutoffs_hz, passband };
         let mut noise = session.settle_baseline()?;
         let of_fit = (&noise.whitener, &noise.fit.residual);
         let likeliest = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;

@@ -5,15 +5,13 @@
 //! more by it than by any law of the library that says how friction goes with speed.
 
 use super::candidates;
-use super::known::Known;
-use super::roles::linear;
+use super::judging::Judged;
 use super::score::Projection;
+use super::session::Session;
 use super::side::Side;
 use super::whitening::Whitener;
-use crate::effects::{LIBRARY, Nature, Placed};
+use crate::effects::{LIBRARY, Nature};
 use crate::error::Result;
-use crate::identification::effect_model::Trust;
-use crate::identification::model::Model;
 use rayon::prelude::*;
 
 /// Widths that are tried, rad/s or m/s. Narrower ones end within the rows that are left out.
@@ -34,19 +32,20 @@ const TOLD: f64 = 1.0;
 /// Mean square of what a width leaves of one joint alone, in units of the noise, up to which it explains that joint.
 const EXPLAINED: f64 = 1.5;
 
-/// Factor on what the best law of the library gains on a joint, beyond which a width gains surely more: it has fewer parameters, but the laws
-/// are tried at a grid of theirs.
-const BEYOND_LAWS: f64 = 1.5;
+/// By how much more likely, in its logarithm, the torque of a joint must be than with the best law of the library, though a width has fewer
+/// parameters than any.
+const BEYOND_LAWS: f64 = 3.0;
 
 /// Widths of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
 type Widths = Vec<(f64, f64)>;
 
-/// The width of each joint under which its torque is likeliest, rad/s or m/s; zeros where a plain sign does as well. `side` is all logs, made
-/// with the arm as `known`: where motions are slow tells most, and those may be the held-out ones.
+/// The width of each joint under which its torque is likeliest, rad/s or m/s; zeros where a plain sign does as well. The `session` is that over
+/// all logs with the arm as known: where motions are slow tells most, and those may be the held-out ones.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Result<Vec<f64>> {
+pub fn likeliest(session: &Session) -> Result<Vec<f64>> {
+    let Session { model, train: side, .. } = session;
     let whitener = Whitener::new(&side.rows, &side.torque, &side.baseline);
     let plain = whitener.fit(&side.baseline, &side.torque);
     let left = |fit: &Projection| -> Vec<f64> {
@@ -55,7 +54,7 @@ pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Res
     };
     let plain_left = left(&plain);
     let gains = |widths: Vec<f64>| -> Result<Widths> {
-        let known = known.with_sign_widths(widths.clone());
+        let known = session.known.with_sign_widths(widths.clone());
         let Side { baseline, torque, .. } = Side::new(model, &known, side.rows.clone(), side.training)?;
         let with = left(&whitener.fit(&baseline, &torque));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
@@ -69,9 +68,9 @@ pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Res
         let finer = tried(factors.iter().map(scaled).collect())?;
         better(&mut best, finer);
     }
-    let by_laws = by_laws(trust, known, side, &whitener, &plain)?;
+    let by_laws = by_laws(session, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "width of the sign of friction");
-    let surely: Vec<bool> = best.iter().zip(&by_laws).map(|((_, gain), by_law)| *gain > BEYOND_LAWS * by_law).collect();
+    let surely: Vec<bool> = best.iter().zip(&by_laws).map(|((_, gain), by_law)| *gain > BEYOND_LAWS + by_law).collect();
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
     if of_most(gained) < LIKELIER {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
@@ -92,19 +91,18 @@ pub fn likeliest(model: &Model, trust: Trust, known: &Known, side: &Side) -> Res
 
 /// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the
 /// `plain` fit.
-fn by_laws(trust: Trust, known: &Known, side: &Side, whitener: &Whitener, plain: &Projection) -> Result<Vec<f64>> {
+fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result<Vec<f64>> {
     let of_speed = LIBRARY.iter().map(|effect| effect.about()).filter(|about| about.nature == Nature::OfSpeed);
     let names: Vec<String> = of_speed.map(|about| about.name.to_owned()).collect();
-    let mut best = vec![0.0; side.rows.dof()];
-    for candidate in candidates::all(&known.arm, &side.rows, trust, &names)? {
-        let Placed { effect, joint, .. } = candidate.placed;
-        let Some(test) = plain.test(&whitener.apply_all(&candidate.columns)) else { continue };
-        let bounds = linear(effect).into_iter().map(|index| &effect.parameters()[index]);
-        if bounds.zip(&test.values).all(|(bounds, value)| (bounds.lower..=bounds.upper).contains(value)) {
-            best[joint] = f64::max(best[joint], 0.5 * test.statistic);
-        }
-    }
-    Ok(best)
+    let candidates = candidates::all(&session.arm, &session.train.rows, session.trust, &names)?;
+    let judged: Vec<Judged> =
+        candidates.par_iter().filter_map(|candidate| session.judge(candidate, whitener, plain)).collect();
+    let of_joint = |joint: usize| -> Result<f64> {
+        let own = judged.iter().filter(|judged| judged.candidate.placed.joint == joint);
+        let Some(best) = own.max_by(|a, b| a.test.statistic.total_cmp(&b.test.statistic)) else { return Ok(0.0) };
+        Ok(0.5 * session.refined(best.clone(), whitener, plain)?.test.statistic)
+    };
+    (0..session.model.dof()).map(of_joint).collect()
 }
 
 /// Takes the width of each joint that gains more than the one it has.

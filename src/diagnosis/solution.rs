@@ -116,7 +116,7 @@ mod tests {
     fn a_prediction_is_as_sure_as_the_factors_it_rests_on() {
         let solved = solved();
         let valid = [vec![true, true, false], vec![true; 3]];
-        let on_both = |a: Vec<f64>, b: Vec<f64>| Column { parts: vec![(0, a), (1, b)] };
+        let on_both = |a: Vec<f64>, b: Vec<f64>| Column::of(vec![(0, a), (1, b)]);
         let none = || vec![0.0; 3];
         // The first factor by half: 3 and 4 halves in the rows that count; of the second and third the sum alone is told.
         let first = on_both(vec![3.0, 4.0, 100.0], none());

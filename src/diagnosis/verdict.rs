@@ -4,15 +4,16 @@ use super::Options;
 use super::candidates::{Family, is_candidate, is_wanted, places};
 use super::contest::Alternative;
 use super::derived::Derived;
+use super::disagreement;
 use super::evidence::Evidence;
 use super::found::Found;
 use super::inertias::Gain;
 use super::multiplicity::Multiplicity;
 use super::passband::LowPass;
 use super::residual_structure::ResidualStructure;
-use super::session::Session;
+use super::session::{Member, Session};
 use super::structure::Unexplained;
-use crate::effects::{LIBRARY, Nature, Placed};
+use crate::effects::{LIBRARY, Nature, Parameter, Placed};
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -28,8 +29,8 @@ const WORSE: f64 = 1.1;
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
 
-/// Size of a delay, over the noise of every joint, up to which it is of the sampling.
-const SMALL: f64 = 0.5;
+/// Size of a delay or lag, over the noise of every joint, up to which it is of the sampling.
+const SMALL: f64 = 1.0;
 
 /// What the diagnosis says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -57,6 +58,15 @@ pub struct NotFound {
     pub minimum_detectable: Option<f64>,
     /// Unit of that.
     pub unit: &'static str,
+}
+
+/// A delay or lag of the torque that is of the sampling.
+#[derive(Debug, Clone, Copy)]
+pub struct OfSampling {
+    /// The joint of a lag; None for a delay, which is of all joints.
+    pub joint: Option<usize>,
+    /// How long, and its standard deviation, s.
+    pub seconds: [f64; 2],
 }
 
 /// The whole answer. Root mean squares are of means over 20 ms, per joint, N m.
@@ -101,8 +111,8 @@ pub struct Diagnosis {
     pub before: Vec<Found>,
     /// Effects found.
     pub found: Vec<Found>,
-    /// A delay of the torque, and its standard deviation, s, that is of the sampling: in the model, and no effect.
-    pub sampling_delay: Option<[f64; 2]>,
+    /// Delays and lags of the torque that are of the sampling: in the model, and no effects.
+    pub of_sampling: Vec<OfSampling>,
     /// Speed over which the friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for a plain sign.
     pub sign_widths: Vec<f64>,
     /// What follows from the parameters of each.
@@ -148,10 +158,11 @@ pub fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&
             excess(after) > (noise[joint].powi(2)).min((1.0 - FIRM) * excess(before))
         })
         .collect();
-    for one in found.iter_mut().filter(|one| one.member.candidate.log.is_none() && one.impacts.is_none()) {
+    for one in found.iter_mut().filter(|one| one.impacts.is_none()) {
         let joints = one.member.candidate.joints();
-        // An effect on many joints does not fall with one of them.
-        if joints.iter().all(|joint| open.contains(joint)) || predicts_worse(one, noise) {
+        // An effect on many joints does not fall with one of them, and what happened in one log is not in the others.
+        let is_open = one.member.candidate.log.is_none() && joints.iter().all(|joint| open.contains(joint));
+        if is_open || predicts_worse(one, noise) {
             one.verdict = Verdict::Unexplained;
         }
     }
@@ -166,13 +177,18 @@ pub fn predicts_worse(found: &Found, noise: &[f64]) -> bool {
     found.impacts.is_none() && after > WORSE * before
 }
 
-/// Whether a finding is what sampling does: torque that is held over a step, or read at one end of it, lies up to half a sample
-/// beside the motion. That is worth no name as long as it is small in the noise, `[joint]`, of every joint.
-pub fn is_of_sampling(found: &Found, period: f64, noise: &[f64]) -> bool {
-    let Placed { effect, parameters, .. } = &found.member.placed;
-    let [before, after] = &found.rms;
-    let sizes = before.iter().zip(after).zip(noise).map(|((b, a), noise)| (b * b - a * a).max(0.0).sqrt() / noise);
-    effect.about().nature == Nature::Delay && parameters[0].abs() <= 0.5 * period && sizes.fold(0.0, f64::max) < SMALL
+/// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
+/// beside the motion. That is worth no name as long as what it adds, root mean square, is small in the `noise` of every joint.
+pub fn of_sampling(found: &Found, period: f64, added: &[f64], noise: &[f64]) -> Option<OfSampling> {
+    let Member { placed: Placed { effect, joint, parameters }, std, .. } = &found.member;
+    let joint = match effect.about().nature {
+        Nature::Delay => None,
+        Nature::Lag => Some(*joint),
+        _ => return None,
+    };
+    let size = added.iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
+    let is_short = parameters[0].abs() <= 0.5 * period;
+    (is_short && size < SMALL).then_some(OfSampling { joint, seconds: [parameters[0], std[0]] })
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
@@ -209,10 +225,12 @@ pub fn not_found(
         .filter(|(_, family)| !taken.contains(family))
         .map(|(effect, family)| {
             let seen = sensitivity.get(&family);
-            let index = seen.map_or(0, |(index, _)| *index);
+            let Parameter { unit, lower, upper, .. } = effect.parameters()[seen.map_or(0, |(index, _)| *index)];
+            // What no arm can have, no log can show.
+            let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable =
-                seen.map(|(_, std)| factor(family.effect) * std).filter(|size| size.is_finite() && *size > 0.0);
-            NotFound { family, minimum_detectable, unit: effect.parameters()[index].unit }
+                seen.map(|(_, std)| factor(family.effect) * std).filter(|size| *size > 0.0 && sizes.contains(size));
+            NotFound { family, minimum_detectable, unit }
         })
         .collect()
 }
@@ -225,6 +243,11 @@ pub fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Rob
         let told = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
         let told = told.unwrap_or("record motions of other speeds, ranges and loads");
         return format!("to tell {} from {}: {told}", about.name, other.family.effect);
+    }
+    if unexplained.iter().any(|left| left.structure == disagreement::STRUCTURE) {
+        return "the held-out logs do not go with the training logs: check that all are of one arm with one load, and give them as training \
+                logs, or the others as --reference, to ask what changed"
+            .into();
     }
     if let Some(left) = unexplained.first() {
         let joint = &robot.joints[left.joint].name;
@@ -246,7 +269,6 @@ mod tests {
     use super::*;
     use crate::diagnosis::acceptance::Accepted;
     use crate::diagnosis::candidates::Candidate;
-    use crate::diagnosis::session::Member;
     use crate::effects::find;
 
     /// A spring on the first joint that leaves so much of two joints, before and after.

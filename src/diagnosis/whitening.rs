@@ -69,7 +69,7 @@ impl Whitener {
     /// A column whitened; the rows that do not count are gone.
     pub fn apply(&self, column: &Column) -> Column {
         let parts = column.parts.iter().map(|(joint, signal)| (*joint, self.joints[*joint].apply(signal)));
-        Column { parts: parts.collect() }
+        Column::of(parts.collect())
     }
 
     /// [`Whitener::apply`] of many.

@@ -3,7 +3,7 @@
 //!
 //! Columns that no base parameter stands on are never made, nor those of bodies that cannot act on a joint.
 
-use super::model::STANDARD;
+use super::model::{ROTOR, STANDARD, VISCOUS};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Entries, Motion};
 use crate::effects::direction;
@@ -149,8 +149,8 @@ impl BaseColumns {
 fn kind(standard: usize) -> Kind {
     match standard % STANDARD {
         inertial if inertial < PARAMETERS => Kind::Rigid,
-        PARAMETERS => Kind::Rotor,
-        11 => Kind::Viscous,
+        ROTOR => Kind::Rotor,
+        VISCOUS => Kind::Viscous,
         _ => Kind::Coulomb,
     }
 }

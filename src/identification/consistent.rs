@@ -12,7 +12,7 @@ use super::fit::{Fitted, Logs};
 use super::linear_problem::LinearProblem;
 use super::model::{Model, STANDARD};
 use crate::error::{Error, Result};
-use crate::robot::{Drive, Inertia, PARAMETERS, Robot};
+use crate::robot::{Inertia, PARAMETERS, Robot};
 use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
 
 /// Weight of the distance from the URDF's parameters, in their own size. It settles what torque does not see; where
@@ -56,12 +56,7 @@ pub struct Consistent {
 impl Consistent {
     /// The arm with these bodies and drives.
     pub fn robot(&self, known: &Robot) -> Robot {
-        let mut robot = known.clone();
-        for (joint, values) in robot.joints.iter_mut().zip(self.standard.chunks(STANDARD)) {
-            joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
-            joint.drive = Drive { armature: values[PARAMETERS], viscous: values[11], coulomb: values[12] };
-        }
-        robot
+        Model::with_standard_values(known, &self.standard)
     }
 }
 

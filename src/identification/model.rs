@@ -10,11 +10,20 @@ use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
 use crate::error::Result;
 use crate::lane::Aligned;
 use crate::random;
-use crate::robot::{JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::robot::{Drive, Inertia, JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
 use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
 use std::ops::Range;
+
+/// Place of rotor inertia among the standard parameters of a joint, behind the inertial ones of its link.
+pub const ROTOR: usize = PARAMETERS;
+
+/// Place of viscous friction.
+pub const VISCOUS: usize = PARAMETERS + 1;
+
+/// Place of Coulomb friction.
+pub const COULOMB: usize = PARAMETERS + 2;
 
 /// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
 pub const STANDARD: usize = PARAMETERS + 3;
@@ -76,20 +85,20 @@ impl Model {
 
     /// Whether a base parameter is viscous or Coulomb friction.
     pub fn is_friction(&self, base: usize) -> bool {
-        self.base.kept()[base] % STANDARD > PARAMETERS
+        self.base.kept()[base] % STANDARD > ROTOR
     }
 
     /// Whether the rotor inertia of `joint` is a base parameter of its own (and not part of a link's).
     pub fn rotor_stands_alone(&self, joint: usize) -> bool {
-        self.base.kept().contains(&(joint * STANDARD + PARAMETERS))
+        self.base.kept().contains(&(joint * STANDARD + ROTOR))
     }
 
     /// Unit of a standard parameter on a revolute joint.
     pub fn unit(standard: usize) -> &'static str {
         match standard % STANDARD {
             inertial if inertial < PARAMETERS => UNITS[inertial],
-            PARAMETERS => "kg m2",
-            11 => ViscousFriction.parameters()[0].unit,
+            ROTOR => "kg m2",
+            VISCOUS => ViscousFriction.parameters()[0].unit,
             _ => CoulombFriction.parameters()[0].unit,
         }
     }
@@ -97,9 +106,9 @@ impl Model {
     /// Unit of a standard parameter on the joint it belongs to.
     pub fn unit_on_joint(&self, standard: usize) -> &'static str {
         match (self.robot.joints[standard / STANDARD].kind, standard % STANDARD) {
-            (JointKind::Prismatic, PARAMETERS) => "kg",
-            (JointKind::Prismatic, 11) => "N s/m",
-            (JointKind::Prismatic, 12) => "N",
+            (JointKind::Prismatic, ROTOR) => "kg",
+            (JointKind::Prismatic, VISCOUS) => "N s/m",
+            (JointKind::Prismatic, COULOMB) => "N",
             _ => Self::unit(standard),
         }
     }
@@ -147,6 +156,16 @@ impl Model {
                 joint.inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
             })
             .collect()
+    }
+
+    /// `robot` with other standard parameters, in the order of [`Model::names`].
+    pub fn with_standard_values(robot: &Robot, standard: &[f64]) -> Robot {
+        let mut robot = robot.clone();
+        for (joint, values) in robot.joints.iter_mut().zip(standard.chunks_exact(STANDARD)) {
+            joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
+            joint.drive = Drive { armature: values[ROTOR], viscous: values[VISCOUS], coulomb: values[COULOMB] };
+        }
+        robot
     }
 }
 

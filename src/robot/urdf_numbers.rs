@@ -1,10 +1,8 @@
 //! The numbers in a URDF, checked where they stand: the URDF crate says what is wrong, but not where.
 
+use super::LARGEST;
 use crate::error::{Error, Result};
 use std::path::Path;
-
-/// Numbers beyond this are no arm's, and their squares would leave double precision.
-const LARGEST: f64 = 1e9;
 
 /// Elements with their attributes and how many numbers each holds.
 const NUMBERS: [(&str, &[(&str, usize)]); 6] = [

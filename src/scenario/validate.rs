@@ -3,10 +3,8 @@
 use super::locate::Located;
 use super::{MotionSpec, PerJoint, SCHEMA, Scenario};
 use crate::error::Result;
+use crate::robot::LARGEST;
 use crate::signal::{Edge, SavitzkyGolay};
-
-/// Numbers beyond this are no arm's, and their squares would leave double precision.
-const LARGEST: f64 = 1e9;
 
 /// Smallest encoder step and time taken for a number; below, its inverse would leave double precision.
 const SMALLEST: f64 = 1e-12;

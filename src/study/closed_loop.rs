@@ -9,7 +9,7 @@ use crate::identification::least_squares::JointRegression;
 use crate::identification::model::{Model, STANDARD};
 use crate::identification::prepare::Prepared;
 use crate::recording::Signals;
-use crate::robot::{Inertia, PARAMETERS, Robot};
+use crate::robot::{Joint, Robot};
 use crate::scenario::{Setup, drive_friction};
 use crate::simulation::engine::EngineKind;
 use crate::simulation::integrator::Integrator;
@@ -94,12 +94,9 @@ pub fn with_base_parameters(robot: &Robot, model: &Model, beta: &[f64]) -> Robot
     for (&place, &value) in model.base().kept().iter().zip(beta) {
         standard[place] = value;
     }
-    let mut made = robot.clone();
-    for (joint, values) in made.joints.iter_mut().zip(standard.chunks_exact(STANDARD)) {
-        let (body, drive) = values.split_at(PARAMETERS);
-        joint.inertia = Inertia(std::array::from_fn(|k| body[k]));
-        [joint.drive.armature, joint.drive.viscous, joint.drive.coulomb] =
-            [drive[0], drive[1].max(0.0), drive[2].max(0.0)];
+    let mut made = Model::with_standard_values(robot, &standard);
+    for Joint { drive, .. } in &mut made.joints {
+        [drive.viscous, drive.coulomb] = [drive.viscous.max(0.0), drive.coulomb.max(0.0)];
     }
     made
 }

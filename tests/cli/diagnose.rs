@@ -145,6 +145,16 @@ fn what_tells_nothing_is_refused() {
 }
 
 #[test]
+fn a_held_out_log_in_which_a_joint_creeps_is_told_from_the_others() {
+    changed("creeps.csv", 0.., |column, cell| match column {
+        "q4" | "qd4" => (1e-4 * cell.parse::<f64>().unwrap()).to_string(),
+        _ => cell.to_owned(),
+    });
+    let refused = diagnose("out/recording.csv", &["--test", "creeps.csv"]);
+    assert_refusal(&refused, &["`joint_4` of the held-out logs", "record a longer motion"]);
+}
+
+#[test]
 fn bad_options_are_refused() {
     let train = "out/recording.csv";
     for (more, words) in [

@@ -47,7 +47,7 @@ fn a_part_of_a_sample_of_delay_is_no_finding() {
     let later = |samples: f64| -> Vec<Recording> { logs.iter().map(|log| late(log.clone(), samples)).collect() };
     let diagnosis = diagnosed(&later(0.1), &["time_delay"]);
     assert_eq!(families(&diagnosis), []);
-    let [delay, std] = diagnosis.sampling_delay.unwrap();
+    let [delay, std] = diagnosis.of_sampling[0].seconds;
     assert!((delay - 0.1 * period).abs() < 4.0 * std, "{delay} +- {std}");
     // One that stands out of the noise is, however short.
     assert_eq!(families(&diagnosed(&later(0.4), &["time_delay"])), [("time_delay", 0)]);

@@ -4,9 +4,8 @@ use super::{EffectModel, Trust, without_amplitudes};
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Placed, contributions, direction};
-use crate::identification::model::{Model, STANDARD};
+use crate::identification::model::{Model, ROTOR, STANDARD};
 use crate::identification::prepare::Prepared;
-use crate::robot::PARAMETERS;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
@@ -237,6 +236,6 @@ pub(super) fn arm_name(model: &Model, parameter: ArmParameter) -> String {
 pub(super) fn leader(model: &Model, parameter: ArmParameter) -> usize {
     match parameter {
         ArmParameter::Base(base) => model.base().kept()[base],
-        ArmParameter::Drive(joint, which) => joint * STANDARD + PARAMETERS + which,
+        ArmParameter::Drive(joint, which) => joint * STANDARD + ROTOR + which,
     }
 }

@@ -197,7 +197,7 @@ pub fn result(
     let held_out = "no test log was given: the last part of every training log was held out";
     let notices = [
         ("held_out_from_training", "training logs", diagnosis.held_out_from_training.then(|| held_out.to_owned())),
-        ("sampling_delay", "tau", text::sampling(diagnosis)),
+        ("sampling_delay", "tau", text::sampling(robot, diagnosis)),
         ("smooth_friction", "tau", text::smooth_friction(robot, diagnosis)),
         ("extrapolation", "training logs", text::extrapolation(robot, diagnosis)),
     ];

@@ -3,6 +3,7 @@
 use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
+use crate::diagnosis::disagreement;
 use crate::diagnosis::found::Found;
 use crate::diagnosis::gap::Share;
 use crate::diagnosis::impacts::Play;
@@ -40,7 +41,7 @@ pub fn lines(
             low_pass.hz
         )
     }));
-    let notes = sampling(diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
+    let notes = sampling(robot, diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
     lines.extend(notes.map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
@@ -59,11 +60,11 @@ pub fn lines(
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
-        lines.push(format!(
-            "- {joint}: {percent:.0} % of what is left {}, and {} does so",
-            left.structure,
-            none(diagnosis)
-        ));
+        let why = match left.structure == disagreement::STRUCTURE {
+            true => ": these do not go with the training logs".to_owned(),
+            false => format!(", and {} does so", none(diagnosis)),
+        };
+        lines.push(format!("- {joint}: {percent:.0} % of what is left {}{why}", left.structure));
     }
     lines.extend(where_it_lives(robot, diagnosis));
     lines.push(String::new());
@@ -132,16 +133,23 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
-    format!("Verdict: {answer} (false alarms: at most {} % of runs).", 100.0 * diagnosis.alpha)
+    format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.alpha))
 }
 
-/// What is said of a delay that is of the sampling.
-pub fn sampling(diagnosis: &Diagnosis) -> Option<String> {
-    let [delay, std] = diagnosis.sampling_delay?.map(|seconds| significant(1e3 * seconds));
-    Some(format!(
-        "torque and positions lie {delay} +- {std} ms apart, less than half a sample and little in the noise: the model has it, and \
-         it is no finding"
-    ))
+/// What is said of delays and lags that are of the sampling.
+pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let each = diagnosis.of_sampling.iter().map(|short| {
+        let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
+        match short.joint {
+            None => format!("torque and positions lie {time} +- {std} ms apart"),
+            Some(joint) => format!("the torque of {} lags by {time} +- {std} ms", robot.joints[joint].name),
+        }
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| {
+        let each = each.join(", ");
+        format!("{each}: less than half a sample and less than the noise, which sampling does; the model has it, and it is no finding")
+    })
 }
 
 /// What is said of friction that does not change its direction at once.
@@ -241,7 +249,7 @@ fn values(parameters: &[super::Parameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
     let told = parameters[named..].iter().take(MENTIONED);
     let each = told.map(|p| match p.std.is_finite() {
-        true => format!("{} {} +- {} {}", p.name, significant(p.value), significant(p.std), p.unit),
+        true => format!("{} {} +- {}", p.name, significant(p.value), with_unit(significant(p.std), p.unit)),
         false => format!("{} not told by itself", p.name),
     });
     each.collect::<Vec<String>>().join(", ")
@@ -303,12 +311,25 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .scan(Vec::new(), |told: &mut Vec<&str>, (missed, size)| {
             let new = !told.contains(&missed.family.effect);
             told.push(missed.family.effect);
-            Some(new.then(|| format!("{} above {} {}", place(robot, missed.family), significant(size), missed.unit)))
+            Some(new.then(|| format!("{} above {}", place(robot, missed.family), with_unit(significant(size), missed.unit))))
         })
         .flatten()
         .take(MENTIONED)
         .collect();
     (!told.is_empty()).then(|| format!("It would have been seen: {} (diagnosis.json lists all).", told.join("; ")))
+}
+
+/// A probability as a percentage.
+fn percent_of(probability: f64) -> String {
+    match probability < 1e-4 {
+        true => format!("{:.0e} %", 100.0 * probability),
+        false => format!("{} %", (1e8 * probability).round() / 1e6),
+    }
+}
+
+/// A value with its unit; ratios have none.
+fn with_unit(value: String, unit: &str) -> String {
+    if unit == "1" { value } else { format!("{value} {unit}") }
 }
 
 fn percent(share: Share) -> String {

@@ -6,7 +6,7 @@ use crate::diagnosis::column::{Column, rms};
 use crate::diagnosis::roles;
 use crate::diagnosis::score::Projection;
 use crate::diagnosis::session::Session;
-use crate::effects::{Placed, Role, Site};
+use crate::effects::{Nature, Placed, Role, Site};
 use crate::error::{Error, Result};
 use crate::excitation::Motion;
 use crate::identification::model::Model;
@@ -73,17 +73,25 @@ fn reached(setup: &Setup, session: &Session, placed: Placed, case: &Case) -> Res
     Ok(placed)
 }
 
-/// Factor on the torque noise at which an effect that cannot be sized has the case's severity; one for all others.
+/// Factor on the torque noise at which an effect that cannot be as small as the case asks has the case's severity: one of the integrator, whose
+/// step stays as it is, and a delay of less than a sample, since sampling alone brings half of one. One for all others.
 ///
 /// # Errors
 /// If it does not show on this arm at all.
 pub fn noise_at_size(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<f64> {
-    if placed.effect.about().site != Site::Integrator {
+    let about = placed.effect.about();
+    if about.site != Site::Integrator && about.nature != Nature::Delay {
         return Ok(1.0);
     }
     let model = Model::new(&setup.known);
     let logs = references(setup, case, &motions[..TRAIN]);
-    Ok(shown(setup, &session(setup, &model, &logs, case)?, placed)? / case.severity)
+    let session = session(setup, &model, &logs, case)?;
+    if about.nature != Nature::Delay {
+        return Ok(shown(setup, &session, placed)? / case.severity);
+    }
+    let period = session.train.rows.logs[0].period;
+    let a_sample = Placed { parameters: vec![period.copysign(placed.parameters[0])], ..placed.clone() };
+    Ok((shown(setup, &session, &a_sample)? / case.severity).max(1.0))
 }
 
 /// Logs of the motions themselves.

@@ -260,7 +260,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
              test.",
         ));
     }
-    let notes = sampling(diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
+    let notes = sampling(robot, diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
     blocks.extend(notes.map(|text| Block::text(sentence(&format!("{text}.")))));
     if let Some(low_pass) = diagnosis.passband {
         blocks.push(Block::text(format!(

@@ -17,6 +17,8 @@ use crate::report::viewer;
 use crate::robot::{self, InertiaCheck, Robot};
 use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 
 /// What the written scenario says of itself.
@@ -103,8 +105,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     check_length(&trained, &train)?;
     check_held_out(&judged, &test)?;
     check_length("--reference", &reference)?;
-    refuse_twice("--test", arguments, &train, &test)?;
-    refuse_twice("--reference", arguments, &train, &reference)?;
+    refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
     let faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
@@ -136,6 +137,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         candidates: arguments.candidates.clone(),
     };
     let model = Model::new(&robot);
+    bar.set_message("testing every effect on every joint");
     let conclusion = conclude(&model, &input, &options, &mut |found| {
         bar.set_message(format!("{found} found, testing for the next"));
         bar.inc(1);
@@ -258,17 +260,36 @@ fn check_held_out(option: &str, logs: &[Screened]) -> Result<()> {
     Err(Error::request(option, problem))
 }
 
-/// A log that is given twice judges nothing.
-fn refuse_twice(option: &str, arguments: &Arguments, train: &[Screened], others: &[Screened]) -> Result<()> {
-    let same = |a: &Screened, b: &Screened| {
-        let pairs = a.pieces.iter().zip(&b.pieces);
-        a.pieces.len() == b.pieces.len() && pairs.clone().all(|(a, b)| a.time == b.time && a.q == b.q)
-    };
-    for (path, log) in arguments.train.iter().zip(train) {
-        if others.iter().any(|other| same(log, other)) {
-            let problem = format!("has the same log as --train {}; give a log of another motion", path.display());
-            return Err(Error::request(option, problem));
+/// A log that is given twice, or in part, judges nothing, and counts for no more than once. Two recordings have hardly a sample in common.
+fn refuse_twice(given: [(&str, &[Screened]); 3]) -> Result<()> {
+    let mut seen: Vec<(String, HashSet<u64>)> = Vec::new();
+    for (option, logs) in given {
+        for log in logs {
+            let samples = samples(log);
+            let twice = seen.iter().find(|(_, other)| {
+                let common = samples.intersection(other).count();
+                2 * common > samples.len().min(other.len())
+            });
+            let name = format!("{option} {}", log.name);
+            if let Some((other, _)) = twice {
+                let problem = format!("has the samples of {other}; give every log once, and judge by another motion");
+                return Err(Error::request(name, problem));
+            }
+            seen.push((name, samples));
         }
     }
     Ok(())
+}
+
+/// The samples of a log whatever their time: hashes of positions and torques to the last bit.
+fn samples(log: &Screened) -> HashSet<u64> {
+    let of_piece = |piece: &Recording| -> Vec<u64> {
+        let hash = |k: usize| {
+            let mut hasher = DefaultHasher::new();
+            piece.q.iter().chain(piece.tau.iter()).for_each(|signal| hasher.write_u64(signal[k].to_bits()));
+            hasher.finish()
+        };
+        (0..piece.samples()).map(hash).collect()
+    };
+    log.pieces.iter().flat_map(of_piece).collect()
 }

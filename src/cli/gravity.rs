@@ -25,7 +25,9 @@ mod tests {
     #[test]
     fn three_numbers_make_a_vector() {
         assert_eq!(parse("0, -1.5,-9.81"), Ok(Vector3::new(0.0, -1.5, -9.81)));
-        for (bad, word) in [("0,0", "three"), ("0,0,1,2", "three"), ("nan,0,0", "nan"), ("0,0,1e300", "1e300"), ("", "``")] {
+        for (bad, word) in
+            [("0,0", "three"), ("0,0,1,2", "three"), ("nan,0,0", "nan"), ("0,0,1e300", "1e300"), ("", "``")]
+        {
             assert!(parse(bad).unwrap_err().contains(word), "{bad}");
         }
     }

@@ -1,6 +1,7 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
 use super::Options;
+use super::answer::{self, Diagnosis, next_experiment, not_found, take_back};
 use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
@@ -18,7 +19,6 @@ use super::session::{Member, Session};
 use super::side::Side;
 use super::structure::Unexplained;
 use super::unexplained::unexplained;
-use super::verdict::{self, Diagnosis, next_experiment, not_found, take_back};
 use super::whitening::Whitener;
 use crate::channels::Channels;
 use crate::effects::Placed;
@@ -36,6 +36,9 @@ const HELD_OUT: f64 = 0.3;
 
 /// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz.
 const SLOWEST_RATE_HZ: f64 = 50.0;
+
+/// Rates closer than this factor are one.
+const SAME_RATE: f64 = 1.2;
 
 /// Least acceleration that a motion is allowed, rad/s2.
 const SLOWEST: f64 = 0.5;
@@ -215,8 +218,8 @@ fn answer<'a>(
         selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let valid = |side: &'_ Side| side.rows.valid.clone();
-    let train = session.residual_on(&session.train, &[], &first_whitener)?;
-    let baseline = session.residual_on(&session.test, &[], &first_whitener)?;
+    let train = session.baseline_residual_on(&session.train, &first_whitener)?;
+    let baseline = session.baseline_residual_on(&session.test, &first_whitener)?;
     let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
     let test = &session.test.rows;
@@ -238,7 +241,7 @@ fn answer<'a>(
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
         let added = session.arm.added_throughout(std::slice::from_ref(&found.member.placed), test)?;
-        match verdict::of_sampling(&found, period, &rms(&test.valid, &added[0]), &noise_floor) {
+        match answer::of_sampling(&found, period, &rms(&test.valid, &added[0]), &noise_floor) {
             Some(short) => of_sampling.push(short),
             None => named.push(((found, derived), effect)),
         }
@@ -246,11 +249,12 @@ fn answer<'a>(
     let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
     evidence.effects = effects;
     let diagnosis = Diagnosis {
-        verdict: verdict::verdict(&found, inertias.is_some(), &unexplained),
+        verdict: answer::verdict(&found, inertias.is_some(), &unexplained),
         alpha: options.alpha,
         candidates: options.candidates.clone(),
         cutoffs_hz: session.cutoffs_hz.clone(),
         passband: session.passband,
+        rates_hz: rates_hz(&session),
         held_out_from_training,
         effective_tests: multiplicity.all(),
         gap_closed: closed.value,
@@ -275,6 +279,15 @@ fn answer<'a>(
         evidence,
     };
     Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
+}
+
+/// Rates of all logs, each once, the lowest first; clocks are never alike to the last digit.
+fn rates_hz(session: &Session) -> Vec<f64> {
+    let logs = session.train.rows.logs.iter().chain(&session.test.rows.logs);
+    let mut rates_hz: Vec<f64> = logs.map(|log| 1.0 / log.period).collect();
+    rates_hz.sort_by(f64::total_cmp);
+    rates_hz.dedup_by(|high, low| *high < SAME_RATE * *low);
+    rates_hz
 }
 
 /// Joints with something unexplained.

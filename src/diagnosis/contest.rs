@@ -1,7 +1,8 @@
 //! One round of the search: the scan of all candidates, and the contest of the best for the name.
 
-use super::candidates::{Candidate, Family, Slot};
+use super::candidates::{Candidate, Slot};
 use super::eligible::Contenders;
+use super::found::Alternative;
 use super::held_out::Gains;
 use super::judging::Judged;
 use super::multiplicity::Multiplicity;
@@ -57,15 +58,6 @@ pub struct Contest {
     pub alternatives: Vec<Alternative>,
     /// Those that come close, whether or not the training logs exclude them.
     pub close: Vec<Judged>,
-}
-
-/// Another effect that explains the same.
-#[derive(Debug, Clone)]
-pub struct Alternative {
-    /// What and where.
-    pub family: Family,
-    /// Likelihood over that of the effect found, each parameter paid for.
-    pub relative_likelihood: f64,
 }
 
 /// The winner among `contenders`, what else of `all` candidates explains the same, and what comes close. What is looked for in

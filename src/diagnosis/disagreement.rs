@@ -44,8 +44,7 @@ fn averages(rows: &Rows, left: &Column, joint: usize) -> f64 {
     let Some(values) = left.part(joint) else { return 0.0 };
     let (mut sum, mut count) = (0.0, 0usize);
     for ends in rows.starts.windows(2) {
-        let log: Vec<(f64, bool)> =
-            (ends[0]..ends[1]).map(|row| (values[row], rows.valid[joint][row])).collect();
+        let log: Vec<(f64, bool)> = (ends[0]..ends[1]).map(|row| (values[row], rows.valid[joint][row])).collect();
         for part in log.chunks(AVERAGED) {
             let counting: Vec<f64> = part.iter().filter(|(_, ok)| *ok).map(|(value, _)| *value).collect();
             if 2 * counting.len() >= AVERAGED {

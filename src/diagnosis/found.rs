@@ -2,11 +2,19 @@
 
 use super::acceptance::Accepted;
 use super::candidates::{Candidate, Family};
-use super::contest::Alternative;
 use super::impacts::Play;
 use super::session::{Member, Session};
 use super::verdict::Verdict;
 use crate::effects::{Backlash, Effect, Nature};
+
+/// Another effect that explains the same.
+#[derive(Debug, Clone)]
+pub struct Alternative {
+    /// What and where.
+    pub family: Family,
+    /// Likelihood over that of the effect found, each parameter paid for.
+    pub relative_likelihood: f64,
+}
 
 /// An effect that was found.
 #[derive(Debug, Clone)]

@@ -29,6 +29,7 @@
 pub mod acceptance;
 pub mod accounted;
 pub mod all_logs;
+pub mod answer;
 pub mod arm;
 pub mod beside;
 pub mod bodies;
@@ -57,8 +58,10 @@ pub mod innovations;
 pub mod judging;
 pub mod known;
 pub mod log;
+pub mod low_pass;
 pub mod multiplicity;
 mod noise_spectrum;
+pub mod opening;
 pub mod passband;
 pub mod play;
 pub mod preparation;
@@ -83,8 +86,9 @@ pub mod unexplained;
 pub mod verdict;
 pub mod whitening;
 
+pub use answer::Diagnosis;
 pub use conclusion::{Conclusion, Input, conclude, diagnose, held_out};
-pub use verdict::{Diagnosis, Verdict};
+pub use verdict::Verdict;
 
 use crate::identification::effect_model::Trust;
 

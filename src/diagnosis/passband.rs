@@ -7,6 +7,7 @@
 
 use super::column::{Column, rms};
 use super::cutoffs::inner_power;
+use super::low_pass::LowPass;
 use super::rows::Rows;
 use super::score::Projection;
 use crate::error::Result;
@@ -39,25 +40,6 @@ const ROUNDS: usize = 3;
 
 /// Mean over the joints of the logarithm of what is left by which the model with the filter must leave less.
 const CLEARLY: f64 = 0.05;
-
-/// A zero-phase Butterworth low-pass.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LowPass {
-    /// Order of one of the two runs.
-    pub order: usize,
-    /// Frequency that passes with half its amplitude, Hz.
-    pub hz: f64,
-}
-
-impl LowPass {
-    /// The filter for signals of a rate.
-    ///
-    /// # Errors
-    /// If the cut-off is not below half the rate.
-    pub fn at_rate(&self, rate_hz: f64) -> Result<ZeroPhaseLowPass> {
-        ZeroPhaseLowPass::new(self.order, self.hz, rate_hz)
-    }
-}
 
 /// The frequency, Hz, within an octave of which the torque of all joints of all logs ends as no step of friction does; None where it goes
 /// on, or where there is noise above it.

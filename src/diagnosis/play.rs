@@ -2,8 +2,7 @@
 
 use super::Options;
 use super::candidates::{Candidate, Family, columns, is_candidate};
-use super::contest::Alternative;
-use super::found::Found;
+use super::found::{Alternative, Found};
 use super::impacts::{Play, Traces};
 use super::multiplicity::family_wise;
 use super::score::fisher;

@@ -2,9 +2,9 @@
 
 use super::acceptance::{Outcome, Trial, is_confirmable};
 use super::candidates::{Candidate, Family};
-use super::contest::{Alternative, Chosen, Contest, InOwnNoise, better_unseen, contest};
+use super::contest::{Chosen, Contest, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Standing};
-use super::found::{Found, beside_play, members};
+use super::found::{Alternative, Found, beside_play, members};
 use super::multiplicity::Multiplicity;
 use super::round::Round;
 use super::scan::Scan;

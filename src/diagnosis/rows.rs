@@ -6,7 +6,7 @@
 use super::column::Column;
 use super::cutoffs::POINTS;
 use super::log::{BLOCK_S, Log, MEMORY, MEMORY_OF_ENDS};
-use super::passband::LowPass;
+use super::low_pass::LowPass;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use std::f64::consts::PI;

@@ -277,7 +277,8 @@ mod tests {
         }
         assert!((left(f64::INFINITY) - 1.0).abs() < 1e-9);
         // What is known of the same factor twice adds up.
-        let twice = fit.with_prior(std::slice::from_ref(&error), &[0.1]).with_prior(std::slice::from_ref(&error), &[0.1]);
+        let twice =
+            fit.with_prior(std::slice::from_ref(&error), &[0.1]).with_prior(std::slice::from_ref(&error), &[0.1]);
         let left = twice.residual.dot(&error) / (2.0 * norm);
         assert!((left - 1.0 / (1.0 + 2.0 * norm * 0.01)).abs() < 1e-9, "{left}");
         // Nothing else is touched.

@@ -46,6 +46,8 @@ pub struct DataFault {
 /// A log made ready, with its faults.
 #[derive(Debug, Clone)]
 pub struct Screened {
+    /// What it is called: its file.
+    pub name: String,
     /// The pieces between long gaps, at even steps; torque that must not be used is not a number there.
     pub pieces: Vec<Recording>,
     /// What is wrong with it.
@@ -82,7 +84,7 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
             leave_out(piece.tau.channel_mut(joint), levels, beside);
         }
     }
-    Ok(Screened { pieces, faults })
+    Ok(Screened { name: name.to_owned(), pieces, faults })
 }
 
 /// All faults, those that stop first; a joint that moves in no training log stops the diagnosis too.

@@ -144,7 +144,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
 fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
     let all = members(found);
     let rms = |residual: &Column| rms(&session.test.rows.valid, residual);
-    let mut left = session.held_out_residual(&[], whitener)?;
+    let mut left = session.baseline_residual_on(&session.test, whitener)?;
     for (count, found) in found.iter_mut().enumerate() {
         let after = session.held_out_residual(&all[..=count], whitener)?;
         found.rms = [rms(&left), rms(&after)];

@@ -6,33 +6,27 @@ use super::column::{Column, combined};
 use super::cut_off::flat_level;
 use super::errors_of_motion::ErrorsOfMotion;
 use super::known::Known;
-use super::passband::LowPass;
-use super::preparation::{Preparation, Prepared};
+use super::low_pass::LowPass;
 use super::roles::{is_level, linear, shapes};
 use super::score::Projection;
 use super::side::Side;
-use super::sign_width;
-use super::smoothing;
 use super::solution::{Solved, solve};
 use super::whitening::Whitener;
 use crate::effects::{Parameter, Placed};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
-use crate::recording::Recording;
 use crate::robot::Robot;
 
 /// Mean square of a joint's whitened residual from which it counts as misfit, and rounds of growing the noise to it.
 const MISFIT: f64 = 1.2;
 const MISFIT_ROUNDS: usize = 2;
 
-/// Error of the smoothing from which a row is left out, in standard deviations of what is new in a row, and the largest share
-/// of the rows that may be.
-const DISTORTED: f64 = 2.0;
-const MOST_DISTORTED: f64 = 0.1;
-
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
+
+/// Standard deviations from zero at which a parameter is told.
+const SIZED: f64 = 2.0;
 
 /// What is under diagnosis.
 #[derive(Debug)]
@@ -59,9 +53,6 @@ pub struct Session<'a> {
     pub passband: Option<LowPass>,
 }
 
-/// Standard deviations from zero at which a parameter is told.
-const SIZED: f64 = 2.0;
-
 /// An effect in the model, with what it takes there.
 #[derive(Debug, Clone)]
 pub struct Member {
@@ -87,67 +78,6 @@ pub struct Noise {
 }
 
 impl<'a> Session<'a> {
-    /// Makes the logs ready.
-    ///
-    /// # Errors
-    /// If a log is too short or a joint hardly moves.
-    pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
-    }
-
-    /// Makes the logs ready with what is known beside the robot description.
-    ///
-    /// # Errors
-    /// If a log is too short or a joint hardly moves.
-    pub fn knowing(
-        model: &'a Model,
-        trust: Trust,
-        known: Known<'a>,
-        train: &[&Recording],
-        test: &[&Recording],
-    ) -> Result<Self> {
-        let preparation = Preparation::new(model, &known, train, test)?;
-        let Prepared { sides: [train, test], cutoff_hz, passband } = preparation.prepared()?;
-        let (arm, open_play) = (known.arm.clone(), Vec::new());
-        let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
-        let knows = known.clone();
-        let mut session =
-            Session { model, trust, known: knows, arm, train, test, apart, open_play, cutoffs_hz, passband };
-        // How sharply friction turns is known from before a change, if one is in question; torque that went through a low-pass does not tell.
-        let widths = match known.reference.is_empty() && passband.is_none() {
-            true if apart => sign_width::likeliest(&session.over_all_logs())?,
-            true => sign_width::likeliest(&session)?,
-            false => known.arm.sign_widths.clone(),
-        };
-        let known = known.with_sign_widths(widths);
-        let preparation = preparation.knowing(&known);
-        if known.arm.sign_widths != session.arm.sign_widths {
-            [session.train, session.test] = preparation.sides(passband, &session.cutoffs_hz)?;
-            (session.arm, session.known) = (known.arm.clone(), known.clone());
-        }
-        let mut noise = session.settle_baseline()?;
-        let of_fit = (&noise.whitener, &noise.fit.residual);
-        let likeliest = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
-        let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
-        if own.iter().any(|hz| *hz != cutoff_hz)
-            && let Ok([train, test]) = preparation.sides(passband, &own)
-        {
-            tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
-            (session.train, session.test, session.cutoffs_hz) = (train, test, own);
-            for side in [&mut session.train, &mut session.test] {
-                side.bands = smoothing::bands(&session.arm, &side.rows, &likeliest, &session.cutoffs_hz)?;
-            }
-            session.arm = session.known.arm.clone();
-            noise = session.settle_baseline()?;
-        }
-        let noisy = smoothing::noisy_once_moved(&session.arm, &session.train.rows, &noise.whitener)?;
-        for log in session.train.rows.logs.iter_mut().chain(&mut session.test.rows.logs) {
-            log.noisy.clone_from(&noisy);
-        }
-        session.leave_out_distorted(&noise.whitener);
-        Ok(session)
-    }
-
     /// The same with all logs to identify from.
     pub fn over_all_logs(&self) -> Session<'a> {
         let Session { model, trust, passband, .. } = *self;
@@ -155,23 +85,6 @@ impl<'a> Session<'a> {
         let cutoffs_hz = self.cutoffs_hz.clone();
         let (train, open_play) = (self.train.and(&test), self.open_play.clone());
         Session { model, trust, known, arm, train, test, apart: false, open_play, cutoffs_hz, passband }
-    }
-
-    /// Fits the arm without any effect; the noise is that under it.
-    fn settle_baseline(&mut self) -> Result<Noise> {
-        let noise = self.noise_under(&self.train.baseline);
-        self.settle(&mut [], &noise.whitener)?;
-        Ok(noise)
-    }
-
-    /// Leaves out rows in which the low-pass bent the motion, by the arm as settled without any effect and the noise under it: what is
-    /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
-    fn leave_out_distorted(&mut self, whitener: &Whitener) {
-        let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
-        for side in [&mut self.train, &mut self.test] {
-            side.rows.leave_out_largest(&side.errors.smoothing, &bearable, MOST_DISTORTED);
-        }
-        self.arm = self.known.arm.clone();
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
@@ -344,13 +257,30 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn residual_on(&self, side: &Side, members: &[Member], whitener: &Whitener) -> Result<Column> {
-        let solved = self.solved(members, whitener)?;
-        let mut residual = side.torque.clone();
-        for (column, value) in self.all_columns(side, members)?.iter().zip(solved.values) {
-            residual.add(-value, column);
-        }
-        Ok(residual)
+        Ok(left(side, &self.all_columns(side, members)?, &self.solved(members, whitener)?))
     }
+
+    /// What the baseline leaves on either kind of rows: as it was before the change, where one is in question.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn baseline_residual_on(&self, side: &Side, whitener: &Whitener) -> Result<Column> {
+        let Side { rows, baseline, torque, .. } = &self.train;
+        if rows.before == 0 {
+            return self.residual_on(side, &[], whitener);
+        }
+        let mut before = rows.clone();
+        before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
+        let whitener = whitener.on(&before);
+        Ok(left(side, &side.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque))))
+    }
+}
+
+/// What `columns` with their factors leave of the torque of `side`.
+fn left(side: &Side, columns: &[Column], solved: &Solved) -> Column {
+    let mut left = side.torque.clone();
+    columns.iter().zip(&solved.values).for_each(|(column, value)| left.add(-value, column));
+    left
 }
 
 impl Member {

@@ -3,7 +3,7 @@
 //!
 //! Columns that no base parameter stands on are never made, nor those of bodies that cannot act on a joint.
 
-use super::model::{ROTOR, STANDARD, VISCOUS};
+use super::standard::{ROTOR, STANDARD, VISCOUS};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Entries, Motion};
 use crate::effects::direction;

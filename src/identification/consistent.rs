@@ -10,7 +10,8 @@
 use super::effect_model::{EffectModel, Preparation, Trust};
 use super::fit::{Fitted, Logs};
 use super::linear_problem::LinearProblem;
-use super::model::{Model, STANDARD};
+use super::model::Model;
+use super::standard::STANDARD;
 use crate::error::{Error, Result};
 use crate::robot::{Inertia, PARAMETERS, Robot};
 use nalgebra::{DMatrix, DVector, Matrix4, Vector3};

@@ -20,5 +20,6 @@ pub mod prepare;
 pub mod separable;
 pub(crate) mod sequences;
 pub mod spectrum;
+pub mod standard;
 mod streamed;
 pub mod tsqr;

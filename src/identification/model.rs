@@ -3,6 +3,7 @@
 use super::base_columns::{BLOCK, BaseColumns};
 use super::linear_model::LinearModel;
 use super::sequences::combine_into;
+use super::standard::{COULOMB, ROTOR, STANDARD, VISCOUS};
 use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
@@ -15,18 +16,6 @@ use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
 use std::ops::Range;
-
-/// Place of rotor inertia among the standard parameters of a joint, behind the inertial ones of its link.
-pub const ROTOR: usize = PARAMETERS;
-
-/// Place of viscous friction.
-pub const VISCOUS: usize = PARAMETERS + 1;
-
-/// Place of Coulomb friction.
-pub const COULOMB: usize = PARAMETERS + 2;
-
-/// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
-pub const STANDARD: usize = PARAMETERS + 3;
 
 /// States from which the base parameters are found; well above one per standard parameter of any arm.
 const PROBES_PER_JOINT: usize = 40;

@@ -8,6 +8,9 @@ use crate::recording::resample::{Clock, IRREGULAR};
 const FEWEST: usize = 50;
 const SHORTEST_S: f64 = 0.5;
 
+/// Share of the rows that are out of time beyond which the clock started again.
+const RESTARTED: f64 = 0.1;
+
 /// Lines that a finding lists.
 const LISTED: usize = 5;
 
@@ -30,6 +33,9 @@ pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
         }
         let share = rows.len() as f64 / all as f64;
         let (severity, advice) = match share {
+            s if s > RESTARTED && kind == Kind::BackwardTime => {
+                (Severity::Fatal, "the clock starts again: give each recording as a file of its own")
+            }
             s if s > 0.5 => (Severity::Fatal, "most of the log is lost; mend the export and try again"),
             s if s > 0.01 => (Severity::Warning, "they are left out and bridged; mend the export if you can"),
             _ => (Severity::Note, "they are left out and bridged"),

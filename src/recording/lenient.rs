@@ -1,6 +1,7 @@
 //! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept.
 
 use super::sieve::Rows;
+pub use super::sieve::{Cause, Rejected};
 use super::{Recording, csv, parquet};
 use crate::error::{Error, Result};
 use std::path::Path;
@@ -22,37 +23,6 @@ pub struct ColumnMap {
     pub qdd: Option<Vec<String>>,
     /// Columns of torque, or of motor current.
     pub tau: Option<Vec<String>>,
-}
-
-/// Why a row was left out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// A cell that is no number, or a row with too few or too many cells.
-    Unreadable,
-    /// NaN, infinite or empty.
-    NotFinite,
-    /// A number that no arm can have.
-    Absurd,
-    /// The same time as the row before.
-    DuplicateTime,
-    /// A time before that of the row before, or far ahead of the rows behind.
-    BackwardTime,
-    /// The file ends here, in the middle of something.
-    CutOff,
-}
-
-/// A row that was left out.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Rejected {
-    /// Line of the file (CSV) or number of the row (Parquet) or message (ROS 2), counted from 1.
-    pub line: usize,
-    /// The column at fault.
-    pub column: String,
-    /// Kind of fault.
-    pub cause: Cause,
-    /// What is wrong.
-    pub problem: String,
 }
 
 /// A log without its unusable rows.

@@ -1,7 +1,6 @@
 //! Which rows of a log can be used: finite, of a size that an arm can have, in the order of time.
 
 use super::columns::Layout;
-use super::lenient::{Cause, Rejected};
 use std::collections::BTreeMap;
 
 /// A value this many times larger than nearly all others of its column (and than 1) is absurd.
@@ -12,6 +11,37 @@ const ABSURD: f64 = 1e12;
 
 /// The same for time, which may be nanoseconds since 1970.
 const ABSURD_TIME: f64 = 1e19;
+
+/// Why a row was left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// A cell that is no number, or a row with too few or too many cells.
+    Unreadable,
+    /// NaN, infinite or empty.
+    NotFinite,
+    /// A number that no arm can have.
+    Absurd,
+    /// The same time as the row before.
+    DuplicateTime,
+    /// A time before that of the row before, or far ahead of the rows behind.
+    BackwardTime,
+    /// The file ends here, in the middle of something.
+    CutOff,
+}
+
+/// A row that was left out.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Rejected {
+    /// Line of the file (CSV) or number of the row (Parquet) or message (ROS 2), counted from 1.
+    pub line: usize,
+    /// The column at fault.
+    pub column: String,
+    /// Kind of fault.
+    pub cause: Cause,
+    /// What is wrong.
+    pub problem: String,
+}
 
 /// The numbers of a file with the line of each row.
 pub struct Rows {

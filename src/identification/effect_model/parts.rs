@@ -4,8 +4,9 @@ use super::{EffectModel, Trust, without_amplitudes};
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Placed, contributions, direction};
-use crate::identification::model::{Model, ROTOR, STANDARD};
+use crate::identification::model::Model;
 use crate::identification::prepare::Prepared;
+use crate::identification::standard::{ROTOR, STANDARD};
 use std::borrow::Cow;
 use std::cell::OnceCell;
 

@@ -2,7 +2,7 @@
 
 mod text;
 
-pub use text::{extrapolation, impacts, lines, mend, place, sampling, stopped_lines};
+pub use text::{extrapolation, impacts, lines, mend, mixed_rates, place, sampling, stopped_lines};
 
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
@@ -197,6 +197,7 @@ pub fn result(
     let held_out = "no test log was given: the last part of every training log was held out";
     let notices = [
         ("held_out_from_training", "training logs", diagnosis.held_out_from_training.then(|| held_out.to_owned())),
+        ("mixed_rates", "t", text::mixed_rates(diagnosis)),
         ("sampling_delay", "tau", text::sampling(robot, diagnosis)),
         ("smooth_friction", "tau", text::smooth_friction(robot, diagnosis)),
         ("extrapolation", "training logs", text::extrapolation(robot, diagnosis)),

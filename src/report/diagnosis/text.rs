@@ -1,6 +1,7 @@
 //! The answer in a few lines.
 
 use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
+use crate::diagnosis::answer::predicts_worse;
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
 use crate::diagnosis::disagreement;
@@ -8,7 +9,6 @@ use crate::diagnosis::found::Found;
 use crate::diagnosis::gap::Share;
 use crate::diagnosis::impacts::Play;
 use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::verdict::predicts_worse;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::quality::Kind;
 use crate::report::console::{significant, table};
@@ -41,7 +41,8 @@ pub fn lines(
             low_pass.hz
         )
     }));
-    let notes = sampling(robot, diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
+    let notes = mixed_rates(diagnosis).into_iter().chain(sampling(robot, diagnosis));
+    let notes = notes.chain(extrapolation(robot, diagnosis));
     lines.extend(notes.map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
@@ -134,6 +135,18 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
     format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.alpha))
+}
+
+/// What is said of logs of several rates.
+pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+    let each: Vec<String> = diagnosis.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
+    (each.len() > 1).then(|| {
+        format!(
+            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is told here, which is that of \
+             the training logs together; log all at one rate",
+            each.join(" and ")
+        )
+    })
 }
 
 /// What is said of delays and lags that are of the sampling.
@@ -311,7 +324,9 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .scan(Vec::new(), |told: &mut Vec<&str>, (missed, size)| {
             let new = !told.contains(&missed.family.effect);
             told.push(missed.family.effect);
-            Some(new.then(|| format!("{} above {}", place(robot, missed.family), with_unit(significant(size), missed.unit))))
+            Some(new.then(|| {
+                format!("{} above {}", place(robot, missed.family), with_unit(significant(size), missed.unit))
+            }))
         })
         .flatten()
         .take(MENTIONED)

@@ -16,7 +16,7 @@ use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
 use crate::report::diagnosis::joints;
-use crate::report::diagnosis::{extrapolation, sampling};
+use crate::report::diagnosis::{extrapolation, mixed_rates, sampling};
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
@@ -260,7 +260,8 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
              test.",
         ));
     }
-    let notes = sampling(robot, diagnosis).into_iter().chain(extrapolation(robot, diagnosis));
+    let notes = mixed_rates(diagnosis).into_iter().chain(sampling(robot, diagnosis));
+    let notes = notes.chain(extrapolation(robot, diagnosis));
     blocks.extend(notes.map(|text| Block::text(sentence(&format!("{text}.")))));
     if let Some(low_pass) = diagnosis.passband {
         blocks.push(Block::text(format!(

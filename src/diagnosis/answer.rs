@@ -26,6 +26,9 @@ const FIRM: f64 = 0.7;
 /// the estimate of what is there makes less.
 const WORSE: f64 = 1.1;
 
+/// Factor on what re-identified parameters leave from which those of the description are off.
+const MISDESCRIBED: f64 = 3.0;
+
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
 
@@ -221,8 +224,14 @@ pub fn not_found(
         .collect()
 }
 
-/// What to do next.
-pub fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Robot) -> String {
+/// What to do next; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended
+/// model, `[joint]`, N m.
+pub fn next_experiment(
+    found: &[Found],
+    unexplained: &[Unexplained],
+    robot: &Robot,
+    [described, left]: [&[f64]; 2],
+) -> String {
     let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
     if let Some((found, other)) = tied {
         let about = found.member.placed.effect.about();
@@ -242,9 +251,17 @@ pub fn next_experiment(found: &[Found], unexplained: &[Unexplained], robot: &Rob
             left.structure
         );
     }
-    match found.is_empty() {
-        true => "a longer or livelier motion lowers the minimum detectable sizes".into(),
-        false => {
+    let off = |joint: usize| described[joint] / left[joint];
+    let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > MISDESCRIBED);
+    match (found.is_empty(), worst) {
+        (true, Some(joint)) => format!(
+            "the description is off ({} is left with {:.1} times as much as with re-identified inertias and friction): extended.urdf holds \
+             these. To tell a payload or one wrong link: --trust nominal, or logs from before it as --reference",
+            robot.joints[joint].name,
+            off(joint)
+        ),
+        (true, None) => "a longer or livelier motion lowers the minimum detectable sizes".into(),
+        (false, _) => {
             "record a new motion and repeat the diagnosis with --scenario extended.toml: nothing should be left".into()
         }
     }

@@ -227,7 +227,7 @@ fn answer<'a>(
     let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
     let trained = session.residual_on(&session.train, &members, &whitener)?;
     let left = [(&session.train.rows, &trained), (test, &extended)];
-    for other in disagreement(left, &noise_floor, &prediction_std) {
+    for other in disagreement(left, &baseline, &noise_floor, &prediction_std) {
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
     }
@@ -235,6 +235,7 @@ fn answer<'a>(
     let closed = residuals.gap_closed(&amiss(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
+    let simulation_test_rms = rms(&test.valid, &simulation);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
     let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
     let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
@@ -259,9 +260,14 @@ fn answer<'a>(
         effective_tests: multiplicity.all(),
         gap_closed: closed.value,
         gap_closed_interval: closed.interval,
-        next_experiment: next_experiment(&found, &unexplained, session.model.robot()),
+        next_experiment: next_experiment(
+            &found,
+            &unexplained,
+            session.model.robot(),
+            [&simulation_test_rms, &extended_test_rms],
+        ),
         test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
-        simulation_test_rms: rms(&test.valid, &simulation),
+        simulation_test_rms,
         baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
         extended_test_rms,
         prediction_std,

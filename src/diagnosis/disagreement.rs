@@ -17,15 +17,24 @@ const AVERAGED: usize = 25;
 const FOREIGN: f64 = 3.0;
 const BEYOND_NOISE: f64 = 2.0;
 
+/// Share of what the baseline leaves of the held-out rows up to which what was found goes with them too: its law is carried on there.
+const CARRIED_ON: f64 = 0.5;
+
 /// What a model leaves of one kind of rows.
 pub type Left<'a> = (&'a Rows, &'a Column);
 
 /// The joints on which the model leaves far more of the held-out rows than of the training rows, of its noise and of what it is unsure of
-/// (root mean square, `[joint]`, N m).
-pub fn disagreement([train, test]: [Left; 2], noise: &[f64], prediction_std: &[f64]) -> Vec<Unexplained> {
+/// (root mean square, `[joint]`, N m), and not much less than the `baseline` leaves of the held-out rows.
+pub fn disagreement(
+    [train, test]: [Left; 2],
+    baseline: &Column,
+    noise: &[f64],
+    prediction_std: &[f64],
+) -> Vec<Unexplained> {
     let on_joint = |joint: usize| {
         let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
         let expected = (FOREIGN * trained).max(BEYOND_NOISE * noise[joint]).max(FOREIGN * prediction_std[joint]);
+        let expected = expected.max(CARRIED_ON * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out rows beside training rows");
         (held_out > expected).then(|| Unexplained {
             joint,

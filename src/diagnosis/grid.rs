@@ -29,7 +29,7 @@ const FORMS: [(&str, &str, [f64; 2]); 1] = [("stribeck_friction", "exponent", [1
 /// Sizes of departures of which the torque is not linear: times as multiples of the typical one, and the compliance of gears by
 /// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
 /// in all but that.
-const TIMES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+const TIMES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
 
 /// Highest harmonic of a ripple scan, and lengths of contacts, s.

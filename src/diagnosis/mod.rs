@@ -5,8 +5,8 @@
 //! | faults of the data, before any physics | [`screening`] |
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`log`], [`rows`], [`smoothing`] |
-//! | the low-pass that torque went through before it was logged | [`passband`] |
-//! | which low-passes serve the logs best, and how sharply friction turns | [`preparation`], [`sign_width`] |
+//! | the low-pass that torque went through before it was logged | [`passband`], [`low_pass`] |
+//! | which low-passes serve the logs best, and how sharply friction turns | [`opening`], [`preparation`], [`sign_width`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
 //! | every effect at every place, at a grid of its shapes | [`candidates`], [`grid`], [`roles`] |
 //! | which bodies are believable | [`bodies`] |
@@ -21,8 +21,8 @@
 //! | gears with play, by their impacts | [`impacts`], [`play`] |
 //! | evidence beside slow noise and the errors of positions; torque that is flat | [`beside`](mod@beside), [`errors_of_motion`], [`cut_off`] |
 //! | inertias that are wrong as a whole | [`inertias`] |
-//! | structure that no candidate carries | [`unexplained`], [`structure`], [`generic`], [`harmonics`] |
-//! | the answer | [`conclusion`], [`verdict`], [`derived`], [`residual_structure`], [`gap`], [`accounted`] |
+//! | structure that no candidate carries | [`unexplained`], [`structure`], [`generic`], [`harmonics`], [`disagreement`](mod@disagreement) |
+//! | the answer | [`conclusion`], [`answer`], [`verdict`], [`derived`], [`residual_structure`], [`gap`], [`accounted`] |
 //! | the model with what was found, back in the simulator | [`extended`], [`resimulation`] |
 //! | what it rests on, row by row | [`evidence`] |
 

@@ -50,7 +50,7 @@ static ABOUT: About = About {
     dry: false,
     uses_acceleration: false,
     nature: Nature::Lasting,
-    hidden_by_base_parameters: Hidden::Wholly,
+    hidden_by_base_parameters: Hidden::InPart,
 };
 
 static PARAMETERS: [Parameter; 4] = [

@@ -44,7 +44,8 @@ const TEST: [&str; 2] = ["--test", "out/held_out.csv"];
 
 #[test]
 fn a_diagnosis_is_written_whole() {
-    let output = diagnose("out/recording.csv", &[&TEST[..], &["--candidates", "stribeck_friction"]].concat());
+    let more = ["--candidates", "stribeck_friction,backlash", "--gravity", "0,0,-9.81"];
+    let output = diagnose("out/recording.csv", &[&TEST[..], &more].concat());
     let told = json(&output);
     assert_eq!(told["schema"], "tauscope.diagnosis/1");
     assert_eq!(told["verdict"], "named");
@@ -157,9 +158,20 @@ fn a_held_out_log_in_which_a_joint_creeps_is_told_from_the_others() {
 #[test]
 fn bad_options_are_refused() {
     let train = "out/recording.csv";
+    // A part of the same log, by another clock.
+    changed("later.csv", 1000..6000, |column, cell| match column {
+        "t" => (100.0 + cell.parse::<f64>().unwrap()).to_string(),
+        _ => cell.to_owned(),
+    });
     for (more, words) in [
-        (vec!["--test", train], vec!["--test", "same log"]),
-        (vec!["--reference", train], vec!["--reference", "same log"]),
+        (vec!["--test", train], vec!["--test", "samples of --train"]),
+        (vec!["--train", train], vec!["--train", "give every log once"]),
+        (vec!["--train", "later.csv"], vec!["later.csv", "samples of --train"]),
+        (vec!["--reference", train], vec!["--reference", "samples of --train"]),
+        (vec!["--gravity", "0,0"], vec!["--gravity", "three numbers"]),
+        (vec!["--gravity", "0,nan,0"], vec!["--gravity", "nan"]),
+        (vec!["--gravity", "0,0,1e300"], vec!["--gravity", "1e300"]),
+        (vec!["--max-findings", "0"], vec!["--max-findings"]),
         (vec!["--candidates", "stribek_friction"], vec!["stribek_friction", "did you mean `stribeck_friction`"]),
         (vec!["--alpha", "0"], vec!["--alpha"]),
         (vec!["--alpha", "1"], vec!["--alpha"]),

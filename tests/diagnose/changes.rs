@@ -53,6 +53,15 @@ fn a_payload_since_the_reference_is_weighed() {
     let set = diagnosis.found[0].alternatives.iter().map(|other| other.family.effect);
     let set: Vec<&str> = set.chain([names(&conclusion)[0].0]).collect();
     assert!(set.contains(&"payload") && set.len() <= 2, "{set:?}");
+    // Before the change the model had nothing of it: no mixture of both.
+    let described = &diagnosis.simulation_test_rms;
+    for (joint, before) in diagnosis.baseline_rms[1].iter().enumerate() {
+        assert!(
+            (before / described[joint] - 1.0).abs() < 0.15,
+            "joint {joint}: {before}, as described {}",
+            described[joint]
+        );
+    }
     let derived = &diagnosis.derived[0];
     for (name, truth) in [("mass", 1.5), ("center_x", 0.05), ("center_y", -0.03), ("center_z", 0.12)] {
         let one = derived.iter().find(|one| one.name == name).unwrap();
@@ -104,4 +113,18 @@ fn what_the_simulation_has_is_not_found_again() {
     let fitted = &conclusion.extended().unwrap().effects[0];
     let rise = (fitted.parameters[0], stribeck().parameters[0]);
     assert!((rise.0 - rise.1).abs() < 0.04 * rise.1, "{rise:?}");
+}
+
+/// What only the log to judge by has can have no name, and "nothing" would be wrong too.
+#[test]
+fn a_load_in_the_held_out_log_alone_is_told() {
+    let loaded = logs(&with(&[Placed::typical(find("payload").unwrap(), 0)]), 3, 1);
+    let [first, second] = &CLEAN[..] else { panic!("two logs") };
+    let all = [first.clone(), second.clone(), loaded[0].clone()];
+    let conclusion = diagnosed(&[], Vec::new(), &all);
+    let diagnosis = &conclusion.diagnosis;
+    assert_eq!((diagnosis.verdict, names(&conclusion)), (Verdict::Unexplained, vec![]));
+    assert!(diagnosis.unexplained.iter().any(|left| left.joint == 1), "{:?}", diagnosis.unexplained);
+    assert!(diagnosis.unexplained.iter().all(|left| left.structure == "is in the held-out logs alone"));
+    assert!(diagnosis.next_experiment.contains("one load"), "{}", diagnosis.next_experiment);
 }

@@ -4,6 +4,7 @@ use super::{SETUP, logs, with};
 use tauscope::diagnosis::{Diagnosis, Options, diagnose};
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
+use tauscope::scenario::Setup;
 
 fn diagnosed(logs: &[Recording], candidates: &[&str]) -> Diagnosis {
     let candidates = candidates.iter().map(|&name| name.to_owned()).collect();
@@ -43,14 +44,18 @@ fn a_part_of_a_sample_of_delay_is_no_finding() {
         log
     };
     let period = 1.0 / SETUP.scenario.sensors.rate_hz;
-    let logs = logs(&SETUP, 22, 3);
-    let later = |samples: f64| -> Vec<Recording> { logs.iter().map(|log| late(log.clone(), samples)).collect() };
-    let diagnosis = diagnosed(&later(0.1), &["time_delay"]);
+    let later = |setup: &Setup, samples: f64| -> Vec<Recording> {
+        logs(setup, 22, 3).into_iter().map(|log| late(log, samples)).collect()
+    };
+    let diagnosis = diagnosed(&later(&SETUP, 0.1), &["time_delay"]);
     assert_eq!(families(&diagnosis), []);
     let [delay, std] = diagnosis.of_sampling[0].seconds;
     assert!((delay - 0.1 * period).abs() < 4.0 * std, "{delay} +- {std}");
-    // One that stands out of the noise is, however short.
-    assert_eq!(families(&diagnosed(&later(0.4), &["time_delay"])), [("time_delay", 0)]);
+    // A longer one is, and one that stands out of the noise, however short.
+    assert_eq!(families(&diagnosed(&later(&SETUP, 0.7), &["time_delay"])), [("time_delay", 0)]);
+    let mut precise = with(&[]);
+    precise.sensors.iter_mut().for_each(|sensor| sensor.torque_noise *= 0.1);
+    assert_eq!(families(&diagnosed(&later(&precise, 0.4), &["time_delay"])), [("time_delay", 0)]);
 }
 
 /// Simulators write dry friction as tanh(v / width), whose tails look like two laws of low speed on every joint.

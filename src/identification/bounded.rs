@@ -1,7 +1,7 @@
 //! Linear least squares with bounds, by an active set (Lawson and Hanson 1974, chapter 23; Stark and Parker 1995): solve
 //! for what is free, hold what leaves its bounds there, let go what pulls back inside.
 
-use super::least_squares::ScaledNormal;
+use super::scaled_normal::ScaledNormal;
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 

@@ -71,7 +71,7 @@ pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &
     let training = regression(logs.train)?.regression()?;
     let normal = LinearProblem::new(&training, &estimate.sigma, estimate.beta.len()).normal().clone();
     let solution = solve(model, &normal, &estimate.beta)?;
-    let rms = |joints: &[super::least_squares::JointRegression]| {
+    let rms = |joints: &[super::joint_regression::JointRegression]| {
         joints.iter().map(|joint| joint.residual_rms(&solution.beta)).collect::<Vec<f64>>()
     };
     let test_rms = if logs.test.is_empty() { Vec::new() } else { rms(&regression(logs.test)?.regression()?) };

@@ -1,7 +1,7 @@
 //! Fits on demand: the arm's parameters and named effects from training logs, judged on held-out logs.
 
 use super::effect_model::{EffectModel, Preparation, Trust};
-use super::least_squares::JointRegression;
+use super::joint_regression::JointRegression;
 use super::model::Model;
 use super::separable::{EffectFit, fit};
 use crate::effects::Placed;

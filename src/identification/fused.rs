@@ -183,7 +183,8 @@ pub fn predicted(model: &Model, motion: &Motion, beta: &[f64]) -> Channels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::least_squares::{self, JointRegression};
+    use crate::identification::joint_regression::JointRegression;
+    use crate::identification::least_squares;
     use crate::random;
     use crate::robot::{self, InertiaCheck};
     use nalgebra::DVector;

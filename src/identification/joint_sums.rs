@@ -1,7 +1,7 @@
 //! What weighted least squares needs to know of each joint's rows [X y]: their Gram matrix, or where that has lost too many
 //! digits their triangle. The solution for any weights of the joints follows without the rows.
 
-use super::least_squares::ScaledNormal;
+use super::scaled_normal::ScaledNormal;
 use super::tsqr::Triangle;
 use crate::error::{Error, Result};
 use nalgebra::{Cholesky, DMatrix, DVector};

@@ -1,7 +1,8 @@
 //! The weighted linear regression as a problem for Levenberg-Marquardt, equations (11)-(12) of the paper on the spatial model.
 
-use super::least_squares::{JointRegression, ScaledNormal};
+use super::joint_regression::JointRegression;
 use super::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
+use super::scaled_normal::ScaledNormal;
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 

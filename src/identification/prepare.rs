@@ -1,7 +1,7 @@
 //! From a recording to regression rows: smoothing, differentiation, the filter that torque and columns share, the samples
 //! to leave out.
 
-use super::least_squares::JointRegression;
+use super::joint_regression::JointRegression;
 use super::linear_model::LinearModel;
 use super::model::Model;
 use crate::channels::Channels;

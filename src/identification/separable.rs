@@ -4,7 +4,8 @@
 
 use super::bounded::{self, Bound};
 use super::effect_model::{EffectModel, Place};
-use super::least_squares::{Estimate, JointRegression, weighted_least_squares};
+use super::joint_regression::JointRegression;
+use super::least_squares::{Estimate, weighted_least_squares};
 use super::levenberg_marquardt::{Bounds, LeastSquaresProblem, NormalEquations, Options, minimize};
 use super::linear_problem::LinearProblem;
 use crate::effects::{Parameter, Role};

@@ -5,7 +5,7 @@ use crate::dynamics::{EquationsOfMotion, Motion};
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::identification::estimators::SimulatedRows;
-use crate::identification::least_squares::JointRegression;
+use crate::identification::joint_regression::JointRegression;
 use crate::identification::model::Model;
 use crate::identification::prepare::Prepared;
 use crate::identification::standard::STANDARD;

@@ -3,7 +3,8 @@
 use super::score::{parameter_distance, relative_errors, torque_std};
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
-use crate::identification::least_squares::{Estimate, JointRegression, weighted_least_squares};
+use crate::identification::joint_regression::JointRegression;
+use crate::identification::least_squares::{Estimate, weighted_least_squares};
 use crate::identification::model::Model;
 use crate::identification::prepare::{self, Prepared, Smoothing};
 use crate::recording::Recording;

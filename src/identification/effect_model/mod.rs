@@ -10,7 +10,7 @@ mod sensing;
 use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, leader, stands_for};
 use sensing::Sensing;
 
-use super::least_squares::JointRegression;
+use super::joint_regression::JointRegression;
 use super::model::Model;
 use super::prepare::{self, Prepared, Smoothing};
 use crate::channels::Channels;

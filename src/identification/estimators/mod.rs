@@ -18,7 +18,8 @@ pub use ordinary::OrdinaryLeastSquares;
 pub use total_least_squares::TotalLeastSquares;
 pub use weighted::WeightedLeastSquares;
 
-use super::least_squares::{Estimate, JointRegression};
+use super::joint_regression::JointRegression;
+use super::least_squares::Estimate;
 use crate::error::{Error, Result};
 
 /// What an estimator sees.

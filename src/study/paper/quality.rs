@@ -2,7 +2,7 @@
 
 use super::procedure::{Procedure, Stage};
 use crate::error::Result;
-use crate::identification::least_squares::JointRegression;
+use crate::identification::joint_regression::JointRegression;
 use crate::identification::linear_model::LinearModel;
 use crate::identification::prepare::Prepared;
 use crate::scenario::Setup;

@@ -15,8 +15,9 @@ use super::score::Projection;
 use super::session::{Member, Noise, Session};
 use super::stretches::without_best_stretches;
 use super::whitening::Whitener;
-use crate::effects::{Nature, Placed};
+use crate::effects::{Hidden, Nature, Placed, Site};
 use crate::error::Result;
+use crate::identification::effect_model::Trust;
 
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
 const BEYOND_CHANCE: f64 = 1e-6;
@@ -47,6 +48,10 @@ const SUDDEN: f64 = 1e-4;
 /// The same for friction over speed beside another law of it on the same joint: books write such curves in many forms, and none is
 /// that of a gear.
 const ANOTHER_FORM: f64 = 1e-5;
+
+/// The same for what acts in a joint and re-identified bodies hide in part: the little that is left of it is also what smooth positions
+/// make of the part that is hidden.
+const HIDDEN: f64 = 1e-3;
 
 /// Share of the level at which is believed what logs confirm that did not choose it, held-out ones or each of all in its turn: there
 /// the scatter over stretches stands in for the noise.
@@ -175,9 +180,10 @@ impl Trial<'_> {
     fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
         let refused = |may_be| Ok(Err(Refusal { may_be, asked: false }));
         let another_form = self.is_another_form(&winner.candidate);
-        let share = strictness(&winner.candidate);
+        let is_hidden = self.is_hidden(&winner.candidate);
+        let share = strictness(&winner.candidate).min(if is_hidden { HIDDEN } else { 1.0 });
         let limit = self.level_at(if another_form { share.min(ANOTHER_FORM) } else { share });
-        let confirmable = is_confirmable(&winner.candidate) && !another_form;
+        let confirmable = is_confirmable(&winner.candidate) && !another_form && !is_hidden;
         let highest = if confirmable { 1.0 } else { limit };
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let kind = winner.candidate.family().effect;
@@ -216,6 +222,14 @@ impl Trial<'_> {
         let is_of_speed = |placed: &Placed| placed.effect.about().nature == Nature::OfSpeed;
         let is_there = |member: &Member| member.placed.joint == candidate.placed.joint && is_of_speed(&member.placed);
         is_of_speed(&candidate.placed) && self.members.iter().any(is_there)
+    }
+
+    /// Whether a candidate acts in a joint and is hidden in part by the bodies that are identified with it.
+    fn is_hidden(&self, candidate: &Candidate) -> bool {
+        let Session { trust, train, .. } = self.session;
+        let about = candidate.placed.effect.about();
+        let is_free = *trust == Trust::Structure && train.rows.before == 0;
+        is_free && about.site == Site::Joint && about.hidden_by_base_parameters == Hidden::InPart
     }
 
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may

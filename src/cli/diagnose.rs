@@ -220,17 +220,23 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
 
 /// The arm of a URDF. Inertias that no body has are told; their torque is well defined all the same, unless there are none.
 fn loaded(path: &Path, trust: Trust) -> Result<Robot> {
-    let robot = robot::load(path, InertiaCheck::Ignored)?;
-    if trust == Trust::Nominal {
-        if robot.joints.iter().all(|joint| joint.inertia.mass() == 0.0) {
-            let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
-            return Err(Error::input(path, None, "inertial", problem));
+    if trust == Trust::Structure {
+        return robot::load(path, InertiaCheck::Ignored);
+    }
+    let robot = match robot::load(path, InertiaCheck::Required) {
+        Ok(robot) => robot,
+        Err(problem) => {
+            let robot = robot::load(path, InertiaCheck::Ignored)?;
+            if robot.joints.iter().any(|joint| joint.inertia.mass() < 0.0) {
+                return Err(problem);
+            }
+            tracing::warn!("{problem}; they are taken as they are");
+            robot
         }
-        match robot::load(path, InertiaCheck::Required) {
-            Err(problem) if robot.joints.iter().any(|joint| joint.inertia.mass() < 0.0) => return Err(problem),
-            Err(problem) => tracing::warn!("{problem}; they are taken as they are"),
-            Ok(_) => {}
-        }
+    };
+    if robot.joints.iter().all(|joint| joint.inertia.mass() == 0.0) {
+        let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
+        return Err(Error::input(path, None, "inertial", problem));
     }
     Ok(robot)
 }

@@ -2,6 +2,7 @@
 
 use super::Options;
 use super::candidates::{Family, is_candidate, is_wanted, places};
+use super::column::rms;
 use super::derived::Derived;
 use super::disagreement;
 use super::evidence::Evidence;
@@ -13,7 +14,8 @@ use super::residual_structure::ResidualStructure;
 use super::session::{Member, Session};
 use super::structure::Unexplained;
 use super::verdict::Verdict;
-use crate::effects::{LIBRARY, Nature, Parameter, Placed};
+use crate::effects::{LIBRARY, Nature, Parameter};
+use crate::error::Result;
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -167,17 +169,27 @@ pub fn predicts_worse(found: &Found, noise: &[f64]) -> bool {
 }
 
 /// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
-/// beside the motion. That is worth no name as long as what it adds, root mean square, is small in the `noise` of every joint.
-pub fn of_sampling(found: &Found, period: f64, added: &[f64], noise: &[f64]) -> Option<OfSampling> {
-    let Member { placed: Placed { effect, joint, parameters }, std, .. } = &found.member;
-    let joint = match effect.about().nature {
+/// beside the motion. That is worth no name as long as what it adds to the held-out torque, root mean square, is small in the `noise` of
+/// every joint.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn of_sampling(session: &Session, found: &Found, noise: &[f64]) -> Result<Option<OfSampling>> {
+    let Member { placed, std, .. } = &found.member;
+    let joint = match placed.effect.about().nature {
         Nature::Delay => None,
-        Nature::Lag => Some(*joint),
-        _ => return None,
+        Nature::Lag => Some(placed.joint),
+        _ => return Ok(None),
     };
-    let size = added.iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
-    let is_short = parameters[0].abs() <= 0.5 * period;
-    (is_short && size < SMALL).then_some(OfSampling { joint, seconds: [parameters[0], std[0]] })
+    let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
+    let seconds = placed.parameters[0];
+    if seconds.abs() > 0.5 * period {
+        return Ok(None);
+    }
+    let test = &session.test.rows;
+    let added = session.arm.added_throughout(std::slice::from_ref(placed), test)?;
+    let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
+    Ok((size < SMALL).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
@@ -272,7 +284,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::acceptance::Accepted;
     use crate::diagnosis::candidates::Candidate;
-    use crate::effects::find;
+    use crate::effects::{Placed, find};
 
     /// A spring on the first joint that leaves so much of two joints, before and after.
     fn spring(before: [f64; 2], after: [f64; 2]) -> Found {

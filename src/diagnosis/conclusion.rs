@@ -238,11 +238,9 @@ fn answer<'a>(
     let simulation_test_rms = rms(&test.valid, &simulation);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
     let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
-    let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
-        let added = session.arm.added_throughout(std::slice::from_ref(&found.member.placed), test)?;
-        match answer::of_sampling(&found, period, &rms(&test.valid, &added[0]), &noise_floor) {
+        match answer::of_sampling(&session, &found, &noise_floor)? {
             Some(short) => of_sampling.push(short),
             None => named.push(((found, derived), effect)),
         }

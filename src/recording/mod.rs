@@ -77,6 +77,12 @@ impl Recording {
         self.joints.len()
     }
 
+    /// Whether the log holds the torque of a joint. A joint without has a torque that is not a number at every sample: its
+    /// motion counts, its equation does not.
+    pub fn has_torque(&self, joint: usize) -> bool {
+        self.tau.channel(joint).first().is_some_and(|torque| torque.is_finite())
+    }
+
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.time.len()

@@ -1,5 +1,6 @@
 //! A serial arm: joints from base to flange, each carrying one rigid body.
 
+pub mod description;
 mod inertia;
 mod urdf;
 mod urdf_edit;

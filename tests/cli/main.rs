@@ -1,6 +1,7 @@
 //! The `tauscope` command from outside: what it prints and writes, and how it refuses bad input.
 
 mod arms;
+mod cases;
 mod diagnose;
 mod disk;
 mod effects;

@@ -11,7 +11,7 @@ use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
 use crate::error::Result;
 use crate::lane::Aligned;
 use crate::random;
-use crate::robot::{Drive, Inertia, JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::robot::{Drive, Inertia, Joint, JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
 use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
@@ -20,7 +20,7 @@ use std::ops::Range;
 /// States from which the base parameters are found; well above one per standard parameter of any arm.
 const PROBES_PER_JOINT: usize = 40;
 
-/// Torque linear in standard parameters (13 per joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
+/// Torque linear in standard parameters (13 per moving body and its joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
 /// can tell apart.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -35,9 +35,9 @@ impl Model {
     /// The model of `robot`, whose geometry and gravity it takes; its inertias play no part.
     pub fn new(robot: &Robot) -> Self {
         let chain = Chain::new(robot);
-        let names = standard_names(robot.dof());
+        let names = standard_names(robot.bodies());
         let base = BaseParameters::new(&probe(&chain), &names);
-        let columns = BaseColumns::new(robot.dof(), base.kept());
+        let columns = BaseColumns::new(&chain, base.kept());
         Model { robot: robot.clone(), chain, names, base, columns }
     }
 
@@ -94,7 +94,7 @@ impl Model {
 
     /// Unit of a standard parameter on the joint it belongs to.
     pub fn unit_on_joint(&self, standard: usize) -> &'static str {
-        match (self.robot.joints[standard / STANDARD].kind, standard % STANDARD) {
+        match (self.robot.body(standard / STANDARD).kind, standard % STANDARD) {
             (JointKind::Prismatic, ROTOR) => "kg",
             (JointKind::Prismatic, VISCOUS) => "N s/m",
             (JointKind::Prismatic, COULOMB) => "N",
@@ -137,12 +137,10 @@ impl Model {
 
     /// Standard parameters of an arm, in the order of [`Model::names`].
     pub fn standard_values(robot: &Robot) -> Vec<f64> {
-        robot
-            .joints
-            .iter()
-            .flat_map(|joint| {
-                let drive = joint.drive;
-                joint.inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
+        (0..robot.bodies())
+            .flat_map(|body| {
+                let Joint { inertia, drive, .. } = robot.body(body);
+                inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
             })
             .collect()
     }
@@ -150,7 +148,8 @@ impl Model {
     /// `robot` with other standard parameters, in the order of [`Model::names`].
     pub fn with_standard_values(robot: &Robot, standard: &[f64]) -> Robot {
         let mut robot = robot.clone();
-        for (joint, values) in robot.joints.iter_mut().zip(standard.chunks_exact(STANDARD)) {
+        for (body, values) in standard.chunks_exact(STANDARD).enumerate() {
+            let joint = robot.body_mut(body);
             joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
             joint.drive = Drive { armature: values[ROTOR], viscous: values[VISCOUS], coulomb: values[COULOMB] };
         }
@@ -208,8 +207,9 @@ impl Writer for Along<'_> {
     }
 }
 
-fn standard_names(dof: usize) -> Vec<String> {
-    (1..=dof)
+/// Joints that follow others have the drive of their coordinate; their own places for one stay empty.
+fn standard_names(bodies: usize) -> Vec<String> {
+    (1..=bodies)
         .flat_map(|joint| {
             SYMBOLS
                 .into_iter()
@@ -231,8 +231,8 @@ fn standard_columns(
     let samples = motor.samples();
     let mut table = Channels::zeros(standard.len(), samples);
     let place = |wanted: usize| standard.iter().position(|&own| own == wanted);
-    let entries = Entries::new(chain.dof(), |body, other| {
-        std::array::from_fn(|p| place(body * STANDARD + p).filter(|_| other == joint && joint <= body))
+    let entries = Entries::new(chain, |body, other| {
+        std::array::from_fn(|p| place(body * STANDARD + p).filter(|_| other == joint && chain.moves(joint, body)))
     });
     entries.write(Lanes::best(), chain, link, 0..samples, table.as_mut_slice());
     // What the laws of viscous and Coulomb friction come to at unit parameters; a test holds them to it.
@@ -256,8 +256,8 @@ fn probe(chain: &Chain) -> DMatrix<f64> {
     for signals in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
         signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
     }
-    let mut observation = DMatrix::zeros(samples * dof, dof * STANDARD);
-    let standard: Vec<usize> = (0..dof * STANDARD).collect();
+    let mut observation = DMatrix::zeros(samples * dof, chain.bodies() * STANDARD);
+    let standard: Vec<usize> = (0..chain.bodies() * STANDARD).collect();
     for joint in 0..dof {
         let table = standard_columns(chain, joint, &standard, [&motion; 2], 0.0);
         for (column, values) in table.iter().enumerate() {

@@ -173,6 +173,7 @@ impl<'a> Chain<'a> {
             gravity: Vector3::from(GRAVITY),
             joints,
             flange: body.tip,
+            tree: None,
         })
     }
 

@@ -1,17 +1,17 @@
 //! A serial arm: joints from base to flange, each carrying one rigid body.
 
 pub mod description;
+mod file_kind;
 mod inertia;
+mod mjcf;
+mod serial;
 mod urdf;
-mod urdf_edit;
-mod urdf_numbers;
-mod urdf_write;
 pub mod visuals;
+mod xml;
 
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
-pub use urdf::{InertiaCheck, load};
-pub use urdf_edit::with_parameters;
-pub use urdf_write::to_urdf;
+pub use serial::{InertiaCheck, load};
+pub use urdf::{to_urdf, with_parameters};
 
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Vector3};

@@ -23,6 +23,8 @@ pub fn pendulum() -> Robot {
         }],
         flange: Pose { rotation: nalgebra::Matrix3::identity(), translation: Vector3::x() },
         tree: None,
+        held: Vec::new(),
+        notes: Vec::new(),
     }
 }
 

@@ -1,19 +1,19 @@
 //! A robot arm: joints from base to flange, each carrying one rigid body; a tree of them where it branches.
 
+mod choice;
 pub mod description;
+mod file_kind;
 mod inertia;
+mod mjcf;
 mod tree;
 mod urdf;
-mod urdf_edit;
-mod urdf_numbers;
-mod urdf_write;
 pub mod visuals;
+mod xml;
 
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
+pub use choice::{Choice, InertiaCheck, load};
 pub use tree::{Coupling, Follower, Tree};
-pub use urdf::{InertiaCheck, load};
-pub use urdf_edit::with_parameters;
-pub use urdf_write::to_urdf;
+pub use urdf::{to_urdf, with_parameters};
 
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
@@ -119,6 +119,10 @@ pub struct Robot {
     pub flange: Pose,
     /// What a serial arm does not have; absent on one.
     pub tree: Option<Tree>,
+    /// Moving joints of the file that stand still here, each at its position, rad or m.
+    pub held: Vec<(String, f64)>,
+    /// What was read otherwise than it is written, and which joints are held; a line each.
+    pub notes: Vec<String>,
 }
 
 impl Robot {

@@ -73,7 +73,7 @@ pub struct Visuals {
 /// does the whole arm if its file cannot be read any longer.
 pub fn load(robot: &Robot) -> Visuals {
     let mut visuals = Visuals::default();
-    match urdf_rs::read_file(&robot.source) {
+    match urdf::looks(&robot.source) {
         Ok(urdf) => Walk { urdf: &urdf, robot, visuals: &mut visuals }.all(),
         Err(problem) => visuals.notes.push(format!("the URDF cannot be read again ({problem}): capsules are drawn")),
     }

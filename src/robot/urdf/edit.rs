@@ -1,8 +1,11 @@
 //! A URDF with other inertias and drives, everything else as it was.
 
-use super::{Drive, Inertia, Robot};
+use super::super::xml::{attribute, child, children};
+use super::super::{Drive, Inertia, Robot};
+use super::edits::settled;
+use super::joint_type;
 use crate::error::{Error, Result};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -13,24 +16,24 @@ use std::ops::Range;
 /// If the file `robot` came from cannot be read any longer or does not have its joints.
 pub fn with_parameters(robot: &Robot) -> Result<String> {
     let path = &robot.source;
-    let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "read the URDF", source))?;
-    let document = Document::parse(&text)
-        .map_err(|e| Error::input(path, Some(e.pos().row as usize), "XML", format!("not well-formed: {e}")))?;
+    let (source, _) = settled(path)?;
+    let (text, document) = (&source.text, source.parse()?);
+    let root = document.root_element();
     let elements = |tag: &'static str| {
-        let named = document.root_element().children().filter(move |node| node.has_tag_name(tag));
-        named.filter_map(|node| Some((node.attribute("name")?.trim().to_owned(), node))).collect::<HashMap<_, _>>()
+        let named = children(&root, tag).filter_map(|node| Some((attribute(&node, "name")?.to_owned(), node)));
+        named.collect::<HashMap<_, _>>()
     };
     let (links, joints) = (elements("link"), elements("joint"));
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     for joint in &robot.joints {
         let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
         let link = links.get(&joint.link).ok_or_else(|| missing("link", &joint.link))?;
-        edits.push(with_child(&text, *link, "inertial", &inertial(&joint.inertia)));
+        edits.push(with_child(text, *link, "inertial", &inertial(&joint.inertia)));
         let element = joints.get(&joint.name).ok_or_else(|| missing("joint", &joint.name))?;
-        edits.push(with_child(&text, *element, "dynamics", &dynamics(&joint.drive)));
+        edits.push(with_child(text, *element, "dynamics", &dynamics(&joint.drive)));
     }
     for name in fixed_behind(robot, &joints) {
-        let inertial = links.get(&name).and_then(|link| link.children().find(|child| child.has_tag_name("inertial")));
+        let inertial = links.get(&name).and_then(|link| child(link, "inertial"));
         edits.extend(inertial.map(|inertial| (inertial.range(), String::new())));
     }
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
@@ -43,13 +46,11 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
 
 /// Links that are fixed to a moving one.
 fn fixed_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
-    let end = |joint: &Node, tag: &str| {
-        let child = joint.children().find(|child| child.has_tag_name(tag));
-        child.and_then(|child| child.attribute("link")).unwrap_or("").trim().to_owned()
-    };
+    let end =
+        |joint: &Node, tag: &str| child(joint, tag).and_then(|end| attribute(&end, "link")).unwrap_or("").to_owned();
     let fixed: Vec<(String, String)> = joints
         .values()
-        .filter(|joint| joint.attribute("type") == Some("fixed"))
+        .filter(|joint| joint_type(joint) == "fixed")
         .map(|joint| (end(joint, "parent"), end(joint, "child")))
         .collect();
     let mut open: Vec<String> = robot.joints.iter().map(|joint| joint.link.clone()).collect();
@@ -65,7 +66,7 @@ fn fixed_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
 
 /// The edit that gives an element a child, in place of one with the same tag.
 fn with_child(text: &str, node: Node, tag: &str, new: &str) -> (Range<usize>, String) {
-    if let Some(old) = node.children().find(|child| child.has_tag_name(tag)) {
+    if let Some(old) = child(&node, tag) {
         return (old.range(), new.to_owned());
     }
     let range = node.range();

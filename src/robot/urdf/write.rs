@@ -1,7 +1,7 @@
 //! The URDF of an arm that did not come from one.
 
-use super::urdf_edit::{dynamics, inertial};
-use super::{Joint, JointKind, Pose, Robot};
+use super::super::{Joint, JointKind, Pose, Robot};
+use super::edit::{dynamics, inertial};
 use nalgebra::Rotation3;
 
 /// Names of the link that the first joint is mounted on, and of the link at the flange.

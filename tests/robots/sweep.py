@@ -30,6 +30,7 @@ class File:
     package: str
     path: str
     kind: str
+    digest: str
     copies: int = 1
     read: dict = dataclasses.field(default_factory=dict)
     ours: dict = dataclasses.field(default_factory=dict)
@@ -54,7 +55,7 @@ def robot_files(packages: Path) -> list[File]:
             found[digest].copies += 1
         else:
             package = path.relative_to(packages).parts[0]
-            found[digest] = File(package, str(path), kind)
+            found[digest] = File(package, str(path), kind, digest)
     return list(found.values())
 
 
@@ -66,15 +67,14 @@ def read_with_libraries(path: str, kind: str) -> dict:
         model = pinocchio.buildModelFromUrdf(path)
         # The first is the universe.
         joints = [name for name, joint in list(zip(model.names, model.joints))[1:] if joint.nv == 1]
-        mass = sum(inertia.mass for inertia in list(model.inertias)[1:])
-        return {"joints": joints, "mass": mass}
+        return {"joints": joints}
     import mujoco
 
     model = mujoco.MjModel.from_xml_path(path)
     single = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
     chosen = [j for j in range(model.njnt) if int(model.jnt_type[j]) in single]
     joints = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, j) or "" for j in chosen]
-    answer = {"joints": joints, "mass": float(model.body_mass[1:].sum())}
+    answer = {"joints": joints}
     try:
         import pinocchio
 
@@ -137,7 +137,7 @@ def read_with_tauscope(program: str, path: str) -> dict:
         names = [joint["name"] for joint in answer["joints"]]
     except (ValueError, KeyError, TypeError) as error:
         return {"crash": f"not the JSON that was expected: {error!r}"}
-    return {"joints": names, "mass": answer.get("mass"), "notes": answer.get("notes", [])}
+    return {"joints": names, "notes": answer.get("notes", [])}
 
 
 def reason(text: str, path: str) -> str:
@@ -234,10 +234,15 @@ def report(files: list[File]) -> str:
 def main(folder: Path) -> int:
     program = os.environ["TAUSCOPE"]
     library, files = Library(), robot_files(folder / "packages")
+    # The libraries and the files are pinned: what they read is asked once per folder.
+    kept = folder / "libraries.json"
+    known = json.loads(kept.read_text()) if kept.exists() else {}
     for number, file in enumerate(files):
-        file.read, file.ours = library.read(file), read_with_tauscope(program, file.path)
+        file.read = known[file.digest] = known.get(file.digest) or library.read(file)
+        file.ours = read_with_tauscope(program, file.path)
         if sys.stderr.isatty():
             print(f"\r{number + 1} of {len(files)} files", end="", file=sys.stderr)
+    kept.write_text(json.dumps(known) + "\n")
     text = report(files)
     (folder / "sweep.md").write_text(text)
     (folder / "sweep.json").write_text(json.dumps([dataclasses.asdict(file) for file in files], indent=1) + "\n")

@@ -2,12 +2,12 @@
 
 use super::{DONE, Global, gravity, print, progress};
 use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
+use crate::diagnosis::equations::{self, Observed};
+use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen, still_joints};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
-use crate::identification::model::Model;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     check_length("--reference", &reference)?;
     refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let faults = all_faults(&train, &test, &reference, &robot);
+    let mut faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
@@ -136,7 +136,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         seed: global.seed.unwrap_or_default(),
         candidates: arguments.candidates.clone(),
     };
-    let model = Model::new(&robot);
+    let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
+    let Observed { model, left_out } = equations::observed(&robot, &input, &still)?;
+    faults.extend(left_out);
     bar.set_message("testing every effect on every joint");
     let conclusion = conclude(&model, &input, &options, &mut |found| {
         bar.set_message(format!("{found} found, testing for the next"));

@@ -47,14 +47,16 @@ pub struct BaseColumns {
 
 impl BaseColumns {
     /// For an arm of `dof` joints whose base parameters stand on the standard parameters `kept` (13 a joint: ten inertial
-    /// ones, rotor inertia, viscous and Coulomb friction).
-    pub fn new(dof: usize, kept: &[usize]) -> Self {
+    /// ones, rotor inertia, viscous and Coulomb friction). A joint without an equation, whose torque is not known, has no
+    /// columns.
+    pub fn new(equations: &[bool], kept: &[usize]) -> Self {
+        let dof = equations.len();
         let mut shares: Vec<Share> = Vec::with_capacity(dof);
         let mut places = 0;
         for joint in 0..dof {
             let acts = |&(_, &standard): &(usize, &usize)| {
                 let (link, which) = (standard / STANDARD, standard % STANDARD);
-                if which < PARAMETERS { link >= joint } else { link == joint }
+                equations[joint] && if which < PARAMETERS { link >= joint } else { link == joint }
             };
             let (parameters, kinds) = kept.iter().enumerate().filter(acts).map(|(b, &s)| (b, kind(s))).unzip();
             let share = Share { parameters, kinds, first: places };

@@ -101,11 +101,22 @@ impl JointRegression {
         self.torque.iter().zip(self.predict(beta)).map(|(measured, model)| measured - model).collect()
     }
 
-    /// Root mean square of the residual over the rows that count.
+    /// Of a joint without an equation: `rows` rows none of which counts.
+    pub fn without_equation(joint: String, rows: usize) -> Self {
+        JointRegression {
+            joint,
+            parameters: Vec::new(),
+            columns: Channels::zeros(0, rows),
+            torque: vec![0.0; rows],
+            valid: vec![false; rows],
+        }
+    }
+
+    /// Root mean square of the residual over the rows that count; not a number where none does.
     pub fn residual_rms(&self, beta: &[f64]) -> f64 {
         let residual = self.residual(beta);
         let sum: f64 = residual.iter().zip(&self.valid).filter(|(_, ok)| **ok).map(|(r, _)| r * r).sum();
-        (sum / self.rows().max(1) as f64).sqrt()
+        (sum / self.rows() as f64).sqrt()
     }
 
     /// Inner product of two signals over the rows that count.

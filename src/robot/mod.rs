@@ -2,6 +2,7 @@
 
 pub mod description;
 mod inertia;
+mod units;
 mod urdf;
 mod urdf_edit;
 mod urdf_numbers;
@@ -166,22 +167,6 @@ impl Joint {
                 Pose { rotation, translation: Vector3::zeros() }
             }
             JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * self.axis },
-        }
-    }
-
-    /// Unit of the joint's position.
-    pub fn position_unit(&self) -> &'static str {
-        match self.kind {
-            JointKind::Revolute => "rad",
-            JointKind::Prismatic => "m",
-        }
-    }
-
-    /// Unit of the joint's effort.
-    pub fn effort_unit(&self) -> &'static str {
-        match self.kind {
-            JointKind::Revolute => "N m",
-            JointKind::Prismatic => "N",
         }
     }
 }

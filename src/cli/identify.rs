@@ -1,6 +1,6 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::{DONE, Global, gravity, print, progress};
+use super::{DONE, Global, believed, gravity, print, progress};
 use crate::dataset::{self, Dataset, Logs};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
@@ -15,7 +15,7 @@ use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::{self, Robot};
 use crate::scenario::{Setup, effect_joint};
 use crate::simulation::following::Followed;
 use crate::study::{replay, testbed};
@@ -132,13 +132,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 }
 
 fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Robot> {
-    let check = match arguments.trust {
-        Trust::Nominal => InertiaCheck::Required,
-        Trust::Structure => InertiaCheck::Ignored,
-    };
     let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
     let mut robot = match (named, setup) {
-        (Some(path), _) => robot::load(path, check)?,
+        (Some(path), _) => believed::load(&path, arguments.trust)?,
         (None, Some(setup)) => setup.known.clone(),
         (None, None) => {
             let problem = "give the arm's URDF, or a --dataset or --scenario that names one";

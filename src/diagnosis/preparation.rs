@@ -73,9 +73,9 @@ impl<'a> Preparation<'a> {
         vec![hz; self.model.dof()]
     }
 
-    /// A number for every joint that has an equation, zero for the others.
-    fn on_equations(&self, rows: usize) -> Vec<usize> {
-        (0..self.model.dof()).map(|joint| if self.model.has_equation(joint) { rows } else { 0 }).collect()
+    /// A number for every joint that has an equation.
+    fn on_equations(&self, rows: usize) -> Vec<Option<usize>> {
+        (0..self.model.dof()).map(|joint| self.model.has_equation(joint).then_some(rows)).collect()
     }
 
     /// The logs with the low-passes under which the torque has the least that is new in a row.

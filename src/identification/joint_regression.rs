@@ -153,6 +153,9 @@ impl JointRegression {
 
     /// X'y over the rows that count, for one value y per row.
     pub(super) fn products(&self, signal: &[f64]) -> Vec<f64> {
+        if self.parameters.is_empty() {
+            return Vec::new();
+        }
         let fast = products(&self.columns, &self.masked(signal));
         // Rows that do not count may hold what is not a number.
         let sum = |(value, column): (f64, &[f64])| if value.is_finite() { value } else { self.dot(column, signal) };

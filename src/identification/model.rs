@@ -3,7 +3,7 @@
 use super::base_columns::{BLOCK, BaseColumns};
 use super::linear_model::LinearModel;
 use super::sequences::combine_into;
-use super::standard::{ROTOR, STANDARD, VISCOUS};
+use super::standard::{COULOMB, ROTOR, STANDARD, VISCOUS};
 use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};

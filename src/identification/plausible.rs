@@ -5,8 +5,7 @@
 
 use super::consistent::pseudo_inertia;
 use super::model::Model;
-use super::standard::STANDARD;
-use crate::robot::{Inertia, PARAMETERS};
+use crate::robot::Inertia;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Length that makes first moments and inertias comparable with masses, m.
@@ -91,7 +90,8 @@ fn own_value(model: &Model, fitted: &[f64], joint: usize, which: usize) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::{self, Drive, InertiaCheck};
+    use crate::identification::standard::STANDARD;
+    use crate::robot::{self, Drive, InertiaCheck, PARAMETERS};
 
     #[test]
     fn bodies_that_are_not_described_are_as_heavy_as_what_was_identified() {

@@ -69,6 +69,8 @@ pub struct Prepared<'a> {
     band: Band,
     /// Speed below which the direction of each joint is not certain, rad/s or m/s.
     slow: Vec<f64>,
+    /// Sizes of the weights of the samples that enter a filtered one.
+    weights: Vec<f64>,
 }
 
 /// Makes the measured signals of `recording` ready. `band` says below which speed a joint's direction is not certain.
@@ -117,9 +119,12 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
             (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
         }
     };
-    let slow = match band {
-        Band::Given(speed) => vec![speed; recording.joints()],
-        Band::OfNoise => own_bands(recording, &motion, smoothing, &position_filter)?,
+    let (slow, weights) = match band {
+        Band::Given(speed) => (vec![speed; recording.joints()], Vec::new()),
+        Band::OfNoise => (
+            own_bands(recording, &motion, smoothing, &position_filter)?,
+            reversals::weights(&filter, reach, recording.samples())?,
+        ),
     };
     Ok(Prepared {
         joints: recording.joints.clone(),
@@ -132,6 +137,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
         reach,
         band,
         slow,
+        weights,
     })
 }
 
@@ -172,6 +178,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         reach: 0,
         band: Band::Given(band),
         slow: vec![band; q.channels()],
+        weights: Vec::new(),
     }
 }
 
@@ -294,7 +301,7 @@ impl<'a> Prepared<'a> {
 
     /// Rows after decimation all of whose inputs are inside the log, and whose direction is certain.
     pub(super) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
-        reversals::rows_to_use(&self.moving(joint), self.reach, self.decimation, self.band)
+        reversals::rows_to_use(&self.moving(joint), (self.reach, &self.weights), self.decimation, self.band)
     }
 }
 

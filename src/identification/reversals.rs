@@ -5,6 +5,7 @@
 //! moment of the reversal is known. It is known to where the velocity leaves its own noise.
 
 use crate::error::Result;
+use crate::signal::Filter;
 
 /// Speed below which the direction of a joint is not certain.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,14 +28,14 @@ const DEVIATIONS: f64 = 3.0;
 
 /// Share of a joint's own fast speed below which it counts as standing: what a held joint creeps, and where stiction and not
 /// Coulomb's law gives the friction.
-const CREEP: f64 = 0.01;
+const CREEP: f64 = 0.003;
 
 /// The fast speed is the one that so large a share of the samples stay below; single spikes do not count.
 const FAST: f64 = 0.95;
 
-/// Share of the samples under the filter of a row that may be uncertain. A crossing of zero is known to a third of a standard
-/// deviation's time or so, a small part of the time within the band, so the error of the filtered sign stays below a tenth.
-const MOST_UNCERTAIN: f64 = 0.25;
+/// Part of the filter's weight in a row that may lie on uncertain samples. The crossing of zero is known to a sixth of the time
+/// within the band or so, which leaves an error of a hundredth or two in the filtered sign.
+const MOST_UNCERTAIN: f64 = 0.05;
 
 /// Samples after which the response to an impulse has died away.
 const MOST_RESPONSE: usize = 4096;
@@ -89,25 +90,42 @@ pub fn own_band(velocity: &[f64], noise: f64) -> f64 {
     (DEVIATIONS * noise).max(CREEP * fast)
 }
 
-/// Every `step`-th sample whose row may be used: the filter, which sees `reach` samples to either side, fits into the log,
-/// and the direction is certain as far as `band` asks.
-pub fn rows_to_use(moving: &[bool], reach: usize, step: usize, band: Band) -> Vec<bool> {
+/// Sizes of the weights with which a filter takes the `reach` samples on either side of a row, and its own in the middle.
+///
+/// # Errors
+/// Those of the filter: there are too few samples for it.
+pub fn weights(filter: &Filter, reach: usize, samples: usize) -> Result<Vec<f64>> {
+    let mut impulse = vec![0.0; samples.min(MOST_RESPONSE + 2 * reach)];
+    let middle = impulse.len() / 2;
+    if middle < reach || middle + reach >= impulse.len() {
+        return Ok(Vec::new());
+    }
+    impulse[middle] = 1.0;
+    let mut response = impulse.clone();
+    filter.apply(&impulse, &mut response)?;
+    Ok(response[middle - reach..=middle + reach].iter().map(|weight| weight.abs()).collect())
+}
+
+/// Every `step`-th sample whose row may be used: the filter, which sees `reach` samples to either side with these `weights`, fits
+/// into the log, and the direction is certain as far as `band` asks.
+pub fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usize, band: Band) -> Vec<bool> {
     let mut uncertain_before = vec![0usize; moving.len() + 1];
     for (sample, &ok) in moving.iter().enumerate() {
         uncertain_before[sample + 1] = uncertain_before[sample] + usize::from(!ok);
     }
-    let most = match band {
-        Band::Given(_) => 0,
-        Band::OfNoise => (MOST_UNCERTAIN * (2 * reach + 1) as f64) as usize,
+    let is_certain = |sample: usize| {
+        let seen = sample - reach..sample + reach + 1;
+        if uncertain_before[seen.end] == uncertain_before[seen.start] {
+            return true;
+        }
+        let uncertain = |(weight, ok): (&f64, &bool)| if *ok { 0.0 } else { *weight };
+        band == Band::OfNoise
+            && moving[sample]
+            && weights.iter().zip(&moving[seen]).map(uncertain).sum::<f64>() <= MOST_UNCERTAIN
     };
     (0..moving.len())
         .step_by(step)
-        .map(|sample| {
-            sample >= reach
-                && sample + reach < moving.len()
-                && moving[sample]
-                && uncertain_before[sample + reach + 1] - uncertain_before[sample - reach] <= most
-        })
+        .map(|sample| sample >= reach && sample + reach < moving.len() && is_certain(sample))
         .collect()
 }
 
@@ -151,21 +169,35 @@ mod tests {
         let velocity: Vec<f64> = (0..1000).map(|k| (0.01 * f64::from(k)).sin()).collect();
         let slow: Vec<f64> = velocity.iter().map(|v| 1e-3 * v).collect();
         let (band, of_slow) = (own_band(&velocity, 1e-4), own_band(&slow, 1e-7));
-        assert!((band / of_slow - 1e3).abs() < 1e-6 && band < 0.011, "{band} {of_slow}");
+        assert!((band / of_slow - 1e3).abs() < 1e-6 && band < 0.0031, "{band} {of_slow}");
         assert_eq!(own_band(&velocity, 0.1), 0.1 * DEVIATIONS);
         assert_eq!(own_band(&[], 0.1), 0.0);
     }
 
     #[test]
     fn quick_reversals_stay_and_standing_does_not() {
-        let mut moving = vec![true; 200];
+        let mut moving = vec![true; 400];
         moving[50] = false;
         moving[100..160].fill(false);
-        let rows = rows_to_use(&moving, 10, 1, Band::OfNoise);
-        assert!(!rows[9] && rows[10] && rows[49] && !rows[50] && rows[51]);
-        // Five of twenty-one samples may be uncertain.
-        assert!(rows[94] && !rows[95] && !rows[130] && !rows[160] && rows[165] && !rows[190]);
-        let given = rows_to_use(&moving, 10, 1, Band::Given(0.1));
-        assert!(!given[45] && !given[60] && given[61] && !given[94]);
+        // A mean over 41 samples, of which two may be uncertain.
+        let mean = vec![1.0 / 41.0; 41];
+        let rows = rows_to_use(&moving, (20, &mean), 1, Band::OfNoise);
+        assert!(!rows[19] && rows[20] && rows[49] && !rows[50] && rows[51]);
+        assert!(rows[81] && !rows[82] && !rows[130] && !rows[177] && rows[178] && !rows[380]);
+        let given = rows_to_use(&moving, (20, &mean), 1, Band::Given(0.1));
+        assert!(!given[45] && !given[70] && given[71] && !given[81]);
+        // A short window gives so much weight to each that none may be.
+        let short = rows_to_use(&moving, (1, &[0.2, 0.6, 0.2]), 1, Band::OfNoise);
+        assert!(short[48] && !short[49] && !short[51] && short[52]);
+    }
+
+    #[test]
+    fn weights_are_those_of_the_filter() {
+        let smoother = SavitzkyGolay::new(9, 4, 0, 0.01, Edge::Polynomial).unwrap();
+        let sizes: Vec<f64> = smoother.coefficients().iter().map(|weight| weight.abs()).collect();
+        let found = weights(&Filter::SavitzkyGolay(smoother), 4, 1000).unwrap();
+        assert!(found.iter().zip(&sizes).all(|(a, b)| (a - b).abs() < 1e-12) && found.len() == 9);
+        assert_eq!(weights(&Filter::None, 1, 100).unwrap(), [0.0, 1.0, 0.0]);
+        assert!(weights(&Filter::None, 10, 5).unwrap().is_empty());
     }
 }

@@ -1,25 +1,25 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, gravity, print, progress};
+use super::{DONE, Global, believed, gravity, print, progress};
 use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
+use crate::diagnosis::equations::{self, Observed};
+use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen, still_joints};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
-use crate::identification::model::Model;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
 use crate::report::html::{self, Provenance};
 use crate::report::viewer;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::{self, Robot};
 use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hasher};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What the written scenario says of itself.
 const EXTENDED_NOTE: &str = "\
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     check_length("--reference", &reference)?;
     refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let faults = all_faults(&train, &test, &reference, &robot);
+    let mut faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
@@ -136,7 +136,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         seed: global.seed.unwrap_or_default(),
         candidates: arguments.candidates.clone(),
     };
-    let model = Model::new(&robot);
+    let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
+    let Observed { model, left_out } = equations::observed(&robot, &input, &still)?;
+    faults.extend(left_out);
     bar.set_message("testing every effect on every joint");
     let conclusion = conclude(&model, &input, &options, &mut |found| {
         bar.set_message(format!("{found} found, testing for the next"));
@@ -199,7 +201,7 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
     let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
     let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
     let mut robot = match (&named, &arm) {
-        (Some(path), _) => loaded(path, arguments.trust)?,
+        (Some(path), _) => believed::load(path, arguments.trust)?,
         (None, Some(arm)) => arm.known.clone(),
         (None, None) => {
             return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
@@ -216,29 +218,6 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
         }
     }
     Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
-}
-
-/// The arm of a URDF. Inertias that no body has are told; their torque is well defined all the same, unless there are none.
-fn loaded(path: &Path, trust: Trust) -> Result<Robot> {
-    if trust == Trust::Structure {
-        return robot::load(path, InertiaCheck::Ignored);
-    }
-    let robot = match robot::load(path, InertiaCheck::Required) {
-        Ok(robot) => robot,
-        Err(problem) => {
-            let robot = robot::load(path, InertiaCheck::Ignored)?;
-            if robot.joints.iter().any(|joint| joint.inertia.mass() < 0.0) {
-                return Err(problem);
-            }
-            tracing::warn!("{problem}; they are taken as they are");
-            robot
-        }
-    };
-    if robot.joints.iter().all(|joint| joint.inertia.mass() == 0.0) {
-        let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
-        return Err(Error::input(path, None, "inertial", problem));
-    }
-    Ok(robot)
 }
 
 fn described(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {

@@ -1,5 +1,6 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod believed;
 mod blind;
 mod check;
 mod diagnose;

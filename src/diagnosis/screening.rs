@@ -87,10 +87,13 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
     Ok(Screened { name: name.to_owned(), pieces, faults })
 }
 
-/// All faults, those that stop first; a joint that moves in no training log stops the diagnosis too.
+/// All faults, those that stop first. A joint that moves in the logs that judge and in none to identify from stops the
+/// diagnosis too.
 pub fn all_faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
-    let still = still_joints(train, robot);
-    let stills = still.into_iter().map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
+    let others = [test, reference].concat();
+    let moves_elsewhere = |joint: usize| others.iter().any(|log| hardly_moves(log, joint).is_none());
+    let still = still_joints(train, robot).into_iter().filter(|(joint, _)| moves_elsewhere(*joint));
+    let stills = still.map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
     let logs = train.iter().chain(test).chain(reference);
     let mut all: Vec<DataFault> = stills.collect();
     let told = logs.flat_map(|log| log.faults.iter().cloned());
@@ -130,16 +133,17 @@ pub fn check_length(option: &str, logs: &[Screened]) -> Result<()> {
     Err(Error::request(option, problem))
 }
 
+/// What is said of a joint of a log if it hardly moves there.
+fn hardly_moves(log: &Screened, joint: usize) -> Option<&DataFault> {
+    let column = format!("q{} (", joint + 1);
+    log.faults.iter().find(|fault| fault.kind == Kind::HardlyMoves && fault.place.starts_with(&column))
+}
+
 /// Joints that hardly move in any of the logs, with what is said of them.
-fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
-    let of = |screened: &Screened, joint: usize| {
-        let column = format!("q{} (", joint + 1);
-        let mut faults = screened.faults.iter();
-        faults.find(|fault| fault.kind == Kind::HardlyMoves && fault.place.starts_with(&column)).cloned()
-    };
+pub fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
     (0..robot.dof())
         .filter_map(|joint| {
-            let each: Vec<DataFault> = logs.iter().filter_map(|log| of(log, joint)).collect();
+            let each: Vec<DataFault> = logs.iter().filter_map(|log| hardly_moves(log, joint).cloned()).collect();
             (each.len() == logs.len()).then(|| Some((joint, each.into_iter().next()?))).flatten()
         })
         .collect()
@@ -175,7 +179,6 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::TorqueUnit
         | Kind::TorqueSign
         | Kind::UnsignedTorque
-        | Kind::NoTorque
         | Kind::Frozen
         | Kind::Wrapped
         | Kind::Spike
@@ -183,6 +186,7 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::NoMotion => Some(Consequence::Stops),
         Kind::CutOff
         | Kind::Clipped
+        | Kind::NoTorque
         | Kind::Gap
         | Kind::Jitter
         | Kind::DuplicateTime

@@ -47,15 +47,15 @@ pub struct BaseColumns {
 
 impl BaseColumns {
     /// For an arm whose base parameters stand on the standard parameters `kept` (13 a body: ten inertial ones, rotor inertia,
-    /// viscous and Coulomb friction of its joint).
-    pub fn new(chain: &Chain, kept: &[usize]) -> Self {
+    /// viscous and Coulomb friction of its joint). A joint without an equation, whose torque is not known, has no columns.
+    pub fn new(chain: &Chain, equations: &[bool], kept: &[usize]) -> Self {
         let dof = chain.dof();
         let mut shares: Vec<Share> = Vec::with_capacity(dof);
         let mut places = 0;
         for joint in 0..dof {
             let acts = |&(_, &standard): &(usize, &usize)| {
                 let (link, which) = (standard / STANDARD, standard % STANDARD);
-                if which < PARAMETERS { chain.moves(joint, link) } else { link == joint }
+                equations[joint] && if which < PARAMETERS { chain.moves(joint, link) } else { link == joint }
             };
             let (parameters, kinds) = kept.iter().enumerate().filter(acts).map(|(b, &s)| (b, kind(s))).unzip();
             let share = Share { parameters, kinds, first: places };

@@ -6,6 +6,7 @@ mod file_kind;
 mod inertia;
 mod mjcf;
 mod tree;
+mod units;
 mod urdf;
 pub mod visuals;
 mod xml;
@@ -176,22 +177,6 @@ impl Joint {
                 Pose { rotation, translation: Vector3::zeros() }
             }
             JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * self.axis },
-        }
-    }
-
-    /// Unit of the joint's position.
-    pub fn position_unit(&self) -> &'static str {
-        match self.kind {
-            JointKind::Revolute => "rad",
-            JointKind::Prismatic => "m",
-        }
-    }
-
-    /// Unit of the joint's effort.
-    pub fn effort_unit(&self) -> &'static str {
-        match self.kind {
-            JointKind::Revolute => "N m",
-            JointKind::Prismatic => "N",
         }
     }
 }

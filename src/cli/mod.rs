@@ -2,6 +2,7 @@
 
 mod blind;
 mod check;
+mod corrected;
 mod diagnose;
 mod effects;
 mod excite;

@@ -1,9 +1,11 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, believed, gravity, print, progress};
-use crate::dataset::Dataset;
+use super::{DONE, Global, believed, corrected, gravity, print, progress};
+use crate::dataset::{Dataset, Named};
 use crate::diagnosis::equations::{self, Observed};
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen, still_joints};
+use crate::diagnosis::screening::{
+    Consequence, Screened, all_faults, check_length, correct, screen_all, still_joints,
+};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
@@ -19,7 +21,7 @@ use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hasher};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What the written scenario says of itself.
 const EXTENDED_NOTE: &str = "\
@@ -87,17 +89,17 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         effects::find(name)?;
     }
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let Simulation { robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
+    let Simulation { mut robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
     let bar = progress::bar(global, "looking at the logs", LEAST_ROUNDS + 1);
-    let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
-    let (train, test) = match &dataset {
-        Some(dataset) => {
-            let [train, test] = dataset.sieved(&robot)?;
-            (described(train, &robot)?, described(test, &robot)?)
-        }
-        None => (load(&arguments.train)?, load(&arguments.test)?),
+    let load = |paths: &[PathBuf]| paths.iter().map(|path| read(path, &robot)).collect::<Result<Vec<_>>>();
+    let [train, test] = match &dataset {
+        Some(dataset) => dataset.sieved(&robot)?,
+        None => [load(&arguments.train)?, load(&arguments.test)?],
     };
-    let reference = load(&arguments.reference)?;
+    let mut reference = screened(load(&arguments.reference)?, &robot)?;
+    let trained = train.len();
+    let mut train = screened(train.into_iter().chain(test).collect(), &robot)?;
+    let mut test = train.split_off(trained);
     let (trained, judged) = match &arguments.dataset {
         Some(path) => (format!("{}: train", path.display()), format!("{}: test", path.display())),
         None => ("--train".to_owned(), "--test".to_owned()),
@@ -107,6 +109,13 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     check_length("--reference", &reference)?;
     refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
+    let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
+    let found = all.first().and_then(|log| log.verdict.clone());
+    let correction = correct(&mut all, &mut robot);
+    if let Some(description) = correction.or(found.map(|verdict| verdict.description)) {
+        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, None)?;
+    }
     let mut faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
@@ -220,12 +229,14 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
     Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
 }
 
-fn described(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
-    logs.into_iter().map(|(path, sieved)| screen(&path.display().to_string(), sieved, robot)).collect()
+fn read(path: &Path, robot: &Robot) -> Result<(PathBuf, Sieved)> {
+    Ok((path.to_owned(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?))
 }
 
-fn screened(path: &PathBuf, robot: &Robot) -> Result<Screened> {
-    screen(&path.display().to_string(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot)
+/// Logs of one time, screened together.
+fn screened(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
+    let named = logs.into_iter().map(|(path, sieved)| (path.display().to_string(), sieved));
+    screen_all(named.collect(), robot)?.into_iter().collect()
 }
 
 fn recordings(logs: &[Screened]) -> Vec<&Recording> {

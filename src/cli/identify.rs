@@ -1,7 +1,7 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::{DONE, Global, believed, gravity, print, progress};
-use crate::dataset::{self, Dataset, Logs};
+use super::{DONE, Global, believed, corrected, gravity, print, progress};
+use crate::dataset::{self, Dataset, Logs, Named};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
 use crate::identification::consistent;
@@ -79,17 +79,24 @@ const SIMULATING: u64 = 1;
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let robot = arm(arguments, setup.as_ref(), dataset.as_ref())?;
+    let mut robot = arm(arguments, setup.as_ref(), dataset.as_ref())?;
     let simulates = dataset.is_none() && arguments.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
     let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
     place(&arguments.effect, &robot, None)?;
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let Logs { train, test, mut notes } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
+    let Logs { train, test, mut notes, correction } =
+        logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
+    if let Some(description) = &correction {
+        robot.gravity = description.gravity;
+    }
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
-
+    if let Some(description) = &correction {
+        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, None)?;
+    }
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
     let observed = equations::observed(&robot, logs, preparation, arguments.trust)?;
@@ -159,14 +166,7 @@ fn logs(
         return dataset.logs(robot);
     }
     if !arguments.train.is_empty() {
-        let mut logs = Logs::default();
-        for path in &arguments.train {
-            logs.train.extend(dataset::plain(path, robot, &mut logs.notes)?);
-        }
-        for path in &arguments.test {
-            logs.test.extend(dataset::plain(path, robot, &mut logs.notes)?);
-        }
-        return Ok(logs);
+        return dataset::plain_together(&arguments.train, &arguments.test, robot);
     }
     let Some(setup) = setup else {
         return Err(Error::request("--train", "give at least one log, a --dataset, or a --scenario to simulate"));
@@ -174,7 +174,7 @@ fn logs(
     let bar = progress::bar(global, "simulating", testbed::samples(setup));
     let runs = testbed::record(setup, &mut |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
-    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], notes: Vec::new() })
+    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() })
 }
 
 /// The effects asked for, on their joints; those of `model` that have no equation are passed over where no joint is named.

@@ -3,6 +3,7 @@
 mod believed;
 mod blind;
 mod check;
+mod corrected;
 mod diagnose;
 mod effects;
 mod excite;

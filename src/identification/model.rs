@@ -133,6 +133,11 @@ impl Model {
         self.columns.tables(&self.chain, [motion; 2], width)
     }
 
+    /// [`Model::columns`] under another gravity vector in base coordinates (m/s2), without a width.
+    pub fn columns_under(&self, gravity: [f64; 3], motion: &Motion) -> Vec<Channels> {
+        self.columns.tables(&self.chain.clone().with_gravity(gravity), [motion; 2], 0.0)
+    }
+
     /// [`Model::columns`] of one joint, where motors and links may move differently: inertial columns along `link`, rotor
     /// and friction columns along `motor`.
     pub fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {

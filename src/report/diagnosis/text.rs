@@ -206,6 +206,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
                 Consequence::Stops => "Fault of the data",
                 Consequence::LeftOut => "Left out",
                 Consequence::Told => "Note",
+                Consequence::Corrected => "Corrected",
             };
             format!("{what}: {}: {}: {}", fault.log, fault.place, fault.text)
         })

@@ -234,6 +234,15 @@ fn meaning(name: &str) -> Option<(bool, usize, Joint<'_>)> {
     (0..QUANTITIES.len()).find_map(of)
 }
 
+/// The joints whose positions a header names or numbers.
+pub fn joint_names(header: &[String]) -> super::lenient::JointNames {
+    let meanings: Vec<_> = header.iter().map(|name| meaning(name)).collect();
+    let names = own_names(&meanings);
+    let numbered = |meaning: &&Option<(bool, usize, Joint)>| matches!(meaning, Some((false, 0, Joint::Number(_))));
+    let numbered = meanings.iter().filter(numbered).count();
+    super::lenient::JointNames { names, numbered }
+}
+
 /// Joint names in the order of their positions; none where the positions are numbered.
 fn own_names(meanings: &[Option<(bool, usize, Joint)>]) -> Vec<String> {
     let positions = meanings.iter().flatten().filter(|(truth, kind, _)| !truth && *kind == 0);

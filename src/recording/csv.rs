@@ -109,6 +109,16 @@ pub(super) fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8]> {
     Ok(bytes)
 }
 
+/// The names of the columns.
+pub(super) fn header(bytes: &[u8]) -> Vec<String> {
+    let mut reader = ReaderBuilder::new().delimiter(separator(bytes)).has_headers(false).from_reader(bytes);
+    let mut record = ByteRecord::new();
+    match reader.read_byte_record(&mut record) {
+        Ok(true) => record.iter().map(|name| String::from_utf8_lossy(name.trim_ascii()).into_owned()).collect(),
+        _ => Vec::new(),
+    }
+}
+
 /// A header that needs no renaming.
 fn as_it_is(header: Vec<String>) -> Result<Vec<String>> {
     Ok(header)

@@ -26,7 +26,7 @@ pub struct ColumnMap {
 }
 
 /// A log without its unusable rows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sieved {
     /// What is left; it may be empty.
     pub recording: Recording,
@@ -61,6 +61,38 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) 
         }
         _ => Ok(sieved),
     }
+}
+
+/// The joints of which a log holds positions.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct JointNames {
+    /// Names in the order of the file; empty where the joints are numbered alone.
+    pub names: Vec<String>,
+    /// Number of joints where they are numbered; 0 where they are named.
+    pub numbered: usize,
+}
+
+/// The joints of which a log holds positions, from its header alone where the format has one.
+///
+/// # Errors
+/// Those of [`load`] about the file and its header.
+pub fn joint_names(path: impl AsRef<Path>, map: &ColumnMap) -> Result<JointNames> {
+    let path = path.as_ref();
+    if let Some(q) = &map.q {
+        return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
+    }
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let header = match extension.as_deref() {
+        Some("csv") => {
+            let bytes = csv::bytes(path)?;
+            csv::header(csv::content(path, &bytes)?)
+        }
+        Some("parquet") => parquet::header(path)?,
+        #[cfg(feature = "bags")]
+        _ if super::bag::is_bag(path) => super::bag::read(path, None, map.topic.as_deref())?.header,
+        _ => return Err(super::unknown_format(path)),
+    };
+    Ok(super::columns::joint_names(&header))
 }
 
 type Rename<'a> = dyn Fn(Vec<String>) -> Result<Vec<String>> + 'a;

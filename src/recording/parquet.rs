@@ -81,6 +81,14 @@ pub fn read(path: &Path, joints: Option<&[String]>) -> Result<(Recording, Vec<St
     Ok((table.recording(), notes))
 }
 
+/// The names of the columns.
+pub(super) fn header(path: &Path) -> Result<Vec<String>> {
+    let file = File::open(path).map_err(|source| Error::io(path, "read the recording", source))?;
+    let broken = |error: ParquetError| Error::input(path, None, "Parquet", format!("the file cannot be read: {error}"));
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(broken)?;
+    Ok(builder.schema().fields().iter().map(|field| field.name().clone()).collect())
+}
+
 /// The columns as numbers, whatever their values.
 pub(super) struct Table {
     pub header: Vec<String>,

@@ -23,5 +23,5 @@ pub fn write(
 ) -> Result<()> {
     let source = || Some(robot.source.clone()).filter(|_| dataset.and_then(Dataset::robot).is_none());
     let named = &Named { robot: named.robot.clone().or_else(source), ..named.clone() };
-    folder.write_text(FILE, &corrected(dataset, named, &robot.joint_names(), description, time_factor)?)
+    folder.write_text(FILE, &corrected(dataset, named, robot, description, time_factor)?)
 }

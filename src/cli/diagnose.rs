@@ -1,18 +1,18 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, believed, corrected, gravity, print, progress};
-use crate::dataset::{Dataset, Named};
+use super::arm::ArmArguments;
+use super::{DONE, Global, corrected, print, progress};
+use crate::dataset::arm::LoggedArm;
+use crate::dataset::{self, Dataset, Named};
 use crate::diagnosis::equations::{self, Observed};
-use crate::diagnosis::screening::{
-    Consequence, Screened, all_faults, check_length, correct, screen_all, still_joints,
-};
+use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, correct, screen_all, still_joints};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
-use crate::recording::lenient::{self, ColumnMap, Sieved};
+use crate::recording::lenient::Sieved;
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
 use crate::report::html::{self, Provenance};
 use crate::report::viewer;
@@ -21,7 +21,7 @@ use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hasher};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What the written scenario says of itself.
 const EXTENDED_NOTE: &str = "\
@@ -39,9 +39,8 @@ const SHORTEST_HELD_OUT_S: f64 = 2.0;
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// URDF of the arm; that of the scenario where absent.
-    #[arg(long, value_name = "URDF", required_unless_present_any = ["scenario", "dataset"])]
-    robot: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
     /// Log to find from; repeat for more.
     #[arg(long, value_name = "LOG", required_unless_present = "dataset")]
     train: Vec<PathBuf>,
@@ -60,9 +59,6 @@ pub struct Arguments {
     /// Whether the URDF's inertias are believed, or re-identified.
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
-    /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
-    gravity: Option<nalgebra::Vector3<f64>>,
     /// Probability of naming anything where there is nothing.
     #[arg(long, default_value_t = 0.05)]
     alpha: f64,
@@ -89,14 +85,20 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         effects::find(name)?;
     }
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let Simulation { mut robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
+    let Simulation { arm, mut robot, scenario } = simulation(arguments, dataset.as_ref())?;
     let bar = progress::bar(global, "looking at the logs", LEAST_ROUNDS + 1);
-    let load = |paths: &[PathBuf]| paths.iter().map(|path| read(path, &robot)).collect::<Result<Vec<_>>>();
     let [train, test] = match &dataset {
         Some(dataset) => dataset.sieved(&robot)?,
-        None => [load(&arguments.train)?, load(&arguments.test)?],
+        None => [dataset::read_all(&arguments.train, &robot)?, dataset::read_all(&arguments.test, &robot)?],
     };
-    let mut reference = screened(load(&arguments.reference)?, &robot)?;
+    let mut logs = [train, test, dataset::read_all(&arguments.reference, &robot)?];
+    if let Some(mut arm) = arm {
+        arm.settle(dataset.as_ref(), &mut logs)?;
+        robot = arm.robot;
+    }
+    let effects = present(arguments, scenario.as_ref(), &robot)?;
+    let [train, test, reference] = logs;
+    let mut reference = screened(reference, &robot)?;
     let trained = train.len();
     let mut train = screened(train.into_iter().chain(test).collect(), &robot)?;
     let mut test = train.split_off(trained);
@@ -113,7 +115,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let found = all.first().and_then(|log| log.verdict.clone());
     let correction = correct(&mut all, &mut robot);
     if let Some(description) = correction.or(found.map(|verdict| verdict.description)) {
-        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        let named =
+            Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
         corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, None)?;
     }
     let mut faults = all_faults(&train, &test, &reference, &robot);
@@ -201,36 +204,40 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
 /// The simulation as it stands.
 struct Simulation {
+    /// The arm as the logs know it, where a file of it is named.
+    arm: Option<LoggedArm>,
     robot: Robot,
-    effects: Vec<Placed>,
     scenario: Option<Scenario>,
 }
 
 fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simulation> {
-    let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
-    let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
-    let mut robot = match (&named, &arm) {
-        (Some(path), _) => believed::load(path, arguments.trust)?,
-        (None, Some(arm)) => arm.known.clone(),
-        (None, None) => {
-            return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
-        }
+    let known = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
+    if let Some(file) = arguments.arm.file(dataset) {
+        let described = dataset.map(Dataset::files).unwrap_or_default();
+        let logs =
+            [&arguments.train, &arguments.test, &arguments.reference].into_iter().flatten().cloned().chain(described);
+        let arm = arguments.arm.open(&file, arguments.trust, dataset, &logs.collect::<Vec<_>>())?;
+        let robot = arm.robot.clone();
+        return Ok(Simulation { arm: Some(arm), robot, scenario: known.map(|known| known.scenario) });
+    }
+    let Some(known) = known else {
+        return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
     };
+    let mut robot = known.known;
     if let Some(dataset) = dataset {
         dataset.mount(&mut robot)?;
     }
-    robot.gravity = arguments.gravity.unwrap_or(robot.gravity);
-    let mut effects = Vec::new();
-    if let (Some(path), Some(arm)) = (&arguments.scenario, &arm) {
-        for spec in &arm.scenario.effects {
-            effects.push(spec.place(&robot).map_err(|problem| Error::input(path, None, "effect", problem))?);
-        }
-    }
-    Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
+    robot.gravity = arguments.arm.gravity.unwrap_or(robot.gravity);
+    Ok(Simulation { arm: None, robot, scenario: Some(known.scenario) })
 }
 
-fn read(path: &Path, robot: &Robot) -> Result<(PathBuf, Sieved)> {
-    Ok((path.to_owned(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?))
+/// The effects that the simulation has.
+fn present(arguments: &Arguments, scenario: Option<&Scenario>, robot: &Robot) -> Result<Vec<Placed>> {
+    let (Some(path), Some(scenario)) = (&arguments.scenario, scenario) else { return Ok(Vec::new()) };
+    let place = |spec: &crate::scenario::EffectSpec| {
+        spec.place(robot).map_err(|problem| Error::input(path, None, "effect", problem))
+    };
+    scenario.effects.iter().map(place).collect()
 }
 
 /// Logs of one time, screened together.

@@ -1,6 +1,8 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::{DONE, Global, believed, corrected, gravity, print, progress};
+use super::arm::ArmArguments;
+use super::{DONE, Global, corrected, print, progress};
+use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Logs, Named};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
@@ -24,9 +26,8 @@ use std::path::PathBuf;
 /// Arguments of `tauscope identify`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// URDF of the arm; that of the scenario where absent.
-    #[arg(long, value_name = "URDF")]
-    robot: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
     /// Log to identify from; repeat for more. Without any, the scenario's two motions are simulated.
     #[arg(long, value_name = "LOG")]
     train: Vec<PathBuf>,
@@ -45,9 +46,6 @@ pub struct Arguments {
     /// Whether the URDF's inertias are believed, or re-identified.
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
-    /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
-    gravity: Option<nalgebra::Vector3<f64>>,
     /// Savitzky-Golay window, samples, odd; that of the scenario, or a tenth of a second.
     #[arg(long, value_name = "SAMPLES")]
     window: Option<usize>,
@@ -79,22 +77,25 @@ const SIMULATING: u64 = 1;
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let mut robot = arm(arguments, setup.as_ref(), dataset.as_ref())?;
+    let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;
     let simulates = dataset.is_none() && arguments.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
     let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
-    place(&arguments.effect, &robot, None)?;
+    place(&arguments.effect, arm.robot(), None)?;
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
     let Logs { train, test, mut notes, correction } =
-        logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
+        logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
+    let mut robot = arm.into_robot();
+    notes.extend(robot.notes.clone());
     if let Some(description) = &correction {
         robot.gravity = description.gravity;
     }
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
     if let Some(description) = &correction {
-        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        let named =
+            Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
         corrected::write(&folder, dataset.as_ref(), &named, &robot, description, None)?;
     }
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
@@ -138,35 +139,65 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     Ok(DONE)
 }
 
-fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Robot> {
-    let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
-    let mut robot = match (named, setup) {
-        (Some(path), _) => believed::load(&path, arguments.trust)?,
-        (None, Some(setup)) => setup.known.clone(),
-        (None, None) => {
-            let problem = "give the arm's URDF, or a --dataset or --scenario that names one";
-            return Err(Error::request("--robot", problem));
+/// The arm that is identified.
+enum Subject {
+    /// That of logs.
+    Logged(Box<LoggedArm>),
+    /// That of a scenario.
+    Simulated(Box<Robot>),
+}
+
+impl Subject {
+    fn robot(&self) -> &Robot {
+        match self {
+            Subject::Logged(arm) => &arm.robot,
+            Subject::Simulated(robot) => robot,
         }
+    }
+
+    fn into_robot(self) -> Robot {
+        match self {
+            Subject::Logged(arm) => arm.robot,
+            Subject::Simulated(robot) => *robot,
+        }
+    }
+}
+
+fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Subject> {
+    if let Some(file) = arguments.arm.file(dataset) {
+        let described = dataset.map(Dataset::files).unwrap_or_default();
+        let logs: Vec<PathBuf> = arguments.train.iter().chain(&arguments.test).cloned().chain(described).collect();
+        return Ok(Subject::Logged(Box::new(arguments.arm.open(&file, arguments.trust, dataset, &logs)?)));
+    }
+    let Some(setup) = setup else {
+        return Err(Error::request("--robot", "give the arm's URDF, or a --dataset or --scenario that names one"));
     };
+    let mut robot = setup.known.clone();
     if let Some(dataset) = dataset {
         dataset.mount(&mut robot)?;
     }
-    robot.gravity = arguments.gravity.unwrap_or(robot.gravity);
-    Ok(robot)
+    robot.gravity = arguments.arm.gravity.unwrap_or(robot.gravity);
+    Ok(Subject::Simulated(Box::new(robot)))
 }
 
 fn logs(
     arguments: &Arguments,
     setup: Option<&Setup>,
     dataset: Option<&Dataset>,
-    robot: &Robot,
+    arm: &mut Subject,
     global: &Global,
 ) -> Result<Logs> {
-    if let Some(dataset) = dataset {
-        return dataset.logs(robot);
-    }
-    if !arguments.train.is_empty() {
-        return dataset::plain_together(&arguments.train, &arguments.test, robot);
+    if dataset.is_some() || !arguments.train.is_empty() {
+        let mut logs = match dataset {
+            Some(dataset) => dataset.sieved(arm.robot())?,
+            None => {
+                [dataset::read_all(&arguments.train, arm.robot())?, dataset::read_all(&arguments.test, arm.robot())?]
+            }
+        };
+        if let Subject::Logged(arm) = arm {
+            arm.settle(dataset, &mut logs)?;
+        }
+        return dataset::ready(logs, arm.robot());
     }
     let Some(setup) = setup else {
         return Err(Error::request("--train", "give at least one log, a --dataset, or a --scenario to simulate"));

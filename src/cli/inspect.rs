@@ -1,14 +1,15 @@
 //! `tauscope inspect`: what a log is worth.
 
-use super::{DONE, Global, corrected, gravity, print, progress};
-use crate::dataset::{Dataset, Named};
+use super::arm::ArmArguments;
+use super::{DONE, Global, corrected, print, progress};
+use crate::dataset::{self, Dataset, Named};
 use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
 use crate::quality;
 use crate::recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::quality as report;
-use crate::robot::{self, InertiaCheck, Robot};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `tauscope inspect`.
@@ -17,15 +18,11 @@ pub struct Arguments {
     /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are judged together.
     #[arg(required = true)]
     log: Vec<PathBuf>,
-    /// URDF of the arm, for its limits and for checks of torque against motion.
-    #[arg(long, value_name = "URDF")]
-    robot: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
     /// Description of the log: columns, units, motors, payload, mounting.
     #[arg(long, value_name = "TOML")]
     dataset: Option<PathBuf>,
-    /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
-    gravity: Option<nalgebra::Vector3<f64>>,
     /// Also write the rows that can be used to this file: .csv, .parquet, .mcap or .db3; with a dataset in its units and
     /// order.
     #[arg(long, value_name = "FILE")]
@@ -35,14 +32,9 @@ pub struct Arguments {
 /// Examines the log and prints what it finds; a log that cannot be used is an error behind the report.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let named = arguments.robot.clone().or_else(|| dataset.as_ref().and_then(Dataset::robot));
-    let mut robot = named.map(|path| robot::load(path, InertiaCheck::Ignored)).transpose()?;
-    if let (Some(robot), Some(dataset)) = (&mut robot, &dataset) {
-        dataset.mount(robot)?;
-    }
-    if let (Some(robot), Some(gravity)) = (&mut robot, arguments.gravity) {
-        robot.gravity = gravity;
-    }
+    let file = arguments.arm.file(dataset.as_ref());
+    let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);
+    let robot = file.map(open).transpose()?.map(|arm| arm.robot);
     let [first, others @ ..] = &arguments.log[..] else { return Err(Error::request("LOG", "give a log")) };
     if arguments.convert.is_some() && !others.is_empty() {
         return Err(Error::request("--convert", "takes one log; give the logs one by one"));
@@ -50,10 +42,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let mut stages = progress::Stages::new(global, &[1, 1]);
     stages.begin("reading the log");
     let read = |log: &PathBuf| match (&dataset, &robot) {
-        (None, robot) => {
-            let names = robot.as_ref().map(Robot::joint_names);
-            lenient::load(log, names.as_deref(), &ColumnMap::default())
-        }
+        (None, Some(robot)) => dataset::read(log, robot),
+        (None, None) => lenient::load(log, None, &ColumnMap::default()),
         (Some(dataset), Some(robot)) => dataset.read(log, robot),
         (Some(_), None) => {
             let problem = "give the arm's URDF, here or as `robot` in the dataset: it names the joints";
@@ -68,7 +58,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         (Some(robot), Some(verdict)) => {
             let name = first.file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
             let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
-            let named = Named { robot: arguments.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
+            let named = Named { robot: arguments.arm.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
             corrected::write(&folder, dataset.as_ref(), &named, robot, &verdict.description, None)?;
             Some(folder.finish()?.join(corrected::FILE))
         }
@@ -81,7 +71,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     print::result(global, report::SCHEMA, &result, || {
         let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
-        let corrected = corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
+        let corrected =
+            corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
         texts.join("\n\n") + &converted + &corrected
     })?;
     match each.iter().find_map(|(log, found)| Some((log, found.fatal()?))) {

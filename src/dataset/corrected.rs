@@ -3,6 +3,7 @@
 use super::{Dataset, SCHEMA};
 use crate::error::{Error, Result};
 use crate::quality::descriptions::{Change, Description};
+use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -18,19 +19,21 @@ pub struct Named {
 }
 
 /// The text of a dataset that describes the logs as `description` says: `dataset` with the changes, or a new one of the
-/// files `named`. `joints` are the arm's. Files are named from the root, so that the text may be kept anywhere.
+/// files `named`. Files are named from the root, so that the text may be kept anywhere.
 ///
 /// # Errors
 /// If a path has no absolute form, or the motors are coupled: a change of one joint is then none of one motor.
 pub fn corrected(
     dataset: Option<&Dataset>,
     named: &Named,
-    joints: &[String],
+    robot: &Robot,
     description: &Description,
     time_factor: Option<f64>,
 ) -> Result<String> {
     let mut table = match dataset {
-        Some(dataset) => dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?,
+        Some(dataset) => {
+            dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?
+        }
         None => Table::from_iter([("schema".to_owned(), Value::from(SCHEMA))]),
     };
     if dataset.is_some_and(|dataset| dataset.spec.motors.coupling.is_some()) {
@@ -39,11 +42,16 @@ pub fn corrected(
     }
     files(&mut table, dataset, named)?;
     // Lists of the motors are in the order of the file's columns.
-    let order = dataset.and_then(|dataset| dataset.spec.joints.clone()).unwrap_or(joints.to_vec());
-    let channel = |name: &String| joints.iter().position(|joint| joint == name).unwrap_or(0);
-    let joint_of = |of: &[usize], name: &String| of.iter().position(|&own| own == channel(name)).unwrap_or(0);
-    let position = |name: &String| description.position_sign[joint_of(&description.position_of, name)];
-    let torque = |name: &String| description.torque_sign[joint_of(&description.torque_of, name)];
+    let order = dataset.and_then(|dataset| dataset.spec.joints.clone()).unwrap_or(robot.columns.clone());
+    let joints = &robot.joint_names()[..];
+    let joint_of = |of: &[usize], name: &String| {
+        let channel = joints.iter().position(|joint| joint == name)?;
+        of.iter().position(|&own| own == channel)
+    };
+    // A joint that is held keeps its signs.
+    let sign = |signs: &[f64], of: &[usize], name: &String| joint_of(of, name).map_or(1.0, |joint| signs[joint]);
+    let position = |name: &String| sign(&description.position_sign, &description.position_of, name);
+    let torque = |name: &String| sign(&description.torque_sign, &description.torque_of, name);
     let motors = section(&mut table, "motors");
     // `sign` is of position and torque alike, and `torque_sign` comes on top of it.
     signs(motors, "sign", order.iter().map(position).collect());

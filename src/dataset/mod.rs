@@ -4,7 +4,7 @@
 //! ```toml
 //! schema = "tauscope.dataset/1"
 //! robot = "arm.urdf"            # beside this file
-//! joints = ["j1", "j2"]         # order of columns and lists below, where it is not the robot's
+//! joints = ["j1", "j2"]         # joints under study, in the order of columns and lists below; without, those that the logs name
 //!
 //! [[train]]
 //! file = "a.csv"
@@ -37,6 +37,9 @@
 //! torques_exchanged = [["j1", "j2"]]    # pairs of joints in each other's columns of torque
 //! positions_exchanged = [["j1", "j2"]]  # the same of position, velocity and acceleration
 //!
+//! [hold]                        # joints that are not under study and that the logs do not have, rad or m
+//! finger_joint = 0.02
+//!
 //! [payload]                     # at the flange, known
 //! mass_kg = 5.0
 //! center_m = [0.0, 0.0, 0.1]
@@ -46,6 +49,7 @@
 //! gravity_m_s2 = [0.0, 0.0, 9.81]   # in the base frame: an arm that hangs
 //! ```
 
+pub mod arm;
 mod convert;
 mod corrected;
 mod units;
@@ -61,6 +65,7 @@ use crate::recording::{Recording, resample};
 use crate::robot::{Inertia, Robot};
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use units::AccelerationUnit;
 
@@ -84,6 +89,9 @@ struct Spec {
     schema: String,
     robot: Option<PathBuf>,
     joints: Option<Vec<String>>,
+    /// Where joints stand that are not under study, rad or m.
+    #[serde(default)]
+    hold: BTreeMap<String, f64>,
     #[serde(default)]
     train: Vec<Part>,
     #[serde(default)]
@@ -236,6 +244,11 @@ impl Dataset {
         self.spec.robot.as_ref().map(|robot| self.beside(robot))
     }
 
+    /// All logs it names, those to train from first.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.parts().map(|(_, part)| self.beside(&part.file)).collect()
+    }
+
     /// Puts the mounting and the known payload on an arm.
     ///
     /// # Errors
@@ -249,14 +262,15 @@ impl Dataset {
             }
             robot.gravity = gravity;
         }
-        let (Some(payload), Some(last)) = (&self.spec.payload, robot.joints.last_mut()) else { return Ok(()) };
+        let Some(payload) = &self.spec.payload else { return Ok(()) };
+        let (tip, flange) = (robot.tip(), robot.flange);
+        let last = robot.body_mut(tip);
         let [xx, xy, yy, xz, yz, zz] = payload.inertia_kg_m2;
         let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let body = Inertia::from_center_of_mass(payload.mass_kg, Vector3::from(payload.center_m), tensor);
         if let Some(problem) = body.physical_fault(1e-3) {
             return Err(self.error("payload", problem));
         }
-        let flange = &robot.flange;
         last.inertia = last.inertia.welded_to(&body.seen_from_parent(&flange.rotation, &flange.translation));
         Ok(())
     }
@@ -266,32 +280,17 @@ impl Dataset {
     /// # Errors
     /// Those of [`lenient::load`]; lists that do not fit the joints, units that need what is not given.
     pub fn read(&self, file: &Path, robot: &Robot) -> Result<Sieved> {
-        let names = robot.joint_names();
-        let order = self.spec.joints.as_ref().unwrap_or(&names);
-        let mut sorted = (order.clone(), names.clone());
-        sorted.0.sort();
-        sorted.1.sort();
-        if sorted.0 != sorted.1 {
-            let problem = format!("{} are not the robot's joints {}", order.join(", "), names.join(", "));
+        let order = self.spec.joints.as_ref().unwrap_or(&robot.columns);
+        if let Some(missing) = robot.joint_names().into_iter().find(|name| !order.contains(name)) {
+            let names = robot.joint_names().join(", ");
+            let problem = format!("{} are not the robot's joints {names}: `{missing}` is missing", order.join(", "));
             return Err(self.error("joints", problem));
         }
         let mut sieved = lenient::load(file, Some(order), &self.spec.columns)?;
         self.convert(&mut sieved.recording)?;
-        if *order != names {
-            let place = |name: &String| order.iter().position(|own| own == name).unwrap_or(0);
-            convert::reorder(&mut sieved.recording, &names.iter().map(place).collect::<Vec<_>>());
-        }
+        arm::select(&mut sieved.recording, order, &robot.joint_names());
         self.exchange(&mut sieved.recording)?;
         Ok(sieved)
-    }
-
-    /// Reads all logs and makes them ready.
-    ///
-    /// # Errors
-    /// Those of [`Dataset::read`], and a log that cannot be used, with the reason.
-    pub fn logs(&self, robot: &Robot) -> Result<Logs> {
-        let [train, test] = self.sieved(robot)?;
-        ready(train, test, robot)
     }
 
     /// Reads all logs, or the parts of them that are wanted, and leaves them as they are otherwise: those to train from,
@@ -360,30 +359,40 @@ impl Part {
     }
 }
 
+/// Reads a log without a description: the joints of `robot` in their order.
+///
+/// # Errors
+/// Those of [`lenient::load`].
+pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
+    let mut sieved = lenient::load(path, Some(&robot.columns), &ColumnMap::default())?;
+    arm::select(&mut sieved.recording, &robot.columns, &robot.joint_names());
+    Ok(sieved)
+}
+
 /// A log without a description made ready: rows that cannot be used left out, clock made even, faults noted.
 ///
 /// # Errors
 /// Those of [`lenient::load`], and a log that cannot be used, with the reason.
 pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    let logs = plain_together(&[path.to_owned()], &[], robot)?;
+    let logs = ready([read_all(&[path.to_owned()], robot)?, Vec::new()], robot)?;
     notes.extend(logs.notes);
     Ok(logs.train)
 }
 
-/// Logs without a description made ready together: those to train from and those to judge by.
+/// Reads logs without a description and leaves them as they are otherwise, each with its file.
 ///
 /// # Errors
-/// Those of [`plain`].
-pub fn plain_together(train: &[PathBuf], test: &[PathBuf], robot: &Robot) -> Result<Logs> {
-    let names = robot.joint_names();
-    let read = |path: &PathBuf| Ok((path.clone(), lenient::load(path, Some(&names), &ColumnMap::default())?));
-    let all = |paths: &[PathBuf]| paths.iter().map(read).collect::<Result<Vec<_>>>();
-    ready(all(train)?, all(test)?, robot)
+/// Those of [`read`].
+pub fn read_all(paths: &[PathBuf], robot: &Robot) -> Result<Vec<(PathBuf, Sieved)>> {
+    paths.iter().map(|path| Ok((path.clone(), read(path, robot)?))).collect()
 }
 
-/// Examines logs, refuses those that cannot be used, puts right what is wrong with their description beyond doubt, and cuts
-/// them into pieces at even steps.
-fn ready(train: Vec<(PathBuf, Sieved)>, test: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Logs> {
+/// Examines logs, those to train from and those to judge by, refuses those that cannot be used, corrects what is wrong with
+/// their description beyond doubt, and cuts them into pieces at even steps.
+///
+/// # Errors
+/// A log that cannot be used, with the reason.
+pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Result<Logs> {
     let mut logs = Logs::default();
     let trained = train.len();
     let all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
@@ -412,7 +421,9 @@ fn ready(train: Vec<(PathBuf, Sieved)>, test: Vec<(PathBuf, Sieved)>, robot: &Ro
         if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
     if logs.correction.is_some() {
-        logs.notes.push("the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into());
+        logs.notes.push(
+            "the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into(),
+        );
     }
     Ok(logs)
 }

@@ -15,12 +15,7 @@ pub(super) type Screw<L> = (Vec3<L>, Vec3<L>);
 /// Makes `links` the states of all bodies, in their order, for coordinates with the given positions, velocities and
 /// accelerations.
 #[inline(always)]
-fn forward<L: Lane>(
-    chain: &Chain,
-    tree: &Branches,
-    states: &[(L, L, L)],
-    links: &mut Vec<LinkState<L>>,
-) {
+fn forward<L: Lane>(chain: &Chain, tree: &Branches, states: &[(L, L, L)], links: &mut Vec<LinkState<L>>) {
     let base = chain.base();
     links.resize(chain.bodies(), base);
     for &body in &tree.order {
@@ -91,8 +86,7 @@ pub(super) fn equations<L: Lane>(
         loop {
             let other = &tree.couplings[at];
             let entry = chain.along(at, force, moment) * L::splat(own.multiplier * other.multiplier);
-            let (row, column) =
-                (own.coordinate.max(other.coordinate), own.coordinate.min(other.coordinate));
+            let (row, column) = (own.coordinate.max(other.coordinate), own.coordinate.min(other.coordinate));
             matrix[row * dof + column] += entry;
             if at != body && row == column {
                 // Both of the pair of symmetric entries of M fall on the diagonal of A' M A.

@@ -87,7 +87,10 @@ impl Chain {
             order: robot.outwards(),
             parents: tree.parents.clone(),
             couplings: (0..bodies).map(|body| robot.coupling(body)).collect(),
-            moves: (0..bodies).flat_map(|b| (0..robot.dof()).map(move |c| (c, b))).map(|(c, b)| robot.moves(c, b)).collect(),
+            moves: (0..bodies)
+                .flat_map(|b| (0..robot.dof()).map(move |c| (c, b)))
+                .map(|(c, b)| robot.moves(c, b))
+                .collect(),
         });
         Chain { joints, gravity: robot.gravity.into(), branches }
     }

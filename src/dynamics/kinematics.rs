@@ -15,18 +15,17 @@ pub struct Point {
 }
 
 /// Coordinates of points in the base frame at positions `q`, `[joint][time]`: x, y and z of one point after the other,
-/// `[3 * point + axis][time]`, m. The points are given from the base outwards.
+/// `[3 * point + axis][time]`, m.
 ///
 /// # Panics
-/// If the positions do not fit the chain, a body does not exist, or the points are not in the order of their bodies.
+/// If the positions do not fit the chain or a body does not exist.
 pub fn coordinates(chain: &Chain, q: &Channels, points: &[Point]) -> Channels {
     coordinates_in(Lanes::best(), chain, q, points)
 }
 
 fn coordinates_in(lanes: Lanes, chain: &Chain, q: &Channels, points: &[Point]) -> Channels {
     assert_eq!(q.channels(), chain.dof(), "the motion has another number of joints than the arm");
-    assert!(points.is_sorted_by_key(|point| point.link), "points are wanted from the base outwards");
-    assert!(points.last().is_none_or(|point| point.link < chain.bodies()), "a point is on a link that does not exist");
+    assert!(points.iter().all(|point| point.link < chain.bodies()), "a point is on a body that does not exist");
     let mut out = Channels::zeros(3 * points.len(), q.samples());
     lanes.for_positions(q, 0..q.samples()).run(Placing { chain, q, points, out: &mut out });
     out

@@ -33,8 +33,9 @@ pub fn regressor(chain: &Chain, motion: &Motion) -> Channels {
 pub fn regressor_in(lanes: Lanes, chain: &Chain, motion: &Motion) -> Channels {
     let (dof, samples) = (chain.dof(), motion.samples());
     let mut out = Channels::zeros(chain.bodies() * PARAMETERS * dof, samples);
-    let places =
-        |link, joint| std::array::from_fn(|p| Some(block_row(dof, link, p, joint)).filter(|_| chain.moves(joint, link)));
+    let places = |link, joint| {
+        std::array::from_fn(|p| Some(block_row(dof, link, p, joint)).filter(|_| chain.moves(joint, link)))
+    };
     Entries::new(chain, places).write(lanes, chain, motion, 0..samples, out.as_mut_slice());
     out
 }

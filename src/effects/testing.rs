@@ -23,6 +23,7 @@ pub fn pendulum() -> Robot {
         }],
         flange: Pose { rotation: nalgebra::Matrix3::identity(), translation: Vector3::x() },
         tree: None,
+        columns: vec!["joint_1".to_owned()],
         held: Vec::new(),
         notes: Vec::new(),
     }

@@ -79,6 +79,27 @@ impl Description {
         Ok(path)
     }
 
+    /// Of the joints `named` those that lead: the others follow one of them.
+    pub fn leading(&self, named: &[String]) -> Vec<String> {
+        let follows = |name: &String| {
+            let joint = self.joints.iter().find(|joint| joint.name == *name);
+            let leader = joint.map(|joint| self.leader(joint).0);
+            leader.is_some_and(|leader| leader.name != *name && named.contains(&leader.name))
+        };
+        named.iter().filter(|name| !follows(name)).cloned().collect()
+    }
+
+    /// The joints that move by themselves between the base and some link, for every link where they are `count`.
+    pub fn chains_of(&self, count: usize) -> Vec<Vec<String>> {
+        let masters: Vec<&str> = self.masters().iter().map(|joint| joint.name.as_str()).collect();
+        let chain = |link: &description::LinkDescription| {
+            let path = self.path_to(&link.name).unwrap_or_default();
+            let own = path.iter().map(|joint| joint.name.clone()).filter(|name| masters.contains(&name.as_str()));
+            own.collect::<Vec<String>>()
+        };
+        self.links.iter().map(chain).filter(|chain| chain.len() == count).collect()
+    }
+
     /// The robot whose joints under study have a coordinate each. All others are held, and what they carry is welded to the
     /// link that carries them; joints that mimic one under study follow it, with their friction and rotor in its drive.
     ///
@@ -97,8 +118,7 @@ impl Description {
             return Err(Error::input(&self.source, None, "<robot>", "the arm has no moving joint"));
         }
         let bodies: Vec<usize> = coordinates.iter().chain(&followers).copied().collect();
-        let mut assembly =
-            Assembly { file: self, inertias, places: &places, bodies: &bodies, notes: &mut notes };
+        let mut assembly = Assembly { file: self, inertias, places: &places, bodies: &bodies, notes: &mut notes };
         let made = bodies.iter().map(|&joint| assembly.joint(joint)).collect::<Result<Vec<_>>>()?;
         let (tip, flange) = assembly.flange(choice, &made)?;
         let (mut joints, parents): (Vec<Joint>, Vec<Option<usize>>) = made.into_iter().unzip();
@@ -110,10 +130,12 @@ impl Description {
             joints[coordinate].drive.take_over(&std::mem::take(&mut joint.drive), multiplier);
             followed.push(Follower { joint, coordinate, multiplier, offset });
         }
-        let serial = followed.is_empty() && parents.iter().enumerate().all(|(body, parent)| *parent == body.checked_sub(1));
+        let serial =
+            followed.is_empty() && parents.iter().enumerate().all(|(body, parent)| *parent == body.checked_sub(1));
         let tree = (!serial || tip + 1 != joints.len()).then_some(Tree { followers: followed, parents, tip });
         let (name, source) = (self.name.clone(), self.source.clone());
-        Ok(Robot { name, source, gravity: self.gravity, joints, flange, tree, held, notes })
+        let columns = joints.iter().map(|joint| joint.name.clone()).collect();
+        Ok(Robot { name, source, gravity: self.gravity, joints, flange, tree, columns, held, notes })
     }
 
     /// The joints branch by branch, each behind the one that carries it.
@@ -164,11 +186,9 @@ impl Description {
             match (moves(joint), leaders.get(&index[master.name.as_str()])) {
                 (false, _) => Place::Held(0.0),
                 // x of the master is (q - offset) / multiplier of the joint that leads.
-                (true, Some(&(leader, own, shift))) => Place::Moves {
-                    leader,
-                    multiplier: multiplier / own,
-                    offset: offset - multiplier / own * shift,
-                },
+                (true, Some(&(leader, own, shift))) => {
+                    Place::Moves { leader, multiplier: multiplier / own, offset: offset - multiplier / own * shift }
+                }
                 (true, None) => {
                     let follows = choice.hold.get(&joint.name).copied();
                     Place::Held(follows.unwrap_or_else(|| multiplier * self.rest(master, choice) + offset))
@@ -179,7 +199,8 @@ impl Description {
     }
 
     fn chosen(&self, choice: &Choice, index: &HashMap<&str, usize>) -> Result<Vec<usize>> {
-        let of = |joints: Vec<&JointDescription>| -> Vec<usize> { joints.iter().map(|j| index[j.name.as_str()]).collect() };
+        let of =
+            |joints: Vec<&JointDescription>| -> Vec<usize> { joints.iter().map(|j| index[j.name.as_str()]).collect() };
         match (&choice.joints, &choice.tip) {
             (None, None) => Ok(of(self.masters())),
             (None, Some(tip)) => Ok(of(self.path_to(tip)?.into_iter().filter(|joint| moves(joint)).collect())),
@@ -327,11 +348,9 @@ impl Assembly<'_> {
 
     fn drive(&mut self, joint: &JointDescription) -> Result<Drive> {
         let mut drive = joint.drive;
-        for (value, attribute) in [
-            (&mut drive.viscous, "damping"),
-            (&mut drive.coulomb, "friction"),
-            (&mut drive.armature, "armature"),
-        ] {
+        for (value, attribute) in
+            [(&mut drive.viscous, "damping"), (&mut drive.coulomb, "friction"), (&mut drive.armature, "armature")]
+        {
             if *value >= 0.0 {
                 continue;
             }

@@ -11,8 +11,8 @@ mod urdf;
 pub mod visuals;
 mod xml;
 
-pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use choice::{Choice, InertiaCheck, load};
+pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use tree::{Coupling, Follower, Tree};
 pub use urdf::{to_urdf, with_parameters};
 
@@ -120,6 +120,9 @@ pub struct Robot {
     pub flange: Pose,
     /// What a serial arm does not have; absent on one.
     pub tree: Option<Tree>,
+    /// Joints that the columns of a log stand for where they are numbered or described one by one: those under study, and those
+    /// that turned out to stand still or to follow.
+    pub columns: Vec<String>,
     /// Moving joints of the file that stand still here, each at its position, rad or m.
     pub held: Vec<(String, f64)>,
     /// What was read otherwise than it is written, and which joints are held; a line each.

@@ -64,8 +64,14 @@ impl RapierArm {
             .and_then(|_| world.multibody_joints.rigid_body_link(bodies[robot.dof()]))
             .map(|link| link.multibody)
             .ok_or_else(|| Error::request(&robot.name, "rapier does not take the arm as one articulated body"))?;
-        let mut arm =
-            RapierArm { world, bodies, carriers, joints, kinds: robot.joints.iter().map(|j| j.kind).collect(), multibody };
+        let mut arm = RapierArm {
+            world,
+            bodies,
+            carriers,
+            joints,
+            kinds: robot.joints.iter().map(|j| j.kind).collect(),
+            multibody,
+        };
         // The base counts as free until the kinematics have seen that its body is fixed.
         let RapierArm { world, multibody, .. } = &mut arm;
         let body = world.multibody_joints.get_multibody_mut(*multibody).expect("just inserted");

@@ -155,7 +155,8 @@ fn rapier_moves_trees_as_the_own_dynamics_do() {
             let applied = inverse_dynamics_at(&chain, &inertial, &state.x, &state.xd, &state.xdd);
             let mut found = vec![0.0; robot.dof()];
             arm.forward_dynamics(&state.x, &state.xd, &applied, &mut found);
-            let wanted = EquationsOfMotion::new(&chain, &inertial, &armature, &state.x, &state.xd).accelerations(&applied);
+            let wanted =
+                EquationsOfMotion::new(&chain, &inertial, &armature, &state.x, &state.xd).accelerations(&applied);
             let apart = difference(&found, &wanted);
             assert!(apart < 1e-8, "{}: {apart}", robot.name);
         }

@@ -149,6 +149,10 @@ impl Description {
             changes.extend(pairs().map(|(a, b)| Change::PositionExchange(a, b)));
         }
         let start = Description::as_given(dof, self.gravity);
-        changes.into_iter().map(|change| self.with(change)).filter(|next| !next.same_as(self) && !next.same_as(&start)).collect()
+        changes
+            .into_iter()
+            .map(|change| self.with(change))
+            .filter(|next| !next.same_as(self) && !next.same_as(&start))
+            .collect()
     }
 }

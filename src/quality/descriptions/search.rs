@@ -148,13 +148,7 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
 }
 
 /// The best of the judged ones, where it is clearly better than `reference`, with its rivals and the next.
-fn chosen(
-    judged: Vec<(Tried, Comparison)>,
-    limit: f64,
-    reference: &Tried,
-    rows: &Rows,
-    tried: usize,
-) -> Option<Found> {
+fn chosen(judged: Vec<(Tried, Comparison)>, limit: f64, reference: &Tried, rows: &Rows, tried: usize) -> Option<Found> {
     let top = compare(&reference.evaluation, &judged.first()?.0.evaluation, &rows.log)?;
     let explains = |channel: usize| judged[0].0.evaluation.unexplained[channel].is_some_and(|share| share < limit);
     let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);

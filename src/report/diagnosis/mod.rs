@@ -195,7 +195,7 @@ pub fn result(
         structure: left.structure,
         family_wise_p: left.family_wise_p,
     });
-    let mut data_quality = qualities(faults);
+    let mut data_quality = qualities(robot, faults);
     let held_out = "no test log was given: the last part of every training log was held out";
     let notices = [
         ("held_out_from_training", "training logs", diagnosis.held_out_from_training.then(|| held_out.to_owned())),
@@ -268,12 +268,20 @@ pub fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResu
         effort_units: robot.effort_units(),
         alpha,
         next_experiment: text::mend(faults),
-        data_quality: qualities(faults),
+        data_quality: qualities(robot, faults),
         ..DiagnosisResult::default()
     }
 }
 
-fn qualities(faults: &[DataFault]) -> Vec<Quality> {
+/// What is noted of the robot's file, and the faults of the logs.
+fn qualities(robot: &Robot, faults: &[DataFault]) -> Vec<Quality> {
+    let notes = robot.notes.iter().map(|note| Quality {
+        kind: QualityKind::Notice("robot_description"),
+        log: String::new(),
+        r#where: robot.name.clone(),
+        text: note.clone(),
+        consequence: Consequence::Told,
+    });
     let quality = |fault: &DataFault| Quality {
         kind: QualityKind::Fault(fault.kind),
         log: fault.log.clone(),
@@ -281,7 +289,7 @@ fn qualities(faults: &[DataFault]) -> Vec<Quality> {
         text: fault.text.clone(),
         consequence: fault.consequence,
     };
-    faults.iter().map(quality).collect()
+    notes.chain(faults.iter().map(quality)).collect()
 }
 
 fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {

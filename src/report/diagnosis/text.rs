@@ -31,6 +31,7 @@ pub fn lines(
     faults: &[DataFault],
 ) -> String {
     let mut lines = vec![headline(diagnosis)];
+    lines.extend(robot.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(fault_lines(faults));
     if diagnosis.held_out_from_training {
         lines.push("No test log was given: the last part of every training log was held out.".into());

@@ -1,16 +1,19 @@
 //! A URDF with other inertias and drives, everything else as it was.
 
 use super::super::xml::{attribute, child, children};
-use super::super::{Drive, Inertia, Robot};
+use super::super::{Drive, Inertia, Pose, Robot};
 use super::edits::settled;
 use super::joint_type;
+use super::write::{origin, to_urdf};
 use crate::error::{Error, Result};
 use roxmltree::Node;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// The text of the arm's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
-/// links fixed to that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`.
+/// The text of the robot's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
+/// links that move as one with that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`; those of a joint
+/// that follows another are in the other's. Joints that are held become fixed where they stand. A robot that did not come
+/// from a URDF is written as one.
 ///
 /// # Errors
 /// If the file `robot` came from cannot be read any longer or does not have its joints.
@@ -19,24 +22,34 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
     let (source, _) = settled(path)?;
     let (text, document) = (&source.text, source.parse()?);
     let root = document.root_element();
+    if !root.has_tag_name("robot") {
+        return Ok(to_urdf(robot));
+    }
     let elements = |tag: &'static str| {
         let named = children(&root, tag).filter_map(|node| Some((attribute(&node, "name")?.to_owned(), node)));
         named.collect::<HashMap<_, _>>()
     };
     let (links, joints) = (elements("link"), elements("joint"));
+    let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    for joint in &robot.joints {
-        let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
+    for body in 0..robot.bodies() {
+        let joint = robot.body(body);
         let link = links.get(&joint.link).ok_or_else(|| missing("link", &joint.link))?;
         edits.push(with_child(text, *link, "inertial", &inertial(&joint.inertia)));
         let element = joints.get(&joint.name).ok_or_else(|| missing("joint", &joint.name))?;
         edits.push(with_child(text, *element, "dynamics", &dynamics(&joint.drive)));
+        edits.extend(mimicry(text, *element, robot, body));
     }
-    for name in fixed_behind(robot, &joints) {
+    for name in welded_behind(robot, &joints) {
         let inertial = links.get(&name).and_then(|link| child(link, "inertial"));
         edits.extend(inertial.map(|inertial| (inertial.range(), String::new())));
     }
-    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    for (name, position) in &robot.held {
+        let element = joints.get(name).ok_or_else(|| missing("joint", name))?;
+        edits.extend(fixed_at(text, *element, *position));
+    }
+    // From the end of the file; where one is put in ahead of another that is replaced, the other comes first.
+    edits.sort_by_key(|(range, _)| (std::cmp::Reverse(range.start), std::cmp::Reverse(range.end)));
     let mut edited = text.clone();
     for (range, new) in edits {
         edited.replace_range(range, &new);
@@ -44,19 +57,66 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
     Ok(edited)
 }
 
-/// Links that are fixed to a moving one.
-fn fixed_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
+/// The edits that let the joint of a body mimic what it follows, if that is not what the file says.
+fn mimicry(text: &str, joint: Node, robot: &Robot, body: usize) -> Option<(Range<usize>, String)> {
+    let coupling = robot.coupling(body);
+    let old = child(&joint, "mimic");
+    if body < robot.dof() {
+        return old.map(|old| (old.range(), String::new()));
+    }
+    let master = &robot.joints[coupling.coordinate].name;
+    let new = format!(
+        "<mimic joint=\"{master}\" multiplier=\"{:?}\" offset=\"{:?}\"/>",
+        coupling.multiplier, coupling.offset
+    );
+    Some(with_child(text, joint, "mimic", &new))
+}
+
+/// The edits that fix a joint at a position.
+fn fixed_at(text: &str, joint: Node, position: f64) -> Vec<(Range<usize>, String)> {
+    let mut edits = Vec::new();
+    let slides = joint_type(&joint) == "prismatic";
+    edits.extend(joint.attribute_node("type").map(|kind| (kind.range_value(), "fixed".to_owned())));
+    edits.extend(child(&joint, "mimic").map(|mimic| (mimic.range(), String::new())));
+    if position != 0.0 {
+        let numbers = |element: &Node, name: &str, otherwise: [f64; 3]| {
+            let words = attribute(element, name).unwrap_or_default().split_whitespace();
+            let values: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+            <[f64; 3]>::try_from(values).unwrap_or(otherwise)
+        };
+        let given = child(&joint, "origin")
+            .map_or([[0.0; 3]; 2], |origin| [numbers(&origin, "xyz", [0.0; 3]), numbers(&origin, "rpy", [0.0; 3])]);
+        let axis = child(&joint, "axis").map_or([1.0, 0.0, 0.0], |axis| numbers(&axis, "xyz", [1.0, 0.0, 0.0]));
+        let axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::from(axis));
+        let motion = match slides {
+            true => Pose { translation: position * axis.into_inner(), ..Pose::identity() },
+            false => Pose {
+                rotation: nalgebra::Rotation3::from_axis_angle(&axis, position).into_inner(),
+                translation: nalgebra::Vector3::zeros(),
+            },
+        };
+        let [xyz, [roll, pitch, yaw]] = given;
+        let rotation = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
+        let place = Pose { rotation, translation: xyz.into() }.then(&motion);
+        edits.push(with_child(text, joint, "origin", &origin(&place)));
+    }
+    edits
+}
+
+/// Links that move as one with a moving one, not being its joint's own.
+fn welded_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
     let end =
         |joint: &Node, tag: &str| child(joint, tag).and_then(|end| attribute(&end, "link")).unwrap_or("").to_owned();
-    let fixed: Vec<(String, String)> = joints
-        .values()
-        .filter(|joint| joint_type(joint) == "fixed")
-        .map(|joint| (end(joint, "parent"), end(joint, "child")))
+    let moving: HashSet<&str> = (0..robot.bodies()).map(|body| robot.body(body).name.as_str()).collect();
+    let still: Vec<(String, String)> = joints
+        .iter()
+        .filter(|(name, _)| !moving.contains(name.as_str()))
+        .map(|(_, joint)| (end(joint, "parent"), end(joint, "child")))
         .collect();
-    let mut open: Vec<String> = robot.joints.iter().map(|joint| joint.link.clone()).collect();
+    let mut open: Vec<String> = (0..robot.bodies()).map(|body| robot.body(body).link.clone()).collect();
     let mut found = Vec::new();
     while let Some(link) = open.pop() {
-        for (_, child) in fixed.iter().filter(|(parent, _)| *parent == link) {
+        for (_, child) in still.iter().filter(|(parent, _)| *parent == link) {
             open.push(child.clone());
             found.push(child.clone());
         }

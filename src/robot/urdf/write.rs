@@ -8,25 +8,32 @@ use nalgebra::Rotation3;
 const BASE: &str = "base_link";
 const FLANGE: &str = "flange";
 
-/// A URDF with the joints, limits, bodies and drives of `robot`, and its flange as a link behind a fixed joint. Gravity is
-/// not part of a URDF; names must not need escaping.
+/// A URDF with the joints, limits, bodies and drives of `robot`, and its flange as a link behind a fixed joint; joints that
+/// follow others mimic them. Gravity is not part of a URDF; names must not need escaping.
 pub fn to_urdf(robot: &Robot) -> String {
     let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"{BASE}\"/>\n", robot.name);
-    let mut parent = BASE;
-    for joint in &robot.joints {
-        text += &moving(joint, parent);
-        parent = &joint.link;
+    for body in robot.outwards() {
+        let parent = robot.parent(body).map_or(BASE, |parent| &robot.body(parent).link);
+        let coupling = robot.coupling(body);
+        let follows = (body >= robot.dof()).then(|| {
+            format!(
+                "    <mimic joint=\"{}\" multiplier=\"{:?}\" offset=\"{:?}\"/>\n",
+                robot.joints[coupling.coordinate].name, coupling.multiplier, coupling.offset
+            )
+        });
+        text += &moving(robot.body(body), parent, &follows.unwrap_or_default());
     }
     text += &format!(
-        "  <joint name=\"{FLANGE}_fixed\" type=\"fixed\">\n    <parent link=\"{parent}\"/><child link=\"{FLANGE}\"/>\n    \
+        "  <joint name=\"{FLANGE}_fixed\" type=\"fixed\">\n    <parent link=\"{}\"/><child link=\"{FLANGE}\"/>\n    \
          {}\n  </joint>\n  <link name=\"{FLANGE}\"/>\n</robot>\n",
+        robot.body(robot.tip()).link,
         origin(&robot.flange)
     );
     text
 }
 
 /// A moving joint and the link it carries.
-fn moving(joint: &Joint, parent: &str) -> String {
+fn moving(joint: &Joint, parent: &str, follows: &str) -> String {
     let Joint { name, link, axis, limits, .. } = joint;
     let kind = match joint.kind {
         JointKind::Revolute => "revolute",
@@ -41,7 +48,7 @@ fn moving(joint: &Joint, parent: &str) -> String {
     };
     format!(
         "  <joint name=\"{name}\" type=\"{kind}\">\n    <parent link=\"{parent}\"/><child link=\"{link}\"/>\n    {}\n    \
-         <axis xyz=\"{:?} {:?} {:?}\"/>\n    <limit {range}velocity=\"{velocity:?}\" effort=\"{effort:?}\"/>\n    {}\n  \
+         <axis xyz=\"{:?} {:?} {:?}\"/>\n    <limit {range}velocity=\"{velocity:?}\" effort=\"{effort:?}\"/>\n    {}\n{follows}  \
          </joint>\n  <link name=\"{link}\">\n    {}\n  </link>\n",
         origin(&joint.origin),
         axis.x,
@@ -53,7 +60,7 @@ fn moving(joint: &Joint, parent: &str) -> String {
 }
 
 /// A pose as fixed-axis roll, pitch and yaw, the URDF's convention.
-fn origin(pose: &Pose) -> String {
+pub(super) fn origin(pose: &Pose) -> String {
     let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
     let [x, y, z]: [f64; 3] = pose.translation.into();
     format!("<origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>")

@@ -235,7 +235,8 @@ impl<'a> Bodies<'a> {
             coulomb: joint.number("frictionloss")?.unwrap_or(0.0),
             armature: joint.number("armature")?.unwrap_or(0.0),
         };
-        if joint.number("stiffness")?.is_some_and(|stiffness| stiffness != 0.0) && motion != Motion::Floating {
+        let stiff = joint.number("stiffness")?.unwrap_or(0.0) != 0.0 || joint.get("springdamper").is_some();
+        if stiff && motion != Motion::Floating {
             self.springs.push(name.clone());
         }
         let origin = frame.then(&Pose { translation: anchor, ..Pose::identity() }).then(&back);

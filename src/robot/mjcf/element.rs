@@ -32,22 +32,21 @@ pub(super) struct Element {
 ///
 /// # Errors
 /// If a file cannot be read, is no XML, is nested too deep, or includes itself.
-pub(super) fn load(path: &Path) -> Result<Element> {
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut root = of_file(path, &folder, &mut Vec::new())?;
-    root.pop().ok_or_else(|| Error::input(path, None, "<mujoco>", "there is no element"))
+pub(super) fn load(source: &XmlText) -> Result<Element> {
+    let folder = source.path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut root = of_text(source, &folder, &mut Vec::new())?;
+    root.pop().ok_or_else(|| Error::input(&source.path, None, "<mujoco>", "there is no element"))
 }
 
-/// The root element of a file as the only member of a list.
-fn of_file(path: &Path, folder: &Path, open: &mut Vec<PathBuf>) -> Result<Vec<Element>> {
-    if open.len() >= MOST_INCLUDES || open.iter().any(|file| file == path) {
+/// The root element of a text as the only member of a list.
+fn of_text(source: &XmlText, folder: &Path, open: &mut Vec<PathBuf>) -> Result<Vec<Element>> {
+    let path = &source.path;
+    if open.len() >= MOST_INCLUDES || open.contains(path) {
         return Err(Error::input(path, None, "<include>", "the file is included by itself; take the inner one out"));
     }
-    let source = XmlText::read(path, "the MuJoCo model")?;
     let document = source.parse()?;
-    open.push(path.to_owned());
-    let reader = Reader { file: path.into(), folder };
-    let elements = reader.elements(&document.root_element(), 0, open);
+    open.push(path.clone());
+    let elements = Reader { file: path.as_path().into(), folder }.elements(&document.root_element(), 0, open);
     open.pop();
     elements
 }
@@ -68,13 +67,14 @@ impl Reader<'_> {
             let Some(name) = node.attribute("file").map(str::trim).filter(|name| !name.is_empty()) else {
                 return refuse("it names no file; add file=\"...\"".to_owned());
             };
+            let name = &name.replace('\\', "/");
             // MuJoCo looks from the folder of the main file, and from that of the including one.
             let own = self.file.parent().unwrap_or(Path::new("")).join(name);
             let path = Some(self.folder.join(name)).filter(|path| path.is_file()).unwrap_or(own);
             if !path.is_file() {
                 return refuse(format!("the included file {name} is not there; copy it next to this one"));
             }
-            let root = of_file(&path, self.folder, open)?;
+            let root = of_text(&XmlText::read(&path, "the MuJoCo model")?, self.folder, open)?;
             return Ok(root.into_iter().flat_map(|root| root.children).collect());
         }
         let mut children = Vec::new();

@@ -8,8 +8,11 @@ mod drives;
 mod element;
 mod names;
 mod shapes;
+#[cfg(test)]
+mod tests;
 
 use super::description::{Description, settle_mimics};
+use super::xml::XmlText;
 use super::{GRAVITY, Inertia};
 use crate::error::{Error, Result};
 use bodies::Bodies;
@@ -17,7 +20,6 @@ use compiler::Compiler;
 use defaults::{Defaults, Settled};
 use element::Element;
 use nalgebra::Vector3;
-use std::path::Path;
 
 /// Reads a robot from a MuJoCo model, with the files it includes.
 ///
@@ -27,8 +29,9 @@ use std::path::Path;
 /// # Errors
 /// Names file, line and element for: unreadable or malformed files, names that occur twice, classes that are not there,
 /// numbers that are malformed or not finite, axes without direction.
-pub fn read(path: &Path) -> Result<Description> {
-    let root = element::load(path)?;
+pub(super) fn read(source: &XmlText) -> Result<Description> {
+    let path = &source.path;
+    let root = element::load(source)?;
     if root.tag != "mujoco" {
         return Err(Error::input(
             path,
@@ -60,7 +63,7 @@ pub fn read(path: &Path) -> Result<Description> {
     let gravity = gravity(&root, &mut bodies.notes)?;
     Ok(Description {
         name: root.get("model").unwrap_or("MuJoCo model").to_owned(),
-        source: path.to_owned(),
+        source: path.clone(),
         gravity,
         links: bodies.links,
         joints: bodies.joints,

@@ -1,7 +1,7 @@
 //! A URDF with nothing in it but what is read: the URDF crate refuses files for what is only looks, for extensions and for
 //! what URDF lets out.
 
-use super::super::xml::{attribute, child, children, is};
+use super::super::xml::{attribute, child, children, is, words};
 use super::joint_type;
 use roxmltree::{Document, Node};
 use std::fmt::Write;
@@ -64,7 +64,7 @@ fn body(text: &mut String, link: &Node) {
         for name in names {
             let value = node.and_then(|node| attribute(&node, name));
             if let Some(value) = value.or((tag != "origin").then_some("0")) {
-                write_attribute(text, name, value);
+                write_numbers(text, name, value);
             }
         }
         *text += "/>";
@@ -93,7 +93,13 @@ fn joint(text: &mut String, node: &Node) {
             continue;
         }
         let _ = write!(text, "<{tag}");
-        write_attributes(text, &element, names);
+        for name in *names {
+            match attribute(&element, name) {
+                Some(value) if *name == "joint" => write_attribute(text, name, value),
+                Some(value) => write_numbers(text, name, value),
+                None => {}
+            }
+        }
         if *tag == "limit" && attribute(&element, "velocity").is_none() {
             write_attribute(text, "velocity", "0");
         }
@@ -116,8 +122,9 @@ fn shape(text: &mut String, visual: &Node) {
     if let Some(origin) = child(visual, "origin") {
         *text += "<origin";
         let fitting = |name: &&str| numbers_fit(&origin, name, Some(3));
-        let names: Vec<&str> = ["xyz", "rpy"].into_iter().filter(|name| fitting(name)).collect();
-        write_attributes(text, &origin, &names);
+        for name in ["xyz", "rpy"].into_iter().filter(fitting) {
+            write_numbers(text, name, attribute(&origin, name).unwrap_or_default());
+        }
         *text += "/>";
     }
     let _ = write!(text, "<geometry><{tag}");
@@ -150,7 +157,7 @@ fn material(text: &mut String, node: &Node) {
 fn numbers_fit(node: &Node, name: &str, count: Option<usize>) -> bool {
     attribute(node, name).is_some_and(|value| {
         let finite = |word: &str| word.parse::<f64>().is_ok_and(f64::is_finite);
-        count.is_none_or(|count| value.split_whitespace().filter(|word| finite(word)).count() == count)
+        count.is_none_or(|count| words(value).filter(|word| finite(word)).count() == count)
     })
 }
 
@@ -166,6 +173,10 @@ fn write_attributes(text: &mut String, node: &Node, names: &[&str]) {
             write_attribute(text, name, value);
         }
     }
+}
+
+fn write_numbers(text: &mut String, name: &str, value: &str) {
+    write_attribute(text, name, &words(value).collect::<Vec<_>>().join(" "));
 }
 
 fn write_attribute(text: &mut String, name: &str, value: &str) {

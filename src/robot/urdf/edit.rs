@@ -2,12 +2,11 @@
 
 use super::super::xml::{attribute, child, children};
 use super::super::{Drive, Inertia, Robot};
-use super::edits::settled;
+use super::edits::{Edit, applied, settled};
 use super::joint_type;
 use crate::error::{Error, Result};
 use roxmltree::Node;
 use std::collections::HashMap;
-use std::ops::Range;
 
 /// The text of the arm's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
 /// links fixed to that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`.
@@ -24,7 +23,7 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
         named.collect::<HashMap<_, _>>()
     };
     let (links, joints) = (elements("link"), elements("joint"));
-    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    let mut edits: Vec<Edit> = Vec::new();
     for joint in &robot.joints {
         let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
         let link = links.get(&joint.link).ok_or_else(|| missing("link", &joint.link))?;
@@ -36,12 +35,12 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
         let inertial = links.get(&name).and_then(|link| child(link, "inertial"));
         edits.extend(inertial.map(|inertial| (inertial.range(), String::new())));
     }
-    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
-    let mut edited = text.clone();
-    for (range, new) in edits {
-        edited.replace_range(range, &new);
+    edits.sort_by_key(|(range, _)| range.start);
+    if edits.windows(2).any(|pair| pair[1].0.start < pair[0].0.end) {
+        let problem = "one entity of its document type stands for parts of several links; write them out";
+        return Err(Error::input(path, None, "<robot>", problem));
     }
-    Ok(edited)
+    Ok(applied(text, edits))
 }
 
 /// Links that are fixed to a moving one.
@@ -65,7 +64,7 @@ fn fixed_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
 }
 
 /// The edit that gives an element a child, in place of one with the same tag.
-fn with_child(text: &str, node: Node, tag: &str, new: &str) -> (Range<usize>, String) {
+fn with_child(text: &str, node: Node, tag: &str, new: &str) -> Edit {
     if let Some(old) = child(&node, tag) {
         return (old.range(), new.to_owned());
     }
@@ -131,6 +130,26 @@ mod tests {
                 assert!((a - b).abs() < 1e-13 * old.inertia.0.iter().fold(1.0f64, |m, v| m.max(v.abs())), "{a} {b}");
             }
         }
+    }
+
+    /// What a lenient reader takes is edited in place, with full digits and in SI where it was recognised otherwise.
+    #[test]
+    fn a_file_that_had_to_be_mended_is_edited_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.urdf");
+        let text = "\u{feff}<!DOCTYPE robot [<!ENTITY m \"3.5\">]>\r\n<robot name=\"a\">\r\n<link name=\"b\"/>\r\n\
+            <link name=\"l\"><inertial><mass value=\"&m;\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link>\r\n\
+            <joint name=\"j\" type=\"continuous\"><parent link=\"b\"/><child link=\"l\"/><origin rpy=\"1.5708 0 0\"/></joint>\r\n\
+            <gazebo><sensor:camera name=\"c\"/></gazebo></robot>";
+        std::fs::write(&path, text).unwrap();
+        let mut robot = load(&path, InertiaCheck::Required).unwrap();
+        assert_eq!(robot.joints[0].inertia.mass(), 3.5);
+        robot.joints[0].inertia.0[0] = 7.0;
+        let edited = with_parameters(&robot).unwrap();
+        std::fs::write(&path, &edited).unwrap();
+        let read = load(&path, InertiaCheck::Ignored).unwrap();
+        assert_eq!((read.joints[0].inertia.mass(), read.joints[0].origin), (7.0, robot.joints[0].origin));
+        assert!(edited.contains("1.5707963267948966 0 0") && edited.contains("<sensor:camera"), "{edited}");
     }
 
     #[test]

@@ -6,6 +6,8 @@ mod edit;
 mod edits;
 mod numbers;
 mod sizes;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod units;
 mod write;

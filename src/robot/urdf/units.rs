@@ -26,6 +26,9 @@ const NEAR_CENTER: f64 = 0.003;
 /// heavy table 6000, and the lightest printed arm has 6000 in g, so the bodies must agree.
 const HEAVY: f64 = 2000.0;
 
+/// Total mass that may be printed in g: below, a robot would weigh less than 100 g.
+const LIGHTEST: f64 = 100.0;
+
 /// Mass over the cube of the radius of gyration, kg/m3, that no body has: a ball of steel has 70000.
 const DENSE: f64 = 2e5;
 
@@ -33,11 +36,14 @@ const DENSE: f64 = 2e5;
 /// placeholder may have 5, and moments in mm2 have a thousand times as much.
 const WIDE: f64 = 30.0;
 
+/// The same where masses are too large as well: grams shrink the radius by a factor of 32.
+const WIDE_AND_HEAVY: f64 = 2.0;
+
 /// Radius of gyration over the size of a robot, in the middle of those of arms.
 const TYPICAL_RADIUS: f64 = 0.1;
 
 /// Range of a turning joint, rad, that is printed in degrees; cables and hoses allow a few turns.
-const WIDE_RANGE: f64 = 20.0;
+const WIDE_RANGE: f64 = 60.0;
 
 /// Limits beyond this are degrees of no arm, but placeholders for none.
 const PLACEHOLDER: f64 = 1000.0;
@@ -51,6 +57,10 @@ const WIDE_ANGLE: f64 = 3.0 * PI;
 /// The edits that turn the numbers of a URDF into SI units, with a note on each unit.
 pub(super) fn edits(document: &Document, notes: &mut Vec<String>) -> Vec<Edit> {
     let sizes = Sizes::of(document);
+    // What does not move is no robot: things of any size stand in scenes.
+    if sizes.joints.iter().all(|joint| joint.kind == "fixed") {
+        return Vec::new();
+    }
     let mut units = Units { sizes: &sizes, edits: Vec::new(), notes };
     let scale = units.lengths();
     units.masses(scale);
@@ -131,13 +141,13 @@ impl Units<'_, '_, '_> {
         if size == 0.0 || solid.is_empty() || placeholder && solid.len() > 1 {
             return;
         }
-        let in_mm2 = wide(1.0, 1.0) > WIDE;
         let total: f64 = bodies.iter().map(|body| body.mass).sum();
+        let heavy = total / size.powi(3) > HEAVY && total > LIGHTEST;
+        let in_mm2 = wide(1.0, 1.0) > if heavy { WIDE_AND_HEAVY } else { WIDE };
         let density = |moments: f64| {
             median(solid.iter().map(|body| body.mass / gyration(body, moments, 1.0).powi(3)).collect()).unwrap_or(0.0)
         };
-        let heavy = total / size.powi(3);
-        let in_grams = heavy > HEAVY && density(if in_mm2 { 1e6 } else { 1.0 }) > DENSE;
+        let in_grams = heavy && density(if in_mm2 { 1e6 } else { 1.0 }) > DENSE;
         let mass = if in_grams { 1000.0 } else { 1.0 };
         // Moments go with the mass they are printed next to, unless only kilograms give a body of plausible size.
         let candidates = match (in_mm2, in_grams) {
@@ -152,7 +162,7 @@ impl Units<'_, '_, '_> {
         if in_grams {
             self.notes.push(format!("masses are read as g: a robot {size:.2} m long would weigh {total:.0} kg"));
             bodies.iter().for_each(|body| self.divide(child(&body.node, "mass"), &["value"], mass));
-        } else if heavy > HEAVY && density(1.0) > DENSE {
+        } else if heavy && density(1.0) > DENSE {
             self.notes
                 .push(format!("a robot {size:.2} m long weighs {total:.0} kg if masses are in kg, as they are read"));
         }
@@ -195,8 +205,8 @@ impl Units<'_, '_, '_> {
         let wide =
             turning.iter().filter(|joint| joint.range.is_some_and(|[low, high]| high - low > WIDE_RANGE)).count();
         let plausible = ends().all(|end| end <= PLACEHOLDER && !is_radian(end));
-        // One and the same power of ten on all joints is no range, but "none".
-        let distinct = ends().any(|end| end != 0.0 && !is_power_of_ten(end));
+        // One, two or five times a power of ten on all joints is no range, but "none".
+        let distinct = ends().any(|end| end != 0.0 && !is_placeholder(end));
         if 2 * wide > turning.len() && plausible && distinct {
             self.notes.push(format!(
                 "limits of turning joints are read in degrees: they go up to {}",
@@ -212,7 +222,7 @@ impl Units<'_, '_, '_> {
                 self.to_radians(child(&joint.node, "limit"), names);
                 self.to_radians(child(&joint.node, "mimic"), &["offset"]);
             }
-        } else if wide > 0 && 2 * wide > turning.len() {
+        } else if plausible && 2 * wide > turning.len() {
             self.notes.push("limits of turning joints are many turns and read in rad: check their unit".to_owned());
         }
         if scale.joint != 1.0 {
@@ -235,6 +245,7 @@ fn is_radian(angle: f64) -> bool {
     angle.fract() != 0.0 && angle.abs() <= 2.0 * TAU && (steps - steps.round()).abs() * PI / 12.0 < 1e-3
 }
 
-fn is_power_of_ten(value: f64) -> bool {
-    value.abs().log10().fract() == 0.0
+/// Whether a limit is 1, 2 or 5 times a power of ten, as people write where they mean none.
+fn is_placeholder(limit: f64) -> bool {
+    [1.0, 2.0, 5.0].iter().any(|first| (limit.abs() / first).log10().fract() == 0.0)
 }

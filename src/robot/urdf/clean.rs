@@ -22,13 +22,13 @@ const JOINT: [(&str, &[&str]); 5] = [
     ("mimic", &["joint", "multiplier", "offset"]),
 ];
 
-/// Shapes with the attributes they need and how many numbers each holds; none for a name.
-const SHAPES: [(&str, &[(&str, Option<usize>)]); 5] = [
-    ("box", &[("size", Some(3))]),
-    ("cylinder", &[("radius", Some(1)), ("length", Some(1))]),
-    ("capsule", &[("radius", Some(1)), ("length", Some(1))]),
-    ("sphere", &[("radius", Some(1))]),
-    ("mesh", &[("filename", None)]),
+/// Shapes with the attributes they need and how many numbers each holds, none where it is a name.
+const SHAPES: [(&str, &[(&str, usize)]); 5] = [
+    ("box", &[("size", 3)]),
+    ("cylinder", &[("radius", 1), ("length", 1)]),
+    ("capsule", &[("radius", 1), ("length", 1)]),
+    ("sphere", &[("radius", 1)]),
+    ("mesh", &[("filename", 0)]),
 ];
 
 /// The URDF of `document` with links and joints alone, every number that its crate wants written out; with `looks`, the
@@ -121,7 +121,7 @@ fn shape(text: &mut String, visual: &Node) {
     *text += "<visual>";
     if let Some(origin) = child(visual, "origin") {
         *text += "<origin";
-        let fitting = |name: &&str| numbers_fit(&origin, name, Some(3));
+        let fitting = |name: &&str| numbers_fit(&origin, name, 3);
         for name in ["xyz", "rpy"].into_iter().filter(fitting) {
             write_numbers(text, name, attribute(&origin, name).unwrap_or_default());
         }
@@ -131,7 +131,7 @@ fn shape(text: &mut String, visual: &Node) {
     for (name, _) in needed {
         write_attributes(text, &node, &[name]);
     }
-    if tag == "mesh" && numbers_fit(&node, "scale", Some(3)) {
+    if tag == "mesh" && numbers_fit(&node, "scale", 3) {
         write_attributes(text, &node, &["scale"]);
     }
     *text += "/></geometry>";
@@ -145,7 +145,7 @@ fn material(text: &mut String, node: &Node) {
     *text += "<material";
     write_attribute(text, "name", node.attribute("name").unwrap_or_default());
     *text += ">";
-    if let Some(color) = child(node, "color").filter(|color| numbers_fit(color, "rgba", Some(4))) {
+    if let Some(color) = child(node, "color").filter(|color| numbers_fit(color, "rgba", 4)) {
         *text += "<color";
         write_attributes(text, &color, &["rgba"]);
         *text += "/>";
@@ -153,11 +153,11 @@ fn material(text: &mut String, node: &Node) {
     *text += "</material>";
 }
 
-/// Whether an attribute is there and holds so many finite numbers; any text where no number is wanted.
-fn numbers_fit(node: &Node, name: &str, count: Option<usize>) -> bool {
+/// Whether an attribute is there and holds so many finite numbers, or any text where no number is wanted.
+fn numbers_fit(node: &Node, name: &str, count: usize) -> bool {
     attribute(node, name).is_some_and(|value| {
         let finite = |word: &str| word.parse::<f64>().is_ok_and(f64::is_finite);
-        count.is_none_or(|count| words(value).filter(|word| finite(word)).count() == count)
+        count == 0 || words(value).filter(|word| finite(word)).count() == count
     })
 }
 

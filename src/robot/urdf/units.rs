@@ -89,7 +89,7 @@ impl Units<'_, '_, '_> {
     }
 
     /// Turns all numbers of an element's attributes from degrees to radians.
-    fn to_radians(&mut self, node: Option<Node>, names: &[&str]) {
+    fn degrees(&mut self, node: Option<Node>, names: &[&str]) {
         self.convert(node, names, |value| value / 180.0 * PI);
     }
 
@@ -193,7 +193,7 @@ impl Units<'_, '_, '_> {
                 continue;
             }
             self.notes.push(format!("rpy of {whose} is read in degrees: it goes up to {widest}"));
-            origins.into_iter().for_each(|origin| self.to_radians(Some(origin), &["rpy"]));
+            origins.into_iter().for_each(|origin| self.degrees(Some(origin), &["rpy"]));
         }
     }
 
@@ -219,8 +219,8 @@ impl Units<'_, '_, '_> {
                 self.notes.push("speed limits of turning joints are read in deg/s".to_owned());
             }
             for joint in turning {
-                self.to_radians(child(&joint.node, "limit"), names);
-                self.to_radians(child(&joint.node, "mimic"), &["offset"]);
+                self.degrees(child(&joint.node, "limit"), names);
+                self.degrees(child(&joint.node, "mimic"), &["offset"]);
             }
         } else if plausible && 2 * wide > turning.len() {
             self.notes.push("limits of turning joints are many turns and read in rad: check their unit".to_owned());

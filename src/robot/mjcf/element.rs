@@ -26,6 +26,8 @@ pub(super) struct Element {
     pub file: Rc<Path>,
     /// Its line, counted from 1.
     pub line: usize,
+    /// Which of the models attached to each other it belongs to.
+    pub model: usize,
 }
 
 /// The root element of a model.
@@ -88,6 +90,7 @@ impl Reader<'_> {
             children,
             file: Rc::clone(&self.file),
             line: line(node),
+            model: 0,
         }])
     }
 }
@@ -105,6 +108,28 @@ impl Element {
     /// All attributes.
     pub fn attributes(&self) -> impl Iterator<Item = (&str, &str)> {
         self.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// Says of this element and all within it to which model they belong.
+    pub fn belong_to(&mut self, model: usize) {
+        self.model = model;
+        self.children.iter_mut().for_each(|child| child.belong_to(model));
+    }
+
+    /// Puts a prefix before the values of attributes, here and in all elements within.
+    pub fn prefix(&mut self, prefix: &str, names: &[&str]) {
+        for (_, value) in self.attributes.iter_mut().filter(|(name, _)| names.contains(&name.as_str())) {
+            value.insert_str(0, prefix);
+        }
+        self.children.iter_mut().for_each(|child| child.prefix(prefix, names));
+    }
+
+    /// The first element of a kind and name within this one.
+    pub fn find(&self, tag: &str, name: &str) -> Option<&Element> {
+        if self.tag == tag && self.get("name") == Some(name) {
+            return Some(self);
+        }
+        self.children.iter().find_map(|child| child.find(tag, name))
     }
 
     /// All children of this name.

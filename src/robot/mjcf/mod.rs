@@ -6,6 +6,7 @@ mod couplings;
 mod defaults;
 mod drives;
 mod element;
+mod models;
 mod names;
 mod shapes;
 #[cfg(test)]
@@ -16,12 +17,12 @@ use super::xml::XmlText;
 use super::{GRAVITY, Inertia};
 use crate::error::{Error, Result};
 use bodies::Bodies;
-use compiler::Compiler;
-use defaults::{Defaults, Settled};
+use defaults::Settled;
 use element::Element;
+use models::Models;
 use nalgebra::Vector3;
 
-/// Reads a robot from a MuJoCo model, with the files it includes.
+/// Reads a robot from a MuJoCo model, with the files it includes and the models it attaches.
 ///
 /// Joint positions are MuJoCo's `qpos`. The world is the root link; a body with several joints becomes several links, the
 /// body itself the last.
@@ -31,7 +32,7 @@ use nalgebra::Vector3;
 /// numbers that are malformed or not finite, axes without direction.
 pub(super) fn read(source: &XmlText) -> Result<Description> {
     let path = &source.path;
-    let root = element::load(source)?;
+    let mut root = element::load(source)?;
     if root.tag != "mujoco" {
         return Err(Error::input(
             path,
@@ -40,8 +41,8 @@ pub(super) fn read(source: &XmlText) -> Result<Description> {
             "a MuJoCo model starts with <mujoco>",
         ));
     }
-    let (compiler, defaults) = (Compiler::of(&root)?, Defaults::of(&root));
-    let mut bodies = Bodies::of(&root, &compiler, &defaults)?;
+    let models = Models::of(&mut root)?;
+    let mut bodies = Bodies::of(&root, &models)?;
     if bodies.joints.is_empty() {
         return Err(Error::input(
             path,
@@ -50,12 +51,12 @@ pub(super) fn read(source: &XmlText) -> Result<Description> {
             "there is no body; is this a part that another file includes?",
         ));
     }
-    drives::set_efforts(&root, &mut bodies, &compiler, &defaults)?;
+    drives::set_efforts(&root, &mut bodies, &models)?;
     couplings::couple(&root, &mut bodies)?;
     settle_mimics(path, &mut bodies.joints, &mut bodies.notes)?;
-    scale(&mut bodies, compiler.total_mass);
-    if compiler.rounded.get() > 0 {
-        let count = compiler.rounded.get();
+    scale(&mut bodies, models.main().total_mass);
+    let count = models.rounded();
+    if count > 0 {
         bodies.notes.push(format!(
             "{count} rounded angle(s) are taken as the multiple of 15 degrees within the printed digits"
         ));

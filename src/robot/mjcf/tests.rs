@@ -162,6 +162,34 @@ fn what_a_tree_does_not_have_is_noted() {
     assert_eq!(still.gravity, Vector3::zeros());
 }
 
+/// A gripper in degrees on an arm in radians, each with its own classes.
+#[test]
+fn attached_models_keep_their_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let gripper = "<mujoco><default><joint damping=\"2\"/></default><worldbody><body name=\"finger\"><joint name=\"j\" \
+                   range=\"0 90\"/><geom size=\"0.1\"/></body></worldbody><actuator><motor joint=\"j\" forcerange=\"-3 3\"/>\
+                   </actuator></mujoco>";
+    std::fs::write(folder.path().join("gripper.xml"), gripper).unwrap();
+    let arm = "<mujoco><compiler angle=\"radian\"/><asset><model name=\"g\" file=\"gripper.xml\"/></asset><default><default \
+               class=\"c\"><joint damping=\"5\"/></default></default><worldbody><body name=\"l\" childclass=\"c\"><joint name=\"j\" \
+               range=\"0 1\"/><geom size=\"0.1\"/><frame pos=\"0 0 1\"><attach model=\"g\" prefix=\"left_\"/></frame></body>\
+               </worldbody></mujoco>";
+    let read = |text: &str| super::read(&XmlText::new(&folder.path().join("arm.xml"), text.to_owned()));
+    let robot = read(arm).unwrap();
+    let found: Vec<_> = robot.joints.iter().map(|j| (j.name.as_str(), j.limits.upper, j.drive.viscous)).collect();
+    assert_eq!(found, [("j", 1.0, 5.0), ("left_j", std::f64::consts::FRAC_PI_2, 2.0)]);
+    assert_eq!(
+        (robot.joints[1].parent, robot.joints[1].origin.translation.z, robot.joints[1].limits.effort),
+        (1, 1.0, 3.0)
+    );
+    for (from, to, word) in
+        [("model=\"g\" p", "model=\"h\" p", "no <model>"), ("gripper.xml", "arm2.xml", "arm2.xml is not there")]
+    {
+        let message = read(&arm.replace(from, to)).unwrap_err().to_string();
+        assert!(message.contains(word), "{message}");
+    }
+}
+
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
     let body = |inner: &str| format!("<mujoco>\n<worldbody>\n<body name=\"b\">\n{inner}</body></worldbody></mujoco>");
@@ -173,6 +201,7 @@ fn what_is_wrong_is_named_with_its_line() {
         (body("<joint pos=\"0 0\"/>"), ["arm.xml:4: <joint>", "3 number(s), found 2"]),
         (body("<inertial mass=\"x\"/>"), ["arm.xml:4: <inertial>", "finite number"]),
         (body("<geom type=\"box\" size=\"1\"/>"), ["arm.xml:4: <geom>", "3 sizes, found 1"]),
+        (body("<geom size=\"0\"/>"), ["arm.xml:4: <geom>", "above zero"]),
         (body("<body name=\"b\"/>"), ["arm.xml:4: <body> `b`", "same name"]),
         (body("<include file=\"none.xml\"/>"), ["arm.xml:4: <include>", "none.xml is not there"]),
         ("<mujoco/>".to_owned(), ["arm.xml: <worldbody>", "no body"]),

@@ -9,6 +9,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// hundred lies as near with two decimals, one in 500 with three, one in 1700 with four.
 const STEPS: [(i32, f64); 3] = [(2, PI / 2.0), (3, PI / 4.0), (4, PI / 12.0)];
 
+/// Fewest printed decimals of an angle that may be rounded.
+const FEWEST: i32 = STEPS[0].0;
+
 /// Fewest decimals of an angle that may have been cut off in place of rounded.
 const FEWEST_CUT_OFF: i32 = 3;
 
@@ -28,7 +31,7 @@ pub(super) fn edits(document: &Document, notes: &mut Vec<String>) -> Vec<Edit> {
     for joint in children(&document.root_element(), "joint") {
         let Some(origin) = child(&joint, "origin") else { continue };
         for (range, word) in words(&origin, "rpy") {
-            if let Some(angle) = meant(word) {
+            if let Some(angle) = meant(word, FEWEST) {
                 first.get_or_insert_with(|| word.to_owned());
                 edits.push((range, format!("{angle:?}")));
             }
@@ -44,11 +47,12 @@ pub(super) fn edits(document: &Document, notes: &mut Vec<String>) -> Vec<Edit> {
     edits
 }
 
-/// The multiple of pi/12 that a printed number stands for, if it is rounded (or cut off) from one.
-pub fn meant(word: &str) -> Option<f64> {
+/// The multiple of pi/12 that a printed number of at least `fewest` decimals stands for, if it is rounded (or cut off) from
+/// one.
+pub fn meant(word: &str, fewest: i32) -> Option<f64> {
     let value: f64 = word.parse().ok()?;
     let decimals = decimals(word)?;
-    if decimals >= ENOUGH || value.abs() > WIDEST {
+    if !(fewest..ENOUGH).contains(&decimals) || value.abs() > WIDEST {
         return None;
     }
     let (_, step) = STEPS.into_iter().rev().find(|(fewest, _)| decimals >= *fewest)?;
@@ -96,11 +100,11 @@ mod tests {
             ("1.0472", PI / 3.0),
             ("6.2832", 2.0 * PI),
         ] {
-            let angle = meant(word).unwrap_or_else(|| panic!("{word}"));
+            let angle = meant(word, FEWEST).unwrap_or_else(|| panic!("{word}"));
             assert!((angle - expected).abs() < 4e-16 * expected.abs(), "{word} {angle}");
         }
-        assert_eq!(meant("1.5708"), Some(FRAC_PI_2), "the same bits as the number written out");
-        assert_eq!(meant("-3.1416"), Some(-PI));
+        assert_eq!(meant("1.5708", FEWEST), Some(FRAC_PI_2), "the same bits as the number written out");
+        assert_eq!(meant("-3.1416", FEWEST), Some(-PI));
     }
 
     #[test]
@@ -112,7 +116,7 @@ mod tests {
         let exact = ["1.5707963267948966", "3.14159265358979", "1.57079632679", "2.6179938779914944"];
         let broken = ["", "x", "nan", "1e999999999999", ".", "1.2.3", "1e-2147483648", "0.5e"];
         for word in other.iter().chain(&exact).chain(&broken) {
-            assert_eq!(meant(word), None, "{word}");
+            assert_eq!(meant(word, FEWEST), None, "{word}");
         }
     }
 }

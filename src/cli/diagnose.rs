@@ -1,20 +1,22 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, gravity, print, progress};
-use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
+use super::{DONE, Global, believed, corrected, gravity, print, progress};
+use crate::dataset::{Dataset, Named};
+use crate::diagnosis::equations::{self, Observed};
+use crate::diagnosis::screening::{
+    Consequence, Screened, all_faults, check_length, correct, screen_all, still_joints,
+};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
-use crate::identification::model::Model;
 use crate::output::ResultFolder;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
 use crate::report::html::{self, Provenance};
 use crate::report::viewer;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::{self, Robot};
 use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
 use std::collections::HashSet;
@@ -87,17 +89,17 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         effects::find(name)?;
     }
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let Simulation { robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
+    let Simulation { mut robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
     let bar = progress::bar(global, "looking at the logs", LEAST_ROUNDS + 1);
-    let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
-    let (train, test) = match &dataset {
-        Some(dataset) => {
-            let [train, test] = dataset.sieved(&robot)?;
-            (described(train, &robot)?, described(test, &robot)?)
-        }
-        None => (load(&arguments.train)?, load(&arguments.test)?),
+    let load = |paths: &[PathBuf]| paths.iter().map(|path| read(path, &robot)).collect::<Result<Vec<_>>>();
+    let [train, test] = match &dataset {
+        Some(dataset) => dataset.sieved(&robot)?,
+        None => [load(&arguments.train)?, load(&arguments.test)?],
     };
-    let reference = load(&arguments.reference)?;
+    let mut reference = screened(load(&arguments.reference)?, &robot)?;
+    let trained = train.len();
+    let mut train = screened(train.into_iter().chain(test).collect(), &robot)?;
+    let mut test = train.split_off(trained);
     let (trained, judged) = match &arguments.dataset {
         Some(path) => (format!("{}: train", path.display()), format!("{}: test", path.display())),
         None => ("--train".to_owned(), "--test".to_owned()),
@@ -107,7 +109,14 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     check_length("--reference", &reference)?;
     refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let faults = all_faults(&train, &test, &reference, &robot);
+    let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
+    let found = all.first().and_then(|log| log.verdict.clone());
+    let correction = correct(&mut all, &mut robot);
+    if let Some(description) = correction.or(found.map(|verdict| verdict.description)) {
+        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, None)?;
+    }
+    let mut faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
@@ -136,7 +145,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         seed: global.seed.unwrap_or_default(),
         candidates: arguments.candidates.clone(),
     };
-    let model = Model::new(&robot);
+    let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
+    let Observed { model, left_out } = equations::observed(&robot, &input, &still)?;
+    faults.extend(left_out);
     bar.set_message("testing every effect on every joint");
     let conclusion = conclude(&model, &input, &options, &mut |found| {
         bar.set_message(format!("{found} found, testing for the next"));
@@ -199,7 +210,7 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
     let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
     let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
     let mut robot = match (&named, &arm) {
-        (Some(path), _) => loaded(path, arguments.trust)?,
+        (Some(path), _) => believed::load(path, arguments.trust)?,
         (None, Some(arm)) => arm.known.clone(),
         (None, None) => {
             return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
@@ -218,35 +229,14 @@ fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simula
     Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
 }
 
-/// The arm of a URDF. Inertias that no body has are told; their torque is well defined all the same, unless there are none.
-fn loaded(path: &Path, trust: Trust) -> Result<Robot> {
-    if trust == Trust::Structure {
-        return robot::load(path, InertiaCheck::Ignored);
-    }
-    let robot = match robot::load(path, InertiaCheck::Required) {
-        Ok(robot) => robot,
-        Err(problem) => {
-            let robot = robot::load(path, InertiaCheck::Ignored)?;
-            if robot.joints.iter().any(|joint| joint.inertia.mass() < 0.0) {
-                return Err(problem);
-            }
-            tracing::warn!("{problem}; they are taken as they are");
-            robot
-        }
-    };
-    if robot.joints.iter().all(|joint| joint.inertia.mass() == 0.0) {
-        let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
-        return Err(Error::input(path, None, "inertial", problem));
-    }
-    Ok(robot)
+fn read(path: &Path, robot: &Robot) -> Result<(PathBuf, Sieved)> {
+    Ok((path.to_owned(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?))
 }
 
-fn described(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
-    logs.into_iter().map(|(path, sieved)| screen(&path.display().to_string(), sieved, robot)).collect()
-}
-
-fn screened(path: &PathBuf, robot: &Robot) -> Result<Screened> {
-    screen(&path.display().to_string(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot)
+/// Logs of one time, screened together.
+fn screened(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
+    let named = logs.into_iter().map(|(path, sieved)| (path.display().to_string(), sieved));
+    screen_all(named.collect(), robot)?.into_iter().collect()
 }
 
 fn recordings(logs: &[Screened]) -> Vec<&Recording> {

@@ -1,8 +1,9 @@
 //! `tauscope inspect`: what a log is worth.
 
-use super::{DONE, Global, print, progress};
-use crate::dataset::Dataset;
+use super::{DONE, Global, corrected, gravity, print, progress};
+use crate::dataset::{Dataset, Named};
 use crate::error::{Error, Result};
+use crate::output::ResultFolder;
 use crate::quality;
 use crate::recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
@@ -13,14 +14,18 @@ use std::path::{Path, PathBuf};
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag.
-    log: PathBuf,
+    /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are judged together.
+    #[arg(required = true)]
+    log: Vec<PathBuf>,
     /// URDF of the arm, for its limits and for checks of torque against motion.
     #[arg(long, value_name = "URDF")]
     robot: Option<PathBuf>,
     /// Description of the log: columns, units, motors, payload, mounting.
     #[arg(long, value_name = "TOML")]
     dataset: Option<PathBuf>,
+    /// Gravity in the base frame, m/s2.
+    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
+    gravity: Option<nalgebra::Vector3<f64>>,
     /// Also write the rows that can be used to this file: .csv, .parquet, .mcap or .db3; with a dataset in its units and
     /// order.
     #[arg(long, value_name = "FILE")]
@@ -32,35 +37,57 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let named = arguments.robot.clone().or_else(|| dataset.as_ref().and_then(Dataset::robot));
     let mut robot = named.map(|path| robot::load(path, InertiaCheck::Ignored)).transpose()?;
+    if let (Some(robot), Some(dataset)) = (&mut robot, &dataset) {
+        dataset.mount(robot)?;
+    }
+    if let (Some(robot), Some(gravity)) = (&mut robot, arguments.gravity) {
+        robot.gravity = gravity;
+    }
+    let [first, others @ ..] = &arguments.log[..] else { return Err(Error::request("LOG", "give a log")) };
+    if arguments.convert.is_some() && !others.is_empty() {
+        return Err(Error::request("--convert", "takes one log; give the logs one by one"));
+    }
     let mut stages = progress::Stages::new(global, &[1, 1]);
     stages.begin("reading the log");
-    let sieved = match (&dataset, &mut robot) {
+    let read = |log: &PathBuf| match (&dataset, &robot) {
         (None, robot) => {
             let names = robot.as_ref().map(Robot::joint_names);
-            lenient::load(&arguments.log, names.as_deref(), &ColumnMap::default())?
+            lenient::load(log, names.as_deref(), &ColumnMap::default())
         }
-        (Some(dataset), Some(robot)) => {
-            dataset.mount(robot)?;
-            dataset.read(&arguments.log, robot)?
-        }
+        (Some(dataset), Some(robot)) => dataset.read(log, robot),
         (Some(_), None) => {
             let problem = "give the arm's URDF, here or as `robot` in the dataset: it names the joints";
-            return Err(Error::request("--robot", problem));
+            Err(Error::request("--robot", problem))
         }
     };
+    let sieved = arguments.log.iter().map(read).collect::<Result<Vec<Sieved>>>()?;
     stages.begin("looking at the log");
-    let found = quality::examine(&sieved, robot.as_ref())?;
-    let converted = arguments.convert.as_ref().map(|path| convert(path, &arguments.log, &sieved)).transpose()?;
+    let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
+    let converted = arguments.convert.as_ref().map(|path| convert(path, first, &sieved[0])).transpose()?;
+    let corrected = match (&robot, together.verdict.as_ref().or(together.reports[0].description.as_ref())) {
+        (Some(robot), Some(verdict)) => {
+            let name = first.file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
+            let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
+            let named = Named { robot: arguments.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
+            corrected::write(&folder, dataset.as_ref(), &named, robot, &verdict.description, None)?;
+            Some(folder.finish()?.join(corrected::FILE))
+        }
+        _ => None,
+    };
     stages.finish();
-    let result = report::result(&arguments.log, robot.as_ref(), &found);
+    let each: Vec<(&Path, &quality::Report)> =
+        arguments.log.iter().map(PathBuf::as_path).zip(&together.reports).collect();
+    let result = report::together(each[0], &each[1..], robot.as_ref());
     print::result(global, report::SCHEMA, &result, || {
+        let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
-        report::text(&arguments.log, robot.as_ref(), &found) + &converted
+        let corrected = corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
+        texts.join("\n\n") + &converted + &corrected
     })?;
-    match found.fatal() {
-        Some(finding) => {
+    match each.iter().find_map(|(log, found)| Some((log, found.fatal()?))) {
+        Some((log, finding)) => {
             let problem = format!("the log cannot be used: {}", finding.text);
-            Err(Error::input(&arguments.log, None, finding.place.as_str(), problem))
+            Err(Error::input(*log, None, finding.place.as_str(), problem))
         }
         None => Ok(DONE),
     }

@@ -1,7 +1,7 @@
 //! `tauscope run --dataset`: identify and score with measured logs in place of the simulation.
 
-use super::{DONE, Global, identify, print, progress};
-use crate::dataset::{Dataset, Logs};
+use super::{DONE, Global, corrected, identify, print, progress};
+use crate::dataset::{Dataset, Logs, Named};
 use crate::error::{Error, Result};
 use crate::identification::consistent::consistent;
 use crate::identification::effect_model::Trust;
@@ -27,8 +27,12 @@ pub fn run(path: &Path, global: &Global) -> Result<u8> {
     let variants = [Variant::Raw, Variant::SavitzkyGolay];
     let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 1]);
     stages.begin("reading the logs");
-    let Logs { train, test, notes } = dataset.logs(&robot)?;
+    let Logs { train, test, notes, correction } = dataset.logs(&robot)?;
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
+    if let Some(description) = &correction {
+        robot.gravity = description.gravity;
+        corrected::write(&folder, Some(&dataset), &Named::default(), &robot, description, None)?;
+    }
     let model = Model::new(&robot);
     let preparation = identify::usual_preparation(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());

@@ -1,7 +1,9 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod believed;
 mod blind;
 mod check;
+mod corrected;
 mod diagnose;
 mod effects;
 mod excite;

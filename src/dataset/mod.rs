@@ -23,15 +23,19 @@
 //! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s
 //! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
 //! torque = "A"                  # Nm, mNm, kNm, A, mA, N
+//! time_factor = 1.6             # of a clock that runs wrong: true seconds per second of the log
 //!
 //! [motors]                      # a number for all or one per joint
 //! gear_ratio = [100.0, 80.0]    # turns of the motor per turn of the joint
 //! torque_constant_nm_a = 0.12
 //! sign = [1, -1]                # of position, velocity and torque
 //! torque_sign = -1              # of torque alone
+//! torque_offset = 0.4           # N m (N) at the joint that the torque shows too much
 //! position_at = "motor"         # or "joint"
 //! torque_at = "motor"           # or "joint"; currents are at the motor
 //! coupling = [[1.0, 0.0], [0.5, 1.0]]   # joints = coupling x motors, behind their gears
+//! torques_exchanged = [["j1", "j2"]]    # pairs of joints in each other's columns of torque
+//! positions_exchanged = [["j1", "j2"]]  # the same of position, velocity and acceleration
 //!
 //! [payload]                     # at the flange, known
 //! mass_kg = 5.0
@@ -43,12 +47,15 @@
 //! ```
 
 mod convert;
+mod corrected;
 mod units;
 
+pub use corrected::{Named, corrected};
 pub use units::{PositionUnit, TimeUnit, TorqueUnit, VelocityUnit};
 
 use crate::error::{Error, Result};
 use crate::quality;
+use crate::quality::descriptions::Description;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::recording::{Recording, resample};
 use crate::robot::{Inertia, Robot};
@@ -108,6 +115,7 @@ struct Units {
     velocity: VelocityUnit,
     acceleration: AccelerationUnit,
     torque: TorqueUnit,
+    time_factor: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -120,6 +128,9 @@ struct Motors {
     position_at: Option<Side>,
     torque_at: Option<Side>,
     coupling: Option<Vec<Vec<f64>>>,
+    torque_offset: Option<PerJoint>,
+    torques_exchanged: Option<Vec<[String; 2]>>,
+    positions_exchanged: Option<Vec<[String; 2]>>,
 }
 
 /// A number for all joints, or one each.
@@ -162,6 +173,9 @@ pub struct Logs {
     pub test: Vec<Recording>,
     /// Rows left out, clocks made even, and warnings of [`quality::examine`]; each begins with the file.
     pub notes: Vec<String>,
+    /// The description that the logs were taken by, where the given one is wrong beyond doubt; the arm's gravity is then the
+    /// one in it.
+    pub correction: Option<Description>,
 }
 
 impl Dataset {
@@ -267,6 +281,7 @@ impl Dataset {
             let place = |name: &String| order.iter().position(|own| own == name).unwrap_or(0);
             convert::reorder(&mut sieved.recording, &names.iter().map(place).collect::<Vec<_>>());
         }
+        self.exchange(&mut sieved.recording)?;
         Ok(sieved)
     }
 
@@ -275,15 +290,8 @@ impl Dataset {
     /// # Errors
     /// Those of [`Dataset::read`], and a log that cannot be used, with the reason.
     pub fn logs(&self, robot: &Robot) -> Result<Logs> {
-        let mut logs = Logs::default();
         let [train, test] = self.sieved(robot)?;
-        for (path, sieved) in train {
-            logs.train.extend(ready(&path, sieved, robot, &mut logs.notes)?);
-        }
-        for (path, sieved) in test {
-            logs.test.extend(ready(&path, sieved, robot, &mut logs.notes)?);
-        }
-        Ok(logs)
+        ready(train, test, robot)
     }
 
     /// Reads all logs, or the parts of them that are wanted, and leaves them as they are otherwise: those to train from,
@@ -357,28 +365,56 @@ impl Part {
 /// # Errors
 /// Those of [`lenient::load`], and a log that cannot be used, with the reason.
 pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    ready(path, lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot, notes)
+    let logs = plain_together(&[path.to_owned()], &[], robot)?;
+    notes.extend(logs.notes);
+    Ok(logs.train)
 }
 
-/// Examines a log, refuses it where it cannot be used, and cuts it into pieces at even steps.
-fn ready(path: &Path, sieved: Sieved, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    let report = quality::examine(&sieved, Some(robot))?;
-    if let Some(finding) = report.fatal() {
-        let problem = format!("the log cannot be used: {}", finding.text);
-        return Err(Error::input(path, None, finding.place.as_str(), problem));
+/// Logs without a description made ready together: those to train from and those to judge by.
+///
+/// # Errors
+/// Those of [`plain`].
+pub fn plain_together(train: &[PathBuf], test: &[PathBuf], robot: &Robot) -> Result<Logs> {
+    let names = robot.joint_names();
+    let read = |path: &PathBuf| Ok((path.clone(), lenient::load(path, Some(&names), &ColumnMap::default())?));
+    let all = |paths: &[PathBuf]| paths.iter().map(read).collect::<Result<Vec<_>>>();
+    ready(all(train)?, all(test)?, robot)
+}
+
+/// Examines logs, refuses those that cannot be used, puts right what is wrong with their description beyond doubt, and cuts
+/// them into pieces at even steps.
+fn ready(train: Vec<(PathBuf, Sieved)>, test: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Logs> {
+    let mut logs = Logs::default();
+    let trained = train.len();
+    let all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
+    let sieved: Vec<&Sieved> = all.iter().map(|(_, sieved)| sieved).collect();
+    let quality::Together { reports, verdict } = quality::examine_together(&sieved, Some(robot))?;
+    logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
+    for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
+        if let Some(finding) = report.fatal() {
+            let problem = format!("the log cannot be used: {}", finding.text);
+            return Err(Error::input(path, None, finding.place.as_str(), problem));
+        }
+        let rows = sieved.rejected.iter().take(1).map(|row| {
+            let all = sieved.rejected.len();
+            format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
+        });
+        logs.notes.extend(rows);
+        let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
+        logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
+        let mut pieces = resample::pieces(sieved.recording);
+        if pieces.is_empty() {
+            return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+        }
+        if let Some(description) = &logs.correction {
+            pieces.iter_mut().for_each(|piece| description.apply(piece));
+        }
+        if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
-    let rows = sieved.rejected.iter().take(1).map(|row| {
-        let all = sieved.rejected.len();
-        format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
-    });
-    notes.extend(rows);
-    let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
-    notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
-    let pieces = resample::pieces(sieved.recording);
-    if pieces.is_empty() {
-        return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+    if logs.correction.is_some() {
+        logs.notes.push("the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into());
     }
-    Ok(pieces)
+    Ok(logs)
 }
 
 #[cfg(test)]

@@ -219,7 +219,11 @@ impl Envelope {
             if !kept {
                 return Err(Passed {
                     subject: joint.name.clone(),
-                    what: format!("takes {tau:.2} N m, more than its torque limit of {:.2} N m,", joint.limits.effort),
+                    what: format!(
+                        "takes {tau:.2} {unit}, more than its torque limit of {:.2} {unit},",
+                        joint.limits.effort,
+                        unit = joint.effort_unit()
+                    ),
                     advice: "raise the effort limit or lower the load",
                 });
             }

@@ -14,7 +14,7 @@ use super::residual_structure::ResidualStructure;
 use super::session::{Member, Session};
 use super::structure::Unexplained;
 use super::verdict::Verdict;
-use crate::effects::{LIBRARY, Nature, Parameter};
+use crate::effects::{LIBRARY, Nature, Parameter, Placed};
 use crate::error::Result;
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -226,7 +226,9 @@ pub fn not_found(
         .filter(|(_, family)| !taken.contains(family))
         .map(|(effect, family)| {
             let seen = sensitivity.get(&family);
-            let Parameter { unit, lower, upper, .. } = effect.parameters()[seen.map_or(0, |(index, _)| *index)];
+            let index = seen.map_or(0, |(index, _)| *index);
+            let Parameter { lower, upper, .. } = effect.parameters()[index];
+            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.robot());
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable =

@@ -22,6 +22,9 @@ pub fn pendulum() -> Robot {
             drive: Drive::default(),
         }],
         flange: Pose { rotation: nalgebra::Matrix3::identity(), translation: Vector3::x() },
+        tree: None,
+        held: Vec::new(),
+        notes: Vec::new(),
     }
 }
 

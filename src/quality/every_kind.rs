@@ -7,7 +7,7 @@ use crate::recording::lenient::Cause;
 use crate::recording::{self};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 28] = [
+const ALL: [Kind; 33] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -36,6 +36,11 @@ const ALL: [Kind; 28] = [
     Kind::HardlyMoves,
     Kind::PoorExcitation,
     Kind::UnusedColumns,
+    Kind::PositionSign,
+    Kind::Mounting,
+    Kind::GravityCompensated,
+    Kind::ClockFactor,
+    Kind::MotorOff,
 ];
 
 /// A fault put into a clean log.
@@ -164,6 +169,31 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             }),
             "header",
         ),
+        Kind::PositionSign => (
+            Signals(|log| {
+                log.q.channel_mut(1).iter_mut().for_each(|v| *v = -*v);
+                log.qd = None;
+            }),
+            "q2",
+        ),
+        Kind::Mounting => (Signals(|log| with_gravity(log, [9.81, 0.0, 0.0])), "gravity"),
+        Kind::GravityCompensated => (Signals(|log| with_gravity(log, [0.0; 3])), "tau"),
+        Kind::ClockFactor => (Signals(|log| log.time.iter_mut().for_each(|t| *t *= 0.625)), "t"),
+        Kind::MotorOff => (Signals(|log| log.tau.channel_mut(2)[1000..1200].fill(0.0)), "tau3"),
+    }
+}
+
+/// The torque under another gravity.
+fn with_gravity(log: &mut Recording, gravity: [f64; 3]) {
+    let robot = irb();
+    let view = View::new(log).unwrap();
+    let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
+    let torque = |gravity: [f64; 3]| {
+        inverse_dynamics(&Chain::new(&robot).with_gravity(gravity), &robot.inertial_parameters(), &motion)
+    };
+    let (described, other) = (torque(robot.gravity.into()), torque(gravity));
+    for (tau, (a, b)) in log.tau.as_mut_slice().iter_mut().zip(described.as_slice().iter().zip(other.as_slice())) {
+        *tau += b - a;
     }
 }
 
@@ -215,5 +245,5 @@ fn every_kind_of_fault_is_found_where_it_is() {
         assert!(found.iter().any(|(k, p)| *k == kind && p.starts_with(expected)), "{kind:?} at {expected}: {found:?}");
         assert_eq!(report.usable, !matches!(kind, Kind::TooShort | Kind::NoMotion), "{kind:?}: {found:?}");
     }
-    assert_eq!(ALL.len(), Kind::UnusedColumns as usize + 1);
+    assert_eq!(ALL.len(), Kind::MotorOff as usize + 1);
 }

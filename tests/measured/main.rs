@@ -38,7 +38,7 @@ fn report(folder: &Path, log: &str, robot: &Robot) -> Report {
 fn held_out(robot: &Robot, train: &[&Recording], test: &[&Recording], window: usize) -> Vec<f64> {
     let model = Model::new(robot);
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
-    let preparation = Preparation { smoothing, band: 0.03 };
+    let preparation = Preparation { smoothing, band: 0.03.into() };
     let logs = Logs { train, test };
     let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
     let found = consistent(&model, logs, preparation, &fitted).unwrap();
@@ -59,7 +59,7 @@ fn with_effect(
     let model = Model::new(robot);
     let window = (0.12 * train[0].rate_hz()).round() as usize | 1;
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
-    let preparation = Preparation { smoothing, band: 0.03 };
+    let preparation = Preparation { smoothing, band: 0.03.into() };
     let placed = Placed::typical(effects::find(effect).unwrap(), joint);
     [Vec::new(), vec![placed]]
         .map(|placed| fit_effects(&model, trust, Logs { train, test }, preparation, placed).unwrap().test_rms)

@@ -11,8 +11,11 @@ use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, leader, sta
 use sensing::Sensing;
 
 use super::joint_regression::JointRegression;
+use super::least_squares::require_rows;
 use super::model::Model;
 use super::prepare::{self, Prepared, Smoothing};
+use super::reversals::Band;
+use super::undetermined::undetermined;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::effects::{DAMPING_TIME_S, Gear, Placed, Role, Scope};
@@ -45,8 +48,8 @@ pub enum Trust {
 pub struct Preparation {
     /// Smoothing, differentiation and the filter of torque and columns.
     pub smoothing: Smoothing,
-    /// Velocity below which a joint's direction is not certain, rad/s.
-    pub band: f64,
+    /// Where the direction of a joint is certain.
+    pub band: Band,
 }
 
 /// A model with effects on a set of logs.
@@ -62,6 +65,8 @@ pub struct EffectModel<'a> {
     believed: Vec<(ArmParameter, f64)>,
     /// The arm's parameters as last solved for.
     baseline: Vec<f64>,
+    /// Those that the logs do not determine, with the values at which they are held; None before a regression was seen.
+    undetermined: Option<Vec<(usize, f64)>>,
 }
 
 /// Where a parameter of an effect is: index of the effect, index of the parameter.
@@ -89,7 +94,7 @@ impl<'a> EffectModel<'a> {
         let (believed, arm): (Vec<_>, Vec<_>) =
             arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
         let (arm, baseline) = arm.into_iter().unzip();
-        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline })
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline, undetermined: None })
     }
 
     /// Number of joints.
@@ -167,6 +172,23 @@ impl<'a> EffectModel<'a> {
     /// solving takes more than one round.
     pub fn settles(&self) -> bool {
         (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
+    }
+
+    /// Holds the arm's parameters that `regression`, the first one, cannot tell from others.
+    ///
+    /// # Errors
+    /// Names a joint with too few rows to tell anything.
+    pub(super) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
+        if self.undetermined.is_none() {
+            require_rows(regression)?;
+            self.undetermined = Some(undetermined(regression, &self.baseline));
+        }
+        Ok(())
+    }
+
+    /// The arm's parameters that are held because the logs do not determine them, with their values.
+    pub fn undetermined(&self) -> &[(usize, f64)] {
+        self.undetermined.as_deref().unwrap_or_default()
     }
 
     /// The arm's linear parameters as last solved for.
@@ -263,6 +285,10 @@ impl<'a> EffectModel<'a> {
         };
         (0..self.model.dof())
             .map(|joint| {
+                if !self.model.has_equation(joint) {
+                    let name = self.model.robot().joints[joint].name.clone();
+                    return Ok(JointRegression::without_equation(name, prepared.row_times()?.len()));
+                }
                 let sensing = Sensing::new(self.sensors(joint).collect(), period);
                 let rows = match sensing.acts() {
                     true => self.sensed_rows(joint, &parts, prepared, recording.samples(), &sensing),

@@ -36,6 +36,8 @@ pub struct DiagnosisResult {
     verdict: Option<Verdict>,
     robot: String,
     joints: Vec<String>,
+    /// Units of the joints' efforts, noise and residuals.
+    effort_units: Vec<&'static str>,
     alpha: f64,
     /// Cut-off at which the positions of each joint were smoothed; empty where nothing was tested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -219,6 +221,7 @@ pub fn result(
         verdict: Some(diagnosis.verdict),
         robot: robot.name.clone(),
         joints: robot.joint_names(),
+        effort_units: robot.effort_units(),
         alpha: diagnosis.alpha,
         position_cutoffs_hz: diagnosis.cutoffs_hz.clone(),
         torque_cutoff_hz: diagnosis.passband.map(|low_pass| low_pass.hz),
@@ -262,6 +265,7 @@ pub fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResu
         verdict: Some(Verdict::NotTestable),
         robot: robot.name.clone(),
         joints: robot.joint_names(),
+        effort_units: robot.effort_units(),
         alpha,
         next_experiment: text::mend(faults),
         data_quality: qualities(faults),
@@ -311,7 +315,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
 fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::Derived]) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
-    let values = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
+    let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
     let alternatives = found.alternatives.iter().map(|other| Alternative {
         effect: other.family.effect,
         joints: joints(robot, other.family),
@@ -319,8 +323,8 @@ fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::D
     });
     let joint = own.first().cloned();
     let parameters = values
-        .filter(|(parameter, _)| parameter.role != Role::Held)
-        .map(|(parameter, (&value, &std))| (parameter.name, value, std, parameter.unit));
+        .filter(|((_, parameter), _)| parameter.role != Role::Held)
+        .map(|((k, parameter), (&value, &std))| (parameter.name, value, std, placed.unit(k, robot)));
     let derived = derived.iter().map(|one| (one.name, one.value, one.std, one.unit));
     let [before, after] = found.rms.clone();
     Finding {

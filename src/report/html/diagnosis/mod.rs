@@ -135,7 +135,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         lead.push(format!(
             "{}, {}. {} {shown}",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
-            values(found).join(", "),
+            values(robot, found).join(", "),
             about.explanation,
         ));
     }
@@ -160,16 +160,16 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// "rise 24.6 N m (95 %: 23.9 to 25.3)" for every parameter that was estimated.
-fn values(found: &Found) -> Vec<String> {
+fn values(robot: &Robot, found: &Found) -> Vec<String> {
     let placed = &found.member.placed;
-    let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
-    all.filter(|(parameter, _)| parameter.role != Role::Held)
-        .map(|(parameter, (&value, &std))| {
+    let all = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
+    all.filter(|((_, parameter), _)| parameter.role != Role::Held)
+        .map(|((k, parameter), (&value, &std))| {
             if !std.is_finite() {
                 return format!("{} not told by itself", parameter.name);
             }
             let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
-            format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), parameter.unit)
+            format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), placed.unit(k, robot))
         })
         .collect()
 }

@@ -1,0 +1,27 @@
+//! `corrected.toml`: a dataset that describes logs as they were found to be.
+
+use crate::dataset::{Dataset, Named, corrected};
+use crate::error::Result;
+use crate::output::ResultFolder;
+use crate::quality::descriptions::Description;
+use crate::robot::Robot;
+
+/// Its name in the folder of results.
+pub const FILE: &str = "corrected.toml";
+
+/// Writes it: `dataset`, or a new one of the files `named`, with what `description` changes.
+///
+/// # Errors
+/// Those of [`corrected`] and of writing.
+pub fn write(
+    folder: &ResultFolder,
+    dataset: Option<&Dataset>,
+    named: &Named,
+    robot: &Robot,
+    description: &Description,
+    time_factor: Option<f64>,
+) -> Result<()> {
+    let source = || Some(robot.source.clone()).filter(|_| dataset.and_then(Dataset::robot).is_none());
+    let named = &Named { robot: named.robot.clone().or_else(source), ..named.clone() };
+    folder.write_text(FILE, &corrected(dataset, named, &robot.joint_names(), description, time_factor)?)
+}

@@ -1,0 +1,150 @@
+//! A description of logs with what was found wrong put right.
+
+use super::{Dataset, SCHEMA};
+use crate::error::{Error, Result};
+use crate::quality::descriptions::{Change, Description};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Names the logs of a description that has no file yet: the arm's, those to train from, those to judge by.
+#[derive(Debug, Clone, Default)]
+pub struct Named {
+    /// The file of the arm.
+    pub robot: Option<PathBuf>,
+    /// Logs to train from.
+    pub train: Vec<PathBuf>,
+    /// Logs to judge by.
+    pub test: Vec<PathBuf>,
+}
+
+/// The text of a dataset that describes the logs as `description` says: `dataset` with the changes, or a new one of the
+/// files `named`. `joints` are the arm's. Files are named from the root, so that the text may be kept anywhere.
+///
+/// # Errors
+/// If a path has no absolute form, or the motors are coupled: a change of one joint is then none of one motor.
+pub fn corrected(
+    dataset: Option<&Dataset>,
+    named: &Named,
+    joints: &[String],
+    description: &Description,
+    time_factor: Option<f64>,
+) -> Result<String> {
+    let mut table = match dataset {
+        Some(dataset) => dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?,
+        None => Table::from_iter([("schema".to_owned(), Value::from(SCHEMA))]),
+    };
+    if dataset.is_some_and(|dataset| dataset.spec.motors.coupling.is_some()) {
+        let problem = "the motors are coupled: apply the change to the columns by hand";
+        return Err(Error::request("motors.coupling", problem));
+    }
+    files(&mut table, dataset, named)?;
+    // Lists of the motors are in the order of the file's columns.
+    let order = dataset.and_then(|dataset| dataset.spec.joints.clone()).unwrap_or(joints.to_vec());
+    let channel = |name: &String| joints.iter().position(|joint| joint == name).unwrap_or(0);
+    let joint_of = |of: &[usize], name: &String| of.iter().position(|&own| own == channel(name)).unwrap_or(0);
+    let position = |name: &String| description.position_sign[joint_of(&description.position_of, name)];
+    let torque = |name: &String| description.torque_sign[joint_of(&description.torque_of, name)];
+    let motors = section(&mut table, "motors");
+    // `sign` is of position and torque alike, and `torque_sign` comes on top of it.
+    signs(motors, "sign", order.iter().map(position).collect());
+    signs(motors, "torque_sign", order.iter().map(|name| position(name) * torque(name)).collect());
+    exchanges(motors, "torques_exchanged", joints, &description.torque_of);
+    exchanges(motors, "positions_exchanged", joints, &description.position_of);
+    let scale = description.torque_scale;
+    if scale != 1.0 {
+        let old = motors.get("torque_constant_nm_a").cloned();
+        motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
+        section(&mut table, "units").entry("torque").or_insert(Value::from("A"));
+    }
+    if description.changes.iter().any(|change| matches!(change, Change::Gravity(_) | Change::WithoutGravity)) {
+        let gravity: Vec<Value> = description.gravity.iter().map(|&value| Value::from(value)).collect();
+        section(&mut table, "mounting").insert("gravity_m_s2".into(), Value::Array(gravity));
+    }
+    if let Some(factor) = time_factor {
+        let units = section(&mut table, "units");
+        let old = units.get("time_factor").cloned();
+        units.insert("time_factor".into(), scaled(old, factor));
+    }
+    table.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
+    Ok(table.to_string())
+}
+
+/// Names all files from the root.
+fn files(table: &mut Table, dataset: Option<&Dataset>, named: &Named) -> Result<()> {
+    let absolute = |path: &Path| {
+        let path = std::path::absolute(path).map_err(|source| Error::io(path, "find this file", source))?;
+        Ok::<Value, Error>(Value::from(path.display().to_string()))
+    };
+    if let Some(robot) = named.robot.clone().or_else(|| dataset.and_then(Dataset::robot)) {
+        table.insert("robot".into(), absolute(&robot)?);
+    }
+    for (key, paths) in [("train", &named.train), ("test", &named.test)] {
+        match (dataset, table.get_mut(key).and_then(Value::as_array_mut)) {
+            (Some(dataset), Some(parts)) => {
+                for part in parts.iter_mut().filter_map(Value::as_table_mut) {
+                    if let Some(file) = part.get("file").and_then(Value::as_str) {
+                        let file = absolute(&dataset.beside(Path::new(file)))?;
+                        part.insert("file".into(), file);
+                    }
+                }
+            }
+            _ if !paths.is_empty() => {
+                let part = |path: &PathBuf| Ok(Value::from(Table::from_iter([("file".to_owned(), absolute(path)?)])));
+                table.insert(key.into(), Value::Array(paths.iter().map(part).collect::<Result<_>>()?));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn section<'a>(table: &'a mut Table, name: &str) -> &'a mut Table {
+    let entry = table.entry(name).or_insert_with(|| Value::from(Table::new()));
+    if !entry.is_table() {
+        *entry = Value::from(Table::new());
+    }
+    entry.as_table_mut().expect("it was made a table")
+}
+
+/// A number or a list of numbers times another.
+fn scaled(value: Option<Value>, factor: f64) -> Value {
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
+    match value {
+        Some(Value::Array(each)) => Value::Array(each.iter().map(|v| Value::from(number(v) * factor)).collect()),
+        Some(one) => Value::from(number(&one) * factor),
+        None => Value::from(factor),
+    }
+}
+
+/// Multiplies the signs of a key, unless all stay as they are.
+fn signs(motors: &mut Table, key: &str, change: Vec<f64>) {
+    if change.iter().all(|sign| *sign == 1.0) {
+        return;
+    }
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
+    let old = |place: usize| match motors.get(key) {
+        Some(Value::Array(each)) => each.get(place).map_or(1.0, number),
+        Some(one) => number(one),
+        None => 1.0,
+    };
+    let new = change.iter().enumerate().map(|(place, sign)| Value::from((old(place) * sign) as i64)).collect();
+    motors.insert(key.into(), Value::Array(new));
+}
+
+/// Adds the exchanges that put channels in the order `of`.
+fn exchanges(motors: &mut Table, key: &str, joints: &[String], of: &[usize]) {
+    let mut now: Vec<usize> = (0..of.len()).collect();
+    let mut pairs = Vec::new();
+    for place in 0..of.len() {
+        if let Some(other) = (place + 1..of.len()).find(|&other| now[place] != of[place] && now[other] == of[place]) {
+            now.swap(place, other);
+            pairs.push(Value::from(vec![joints[place].clone(), joints[other].clone()]));
+        }
+    }
+    if !pairs.is_empty() {
+        let list = motors.entry(key).or_insert_with(|| Value::Array(Vec::new()));
+        if let Some(list) = list.as_array_mut() {
+            list.extend(pairs);
+        }
+    }
+}

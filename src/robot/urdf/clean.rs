@@ -180,6 +180,10 @@ fn write_numbers(text: &mut String, name: &str, value: &str) {
 }
 
 fn write_attribute(text: &mut String, name: &str, value: &str) {
-    let escaped = value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-    let _ = write!(text, " {name}=\"{escaped}\"");
+    let _ = write!(text, " {name}=\"{}\"", escaped(value));
+}
+
+/// A value as it is written in an attribute.
+pub fn escaped(value: &str) -> String {
+    value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

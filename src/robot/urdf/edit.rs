@@ -3,13 +3,14 @@
 use super::super::xml::{attribute, child, children};
 use super::super::{Drive, Inertia, Robot};
 use super::edits::{Edit, applied, settled};
-use super::joint_type;
+use super::write::to_urdf;
 use crate::error::{Error, Result};
 use roxmltree::Node;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-/// The text of the arm's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
-/// links fixed to that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`.
+/// The text of the robot's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
+/// links that are fixed to that one, or held, lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`. A robot
+/// from a MuJoCo model gets a URDF of its own.
 ///
 /// # Errors
 /// If the file `robot` came from cannot be read any longer or does not have its joints.
@@ -18,20 +19,23 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
     let (source, _) = settled(path)?;
     let (text, document) = (&source.text, source.parse()?);
     let root = document.root_element();
+    if root.has_tag_name("mujoco") {
+        return Ok(to_urdf(robot));
+    }
     let elements = |tag: &'static str| {
         let named = children(&root, tag).filter_map(|node| Some((attribute(&node, "name")?.to_owned(), node)));
         named.collect::<HashMap<_, _>>()
     };
     let (links, joints) = (elements("link"), elements("joint"));
     let mut edits: Vec<Edit> = Vec::new();
-    for joint in &robot.joints {
+    for joint in (0..robot.bodies()).map(|body| robot.body(body)) {
         let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
         let link = links.get(&joint.link).ok_or_else(|| missing("link", &joint.link))?;
         edits.push(with_child(text, *link, "inertial", &inertial(&joint.inertia)));
         let element = joints.get(&joint.name).ok_or_else(|| missing("joint", &joint.name))?;
         edits.push(with_child(text, *element, "dynamics", &dynamics(&joint.drive)));
     }
-    for name in fixed_behind(robot, &joints) {
+    for name in welded_behind(robot, &joints) {
         let inertial = links.get(&name).and_then(|link| child(link, "inertial"));
         edits.extend(inertial.map(|inertial| (inertial.range(), String::new())));
     }
@@ -43,21 +47,21 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
     Ok(applied(text, edits))
 }
 
-/// Links that are fixed to a moving one.
-fn fixed_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
+/// Links that are welded to a moving one: what hangs on it by joints that are fixed or held.
+fn welded_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
     let end =
         |joint: &Node, tag: &str| child(joint, tag).and_then(|end| attribute(&end, "link")).unwrap_or("").to_owned();
-    let fixed: Vec<(String, String)> = joints
-        .values()
-        .filter(|joint| joint_type(joint) == "fixed")
-        .map(|joint| (end(joint, "parent"), end(joint, "child")))
-        .collect();
-    let mut open: Vec<String> = robot.joints.iter().map(|joint| joint.link.clone()).collect();
+    let moving: HashSet<&str> = (0..robot.bodies()).map(|body| robot.body(body).name.as_str()).collect();
+    let mut welded: HashMap<String, Vec<String>> = HashMap::new();
+    for (_, joint) in joints.iter().filter(|(name, _)| !moving.contains(name.as_str())) {
+        welded.entry(end(joint, "parent")).or_default().push(end(joint, "child"));
+    }
+    let mut open: Vec<String> = (0..robot.bodies()).map(|body| robot.body(body).link.clone()).collect();
     let mut found = Vec::new();
     while let Some(link) = open.pop() {
-        for (_, child) in fixed.iter().filter(|(parent, _)| *parent == link) {
+        for child in welded.remove(&link).unwrap_or_default() {
             open.push(child.clone());
-            found.push(child.clone());
+            found.push(child);
         }
     }
     found
@@ -157,5 +161,25 @@ mod tests {
         round_trip("urdf/irb1600_6_120.urdf");
         round_trip("tests/reference/skew7.urdf");
         round_trip("tests/reference/fixed_links.urdf");
+    }
+
+    /// Fingers that are held are part of the hand: their mass is written once.
+    #[test]
+    fn what_is_held_is_written_with_what_carries_it() {
+        let path = format!("{}/tests/reference/trees/two_finger.urdf", env!("CARGO_MANIFEST_DIR"));
+        let file = crate::robot::description::read(path.as_ref()).unwrap();
+        let moving: Vec<String> = file.masters().iter().map(|joint| joint.name.clone()).collect();
+        let fingers = |name: &String| name.contains("finger");
+        assert!(moving.iter().any(fingers), "{moving:?}");
+        let joints = moving.into_iter().filter(|name| !fingers(name)).collect();
+        let choice = crate::robot::Choice { joints: Some(joints), ..Default::default() };
+        let arm = file.robot(&choice, InertiaCheck::Required).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.urdf");
+        std::fs::write(&path, with_parameters(&arm).unwrap()).unwrap();
+        let read = crate::robot::description::read(&path).unwrap().robot(&choice, InertiaCheck::Required).unwrap();
+        for (new, old) in read.joints.iter().zip(&arm.joints) {
+            assert!(new.inertia.0.iter().zip(old.inertia.0).all(|(a, b)| (a - b).abs() < 1e-12), "{new:?} {old:?}");
+        }
     }
 }

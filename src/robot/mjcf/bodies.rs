@@ -122,7 +122,7 @@ impl<'a> Bodies<'a> {
             let child = if last { name.clone() } else { self.link_names.unique(format!("{name}_{}", index + 1)) };
             let child = self.link(child, element.line);
             let anchor = self.joint(&joint, &around, &name, [link, child], &frame)?;
-            // The link stands in the anchor, and the body's own frame beside it.
+            // The link stands in the anchor, and the frame of the body next to it.
             (link, frame) = (child, Pose { rotation: Matrix3::identity(), translation: -anchor });
         }
         self.links[link].inertia = body.inertia.seen_from_parent(&frame.rotation, &frame.translation);

@@ -110,7 +110,7 @@ impl Element {
         self.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 
-    /// Says of this element and all within it to which model they belong.
+    /// Sets the model that this element and all within it belong to.
     pub fn belong_to(&mut self, model: usize) {
         self.model = model;
         self.children.iter_mut().for_each(|child| child.belong_to(model));

@@ -43,7 +43,11 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     if path.is_dir() {
         return Err(Error::io(path, "read the URDF", std::io::Error::new(ErrorKind::IsADirectory, folder(path))));
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read the URDF", e))?;
+    of_bytes(path, std::fs::read(path).map_err(|e| Error::io(path, "read the URDF", e))?)
+}
+
+/// Reads a robot from what a file holds.
+fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Description> {
     if let Some((what, cure)) = binary(path, &bytes) {
         return Err(refusal(path, None, what, cure));
     }
@@ -55,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let document = source.parse()?;
     let root = document.root_element();
     if root.has_tag_name("mujoco") {
-        return mjcf::read(path);
+        return mjcf::read(&source);
     }
     if let Some((what, cure)) = other(&root) {
         return Err(refusal(path, None, what, cure));
@@ -102,12 +106,9 @@ fn folder(path: &Path) -> String {
 
 /// What a file is that is no text, or text of a known head.
 fn binary(path: &Path, bytes: &[u8]) -> Option<(&'static str, &'static str)> {
-    let named = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
     let found = MAGIC.iter().find(|(magic, _, _)| bytes.starts_with(magic));
     match found {
-        Some((b"PK\x03\x04", _, _)) if named("usdz") => Some((USD, USD_CURE)),
-        Some((b"PK\x03\x04", _, _)) if named("npz") => Some(("a numpy archive", LOG_CURE)),
-        Some((b"PK\x03\x04", _, _)) if named("xlsx") => Some(("a spreadsheet", LOG_CURE)),
+        Some((b"PK\x03\x04", what, cure)) => Some(archive(path, bytes).unwrap_or((what, cure))),
         Some((_, what, cure)) => Some((what, cure)),
         // A binary STL has a head of 80 bytes and the number of its triangles, 50 bytes each.
         None if bytes.get(80..84).is_some_and(|count| {
@@ -127,6 +128,24 @@ fn binary(path: &Path, bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     }
 }
 
+/// What a zip archive is, by the names of the files in it or its own.
+fn archive(path: &Path, bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let named = |end: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    // The name of the first file follows a head of 30 bytes, which gives its length.
+    let length = bytes.get(26..28).map_or(0, |length| usize::from(length[0]) + 256 * usize::from(length[1]));
+    let first = bytes.get(30..30 + length).map(String::from_utf8_lossy).unwrap_or_default();
+    let holds = |end: &str| first.to_ascii_lowercase().ends_with(end);
+    if named("usdz") || holds(".usd") || holds(".usda") || holds(".usdc") {
+        Some((USD, USD_CURE))
+    } else if named("npz") || holds(".npy") {
+        Some(("a numpy archive", LOG_CURE))
+    } else if named("xlsx") || holds("[content_types].xml") {
+        Some(("a spreadsheet", LOG_CURE))
+    } else {
+        None
+    }
+}
+
 /// What a text is that is no XML.
 fn plain(path: &Path, text: &str) -> Option<(&'static str, &'static str)> {
     if text.starts_with('<') || text.is_empty() {
@@ -142,10 +161,10 @@ fn plain(path: &Path, text: &str) -> Option<(&'static str, &'static str)> {
         Some(("a tauscope file", "give the URDF that it names"))
     } else if text.contains("\nv ") && text.contains("\nf ") {
         Some(("an OBJ mesh", MESH_CURE))
-    } else if words(',') || words(';') || words('\t') {
+    } else if words(',') || words(';') || first.split_whitespace().count() > 2 {
         Some(("a table or log", LOG_CURE))
     } else {
-        None
+        Some(("a text of another kind", "give the arm's URDF, which starts with <robot>"))
     }
 }
 
@@ -168,4 +187,106 @@ fn other(root: &Node) -> Option<(&'static str, &'static str)> {
 fn macros<'a>(document: &'a Document) -> Option<Node<'a, 'a>> {
     let foreign = |node: &Node| node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
     document.descendants().find(|node| node.is_element() && foreign(node) && !SPENT.contains(&node.tag_name().name()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ROBOTS: [&str; 2] = [
+        "<?xml version=\"1.0\"?>\n<robot name=\"a\"><link name=\"b\"/><link name=\"l\"><inertial><origin xyz=\"0 0 1\" rpy=\"0 \
+         1.57 0\"/><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>\
+         <joint name=\"j\" type=\"revolute\"><parent link=\"b\"/><child link=\"l\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" \
+         upper=\"1\"/><mimic joint=\"k\"/></joint></robot>",
+        "<mujoco><compiler angle=\"radian\"/><default><joint damping=\"1\"/><default class=\"c\"/></default><worldbody>\
+         <body pos=\"0 0 1\" euler=\"0 0 1\"><joint name=\"j\" range=\"-1 1\"/><joint name=\"k\" type=\"slide\" ref=\"1\"/>\
+         <geom type=\"capsule\" fromto=\"0 0 0 1 1 1\" size=\"0.1\"/><body name=\"i\"><inertial mass=\"1\" diaginertia=\"1 1 1\"/>\
+         </body></body></worldbody><equality><joint joint1=\"j\" joint2=\"k\" polycoef=\"0 1\"/></equality><actuator><motor \
+         joint=\"j\" gear=\"2\" ctrlrange=\"-1 1\"/></actuator></mujoco>",
+    ];
+
+    const PARTS: [&str; 24] = [
+        "<",
+        ">",
+        "/>",
+        "\"",
+        "\"\"",
+        "0",
+        "-1",
+        "nan",
+        "1e400",
+        "1e-320",
+        "<link name=\"b\"/>",
+        "<joint name=\"k\" type=\"fixed\"/>",
+        "<body name=\"i\">",
+        "<frame>",
+        "<s:t u:v=\"\"/>",
+        "<!-- -- -->",
+        "<!DOCTYPE r [<!ENTITY e \"&e;\">]>",
+        "&e;",
+        "&amp;",
+        "\u{feff}",
+        "\u{1f600}",
+        "<include file=\"x\"/>",
+        " class=\"c\"",
+        "<?xml version=\"1.0\"?>",
+    ];
+
+    fn of(text: &str) -> Result<Description> {
+        of_bytes(Path::new("robot.urdf"), text.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn both_kinds_are_read_whatever_the_name() {
+        assert_eq!(ROBOTS.map(|text| of(text).unwrap().joints.len()), [1, 3]);
+    }
+
+    #[test]
+    fn files_of_other_kinds_are_named_with_what_to_do() {
+        let xacro = "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:include filename=\"a\"/></robot>";
+        let spent =
+            ROBOTS[0].replace("<link name=\"b\"/>", "<link name=\"b\"/><xacro:property name=\"p\" value=\"1\"/>");
+        assert!(of(&spent).is_ok());
+        for (bytes, words) in [
+            (xacro.as_bytes(), ["xacro file", "`xacro robot.urdf -o robot.urdf`"]),
+            (b"<robot><link name=\"${prefix}a\"/><link/></robot>", ["xacro file", "`xacro "]),
+            (b"<sdf version=\"1.9\"><model name=\"a\"/></sdf>", ["SDF", "`sdf2mjcf "]),
+            (b"#usda 1.0\n", ["USD", "`usd_to_urdf "]),
+            (b"PXR-USDC\0\0", ["USD", "`usd_to_urdf "]),
+            (b"t,q1,q2\n0,1,2\n", ["a table or log", "--train"]),
+            (b"0.0 1.0 2.0\n", ["a table or log", "--train"]),
+            (b"#ROSBAG V2.0\n", ["ROS 1 bag", "--train"]),
+            (b"{\"robot\": 1}", ["JSON", "URDF"]),
+            (b"ISO-10303-21;\n", ["STEP", "export a URDF"]),
+            (b"solid a\nfacet normal 0 0 1\n", ["STL", "URDF"]),
+            (b"<mujocoinclude/>", ["a part of a MuJoCo model", "includes it"]),
+            (b"<robot name=\"a\"><group name=\"arm\"/></robot>", ["SRDF", "URDF"]),
+            (b"PK\x03\x04", ["zip archive", "unzip"]),
+            (b"hello", ["a text of another kind", "<robot>"]),
+        ] {
+            let message = of_bytes(Path::new("robot.urdf"), bytes.to_vec()).unwrap_err().to_string();
+            assert!(words.iter().all(|word| message.contains(word)) && message.lines().count() == 1, "{message}");
+        }
+    }
+
+    proptest! {
+        /// Whatever a file holds, the readers answer with a robot or an error that is finite in every number.
+        #[test]
+        fn no_text_panics_the_readers(
+            which in 0..2usize,
+            edits in prop::collection::vec((0.0..1.0f64, 0.0..0.1f64, 0..PARTS.len()), 1..5),
+        ) {
+            let mut text: Vec<char> = ROBOTS[which].chars().collect();
+            for (place, length, part) in edits {
+                let start = (place * text.len() as f64) as usize;
+                let end = (start + (length * length * text.len() as f64) as usize).min(text.len());
+                text.splice(start..end, PARTS[part].chars());
+            }
+            if let Ok(robot) = of(&text.into_iter().collect::<String>()) {
+                let numbers = robot.joints.iter().flat_map(|joint| joint.origin.translation.iter().copied().collect::<Vec<_>>());
+                prop_assert!(numbers.chain(robot.links.iter().flat_map(|link| link.inertia.0)).all(f64::is_finite));
+            }
+        }
+    }
 }

@@ -151,6 +151,11 @@ pub(super) fn attribute<'a>(node: &Node<'a, '_>, name: &str) -> Option<&'a str> 
     node.attribute(name).map(str::trim).filter(|value| !value.is_empty())
 }
 
+/// The words of a value; a comma behind a word counts as blank.
+pub(super) fn words(value: &str) -> impl Iterator<Item = &str> {
+    value.split_whitespace().map(|word| word.strip_suffix(',').unwrap_or(word)).filter(|word| !word.is_empty())
+}
+
 /// Line of a node, counted from 1.
 pub(super) fn line(node: &Node) -> usize {
     line_at(node.document().input_text(), node.range().start)

@@ -2,9 +2,10 @@
 
 use super::super::description::{JointDescription, LinkDescription, Missing, Motion};
 use super::super::{Drive, Inertia, Limits, Pose};
-use super::compiler::{Compiler, turn};
-use super::defaults::{Defaults, Settled};
+use super::compiler::turn;
+use super::defaults::Settled;
 use super::element::Element;
+use super::models::{Class, Models, class_within};
 use super::names::Names;
 use super::shapes;
 use crate::error::Result;
@@ -16,8 +17,7 @@ pub(super) const UNLIMITED: Limits =
 
 /// The links and joints read so far.
 pub(super) struct Bodies<'a> {
-    compiler: &'a Compiler,
-    defaults: &'a Defaults,
+    models: &'a Models,
     /// Links, the world first.
     pub links: Vec<LinkDescription>,
     /// Joints in the order of the file.
@@ -37,7 +37,7 @@ pub(super) struct Bodies<'a> {
 struct Place<'a> {
     link: usize,
     frame: Pose,
-    childclass: Option<&'a str>,
+    class: Class<'a>,
 }
 
 impl<'a> Bodies<'a> {
@@ -45,10 +45,9 @@ impl<'a> Bodies<'a> {
     ///
     /// # Errors
     /// If a number is malformed, a name occurs twice or an axis has no direction.
-    pub fn of(root: &'a Element, compiler: &'a Compiler, defaults: &'a Defaults) -> Result<Self> {
+    pub fn of(root: &'a Element, models: &'a Models) -> Result<Self> {
         let mut bodies = Bodies {
-            compiler,
-            defaults,
+            models,
             links: Vec::new(),
             joints: Vec::new(),
             drawn: Vec::new(),
@@ -61,7 +60,7 @@ impl<'a> Bodies<'a> {
         let name = bodies.link_names.unique("world".to_owned());
         bodies.links.push(LinkDescription { name, inertia: Inertia::default(), missing: None, line: None });
         for world in root.all("worldbody") {
-            let place = Place { link: 0, frame: Pose::identity(), childclass: world.get("childclass") };
+            let place = Place { link: 0, frame: Pose::identity(), class: class_within(world, None) };
             bodies.contents(world, place)?;
         }
         bodies.summarise();
@@ -85,11 +84,10 @@ impl<'a> Bodies<'a> {
             match child.tag.as_str() {
                 "body" => self.body(child, place)?,
                 "frame" => {
-                    let frame = place.frame.then(&self.compiler.pose(&Settled::plain(child))?);
-                    let childclass = child.get("childclass").or(place.childclass);
-                    self.contents(child, Place { frame, childclass, ..place })?;
+                    let frame = place.frame.then(&self.models.pose(child)?);
+                    self.contents(child, Place { frame, class: class_within(child, place.class), ..place })?;
                 }
-                "replicate" | "composite" | "flexcomp" | "attach" => {
+                "replicate" | "composite" | "flexcomp" => {
                     self.notes.push(format!("<{}> in line {} is left out with all in it", child.tag, child.line));
                 }
                 _ => {}
@@ -101,13 +99,13 @@ impl<'a> Bodies<'a> {
     fn body(&mut self, element: &'a Element, outer: Place<'a>) -> Result<()> {
         let name = self.link_names.name(element, "body")?;
         let place = Place {
-            childclass: element.get("childclass").or(outer.childclass),
-            frame: outer.frame.then(&self.compiler.pose(&Settled::plain(element))?),
+            class: class_within(element, outer.class),
+            frame: outer.frame.then(&self.models.pose(element)?),
             ..outer
         };
         let mut joints = Vec::new();
-        self.joints_of(element, Pose::identity(), place.childclass, &mut joints)?;
-        let body = shapes::body(element, self.compiler, self.defaults, place.childclass)?;
+        self.joints_of(element, Pose::identity(), place.class, &mut joints)?;
+        let body = shapes::body(element, self.models, place.class)?;
         if Settled::plain(element).number("gravcomp")?.is_some_and(|share| share != 0.0) {
             self.lifted.push(name.clone());
         }
@@ -124,7 +122,7 @@ impl<'a> Bodies<'a> {
             let child = if last { name.clone() } else { self.link_names.unique(format!("{name}_{}", index + 1)) };
             let child = self.link(child, element.line);
             let anchor = self.joint(&joint, &around, &name, [link, child], &frame)?;
-            // The link stands in the anchor, and the body's own frame beside it.
+            // The link stands in the anchor, and the frame of the body next to it.
             (link, frame) = (child, Pose { rotation: Matrix3::identity(), translation: -anchor });
         }
         self.links[link].inertia = body.inertia.seen_from_parent(&frame.rotation, &frame.translation);
@@ -143,16 +141,16 @@ impl<'a> Bodies<'a> {
         &self,
         element: &'a Element,
         frame: Pose,
-        childclass: Option<&'a str>,
+        class: Class<'a>,
         found: &mut Vec<(Settled<'a>, Pose)>,
     ) -> Result<()> {
         for child in &element.children {
             match child.tag.as_str() {
-                "joint" => found.push((self.defaults.apply(child, childclass)?, frame)),
+                "joint" => found.push((self.models.settled(child, class)?, frame)),
                 "freejoint" => found.push((Settled::plain(child), frame)),
                 "frame" => {
-                    let inner = frame.then(&self.compiler.pose(&Settled::plain(child))?);
-                    self.joints_of(child, inner, child.get("childclass").or(childclass), found)?;
+                    let inner = frame.then(&self.models.pose(child)?);
+                    self.joints_of(child, inner, class_within(child, class), found)?;
                 }
                 _ => {}
             }
@@ -221,7 +219,8 @@ impl<'a> Bodies<'a> {
             return Err(element.error("its axis has no direction"));
         };
         let turns = motion == Motion::Revolute;
-        let in_si = |value: f64| if turns { self.compiler.angle(value) } else { value };
+        let compiler = self.models.compiler(element);
+        let in_si = |value: f64| if turns { compiler.angle(value) } else { value };
         let drawn = in_si(joint.number("ref")?.unwrap_or(0.0));
         let back = match motion {
             Motion::Revolute if drawn != 0.0 => Pose { rotation: turn(&axis, -drawn), ..Pose::identity() },
@@ -229,13 +228,14 @@ impl<'a> Bodies<'a> {
             _ => Pose::identity(),
         };
         let range = joint.numbers("range", [2, 2])?.map(|range| [in_si(range[0]), in_si(range[1])]);
-        let limited = limits(joint.get("limited"), range.is_some(), self.compiler.auto_limits);
+        let limited = limits(joint.get("limited"), range.is_some(), compiler.auto_limits);
         let drive = Drive {
             viscous: joint.number("damping")?.unwrap_or(0.0),
             coulomb: joint.number("frictionloss")?.unwrap_or(0.0),
             armature: joint.number("armature")?.unwrap_or(0.0),
         };
-        if joint.number("stiffness")?.is_some_and(|stiffness| stiffness != 0.0) && motion != Motion::Floating {
+        let stiff = joint.number("stiffness")?.unwrap_or(0.0) != 0.0 || joint.get("springdamper").is_some();
+        if stiff && motion != Motion::Floating {
             self.springs.push(name.clone());
         }
         let origin = frame.then(&Pose { translation: anchor, ..Pose::identity() }).then(&back);

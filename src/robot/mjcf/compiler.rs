@@ -9,6 +9,9 @@ use nalgebra::{Matrix3, Quaternion, Unit, UnitQuaternion, Vector3};
 use std::cell::Cell;
 use std::f64::consts::PI;
 
+/// Printed decimals from which an angle may be rounded: a simulation runs with 1.57 as it stands, and its logs show it.
+const FEWEST_DECIMALS: i32 = 3;
+
 /// When the bodies' inertias come from their shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FromShapes {
@@ -103,8 +106,10 @@ impl Compiler {
     }
 
     /// A printed angle in rad, with all its digits.
-    fn printed(&self, word: &str, value: f64) -> f64 {
-        match meant_angle(word).filter(|_| self.radians) {
+    fn printed(&self, element: &Element, word: &str, value: f64) -> f64 {
+        // The frames of joints must be parallel where they are meant to be; shapes need not.
+        let frame = self.radians && ["body", "frame"].contains(&element.tag.as_str());
+        match meant_angle(word, FEWEST_DECIMALS).filter(|_| frame) {
             Some(exact) => {
                 self.rounded.set(self.rounded.get() + 1);
                 exact
@@ -128,7 +133,7 @@ impl Compiler {
         if let Some(v) = element.numbers("axisangle", [4, 4])? {
             let word = element.get("axisangle").and_then(|text| text.split_whitespace().nth(3)).unwrap_or_default();
             let axis = unit(Vector3::new(v[0], v[1], v[2]), "axisangle")?;
-            return Ok(turn(&axis, self.printed(word, v[3])));
+            return Ok(turn(&axis, self.printed(element.element, word, v[3])));
         }
         if let Some(angles) = element.numbers("euler", [3, 3])? {
             let words = element.get("euler").unwrap_or_default().split_whitespace();
@@ -139,7 +144,7 @@ impl Compiler {
                     'y' => Vector3::y_axis(),
                     _ => Vector3::z_axis(),
                 };
-                let step = turn(&about, self.printed(word, angle));
+                let step = turn(&about, self.printed(element.element, word, angle));
                 // Small letters turn about axes that turned before, capitals about those that stand still.
                 rotation = if axis.is_ascii_lowercase() { rotation * step } else { step * rotation };
             }

@@ -1,23 +1,23 @@
 //! What the drives of a MuJoCo model can deliver at its joints.
 
 use super::bodies::{Bodies, limits};
-use super::compiler::Compiler;
-use super::defaults::{ACTUATORS, Defaults, Settled};
+use super::defaults::{ACTUATORS, Settled};
 use super::element::Element;
+use super::models::Models;
 use crate::error::Result;
 
 /// Sets the effort limits of the joints: what their drives can deliver together, and no more than the joints let through.
 ///
 /// # Errors
 /// If a number is malformed or a class is not there.
-pub(super) fn set_efforts(root: &Element, bodies: &mut Bodies, compiler: &Compiler, defaults: &Defaults) -> Result<()> {
+pub(super) fn set_efforts(root: &Element, bodies: &mut Bodies, models: &Models) -> Result<()> {
     let mut delivered: Vec<Option<f64>> = vec![None; bodies.joints.len()];
     for element in root.all("actuator").flat_map(|section| &section.children) {
         let Some(name) = element.get("joint").or(element.get("jointinparent")) else { continue };
         let Some(joint) = bodies.joints.iter().position(|joint| joint.name == name) else { continue };
         if ACTUATORS.contains(&element.tag.as_str()) {
-            let drive = defaults.apply(element, None)?;
-            *delivered[joint].get_or_insert(0.0) += highest(&drive, compiler)?;
+            let drive = models.settled(element, None)?;
+            *delivered[joint].get_or_insert(0.0) += highest(&drive, models.compiler(element).auto_limits)?;
         }
     }
     for (joint, delivered) in bodies.joints.iter_mut().zip(delivered) {
@@ -28,11 +28,11 @@ pub(super) fn set_efforts(root: &Element, bodies: &mut Bodies, compiler: &Compil
 }
 
 /// The highest effort of one drive at its joint.
-fn highest(drive: &Settled, compiler: &Compiler) -> Result<f64> {
+fn highest(drive: &Settled, auto_limits: bool) -> Result<f64> {
     let gear = drive.number("gear")?.unwrap_or(1.0).abs();
     let bound = |range: &str, limited: &str| -> Result<f64> {
         let ends = drive.numbers(range, [2, 2])?;
-        let limited = limits(drive.get(limited), ends.is_some(), compiler.auto_limits);
+        let limited = limits(drive.get(limited), ends.is_some(), auto_limits);
         let most = ends.map(|ends| ends[0].abs().max(ends[1].abs()));
         Ok(most.filter(|_| limited).unwrap_or(f64::INFINITY))
     };

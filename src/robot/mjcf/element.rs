@@ -26,28 +26,29 @@ pub(super) struct Element {
     pub file: Rc<Path>,
     /// Its line, counted from 1.
     pub line: usize,
+    /// Which of the models attached to each other it belongs to.
+    pub model: usize,
 }
 
 /// The root element of a model.
 ///
 /// # Errors
 /// If a file cannot be read, is no XML, is nested too deep, or includes itself.
-pub(super) fn load(path: &Path) -> Result<Element> {
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut root = of_file(path, &folder, &mut Vec::new())?;
-    root.pop().ok_or_else(|| Error::input(path, None, "<mujoco>", "there is no element"))
+pub(super) fn load(source: &XmlText) -> Result<Element> {
+    let folder = source.path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut root = of_text(source, &folder, &mut Vec::new())?;
+    root.pop().ok_or_else(|| Error::input(&source.path, None, "<mujoco>", "there is no element"))
 }
 
-/// The root element of a file as the only member of a list.
-fn of_file(path: &Path, folder: &Path, open: &mut Vec<PathBuf>) -> Result<Vec<Element>> {
-    if open.len() >= MOST_INCLUDES || open.iter().any(|file| file == path) {
+/// The root element of a text as the only member of a list.
+fn of_text(source: &XmlText, folder: &Path, open: &mut Vec<PathBuf>) -> Result<Vec<Element>> {
+    let path = &source.path;
+    if open.len() >= MOST_INCLUDES || open.contains(path) {
         return Err(Error::input(path, None, "<include>", "the file is included by itself; take the inner one out"));
     }
-    let source = XmlText::read(path, "the MuJoCo model")?;
     let document = source.parse()?;
-    open.push(path.to_owned());
-    let reader = Reader { file: path.into(), folder };
-    let elements = reader.elements(&document.root_element(), 0, open);
+    open.push(path.clone());
+    let elements = Reader { file: path.as_path().into(), folder }.elements(&document.root_element(), 0, open);
     open.pop();
     elements
 }
@@ -68,13 +69,14 @@ impl Reader<'_> {
             let Some(name) = node.attribute("file").map(str::trim).filter(|name| !name.is_empty()) else {
                 return refuse("it names no file; add file=\"...\"".to_owned());
             };
+            let name = &name.replace('\\', "/");
             // MuJoCo looks from the folder of the main file, and from that of the including one.
             let own = self.file.parent().unwrap_or(Path::new("")).join(name);
             let path = Some(self.folder.join(name)).filter(|path| path.is_file()).unwrap_or(own);
             if !path.is_file() {
                 return refuse(format!("the included file {name} is not there; copy it next to this one"));
             }
-            let root = of_file(&path, self.folder, open)?;
+            let root = of_text(&XmlText::read(&path, "the MuJoCo model")?, self.folder, open)?;
             return Ok(root.into_iter().flat_map(|root| root.children).collect());
         }
         let mut children = Vec::new();
@@ -88,6 +90,7 @@ impl Reader<'_> {
             children,
             file: Rc::clone(&self.file),
             line: line(node),
+            model: 0,
         }])
     }
 }
@@ -105,6 +108,28 @@ impl Element {
     /// All attributes.
     pub fn attributes(&self) -> impl Iterator<Item = (&str, &str)> {
         self.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// Sets the model that this element and all within it belong to.
+    pub fn belong_to(&mut self, model: usize) {
+        self.model = model;
+        self.children.iter_mut().for_each(|child| child.belong_to(model));
+    }
+
+    /// Puts a prefix before the values of attributes, here and in all elements within.
+    pub fn prefix(&mut self, prefix: &str, names: &[&str]) {
+        for (_, value) in self.attributes.iter_mut().filter(|(name, _)| names.contains(&name.as_str())) {
+            value.insert_str(0, prefix);
+        }
+        self.children.iter_mut().for_each(|child| child.prefix(prefix, names));
+    }
+
+    /// The first element of a kind and name within this one.
+    pub fn find(&self, tag: &str, name: &str) -> Option<&Element> {
+        if self.tag == tag && self.get("name") == Some(name) {
+            return Some(self);
+        }
+        self.children.iter().find_map(|child| child.find(tag, name))
     }
 
     /// All children of this name.

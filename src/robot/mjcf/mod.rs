@@ -6,20 +6,23 @@ mod couplings;
 mod defaults;
 mod drives;
 mod element;
+mod models;
 mod names;
 mod shapes;
+#[cfg(test)]
+mod tests;
 
 use super::description::{Description, settle_mimics};
+use super::xml::XmlText;
 use super::{GRAVITY, Inertia};
 use crate::error::{Error, Result};
 use bodies::Bodies;
-use compiler::Compiler;
-use defaults::{Defaults, Settled};
+use defaults::Settled;
 use element::Element;
+use models::Models;
 use nalgebra::Vector3;
-use std::path::Path;
 
-/// Reads a robot from a MuJoCo model, with the files it includes.
+/// Reads a robot from a MuJoCo model, with the files it includes and the models it attaches.
 ///
 /// Joint positions are MuJoCo's `qpos`. The world is the root link; a body with several joints becomes several links, the
 /// body itself the last.
@@ -27,8 +30,9 @@ use std::path::Path;
 /// # Errors
 /// Names file, line and element for: unreadable or malformed files, names that occur twice, classes that are not there,
 /// numbers that are malformed or not finite, axes without direction.
-pub fn read(path: &Path) -> Result<Description> {
-    let root = element::load(path)?;
+pub(super) fn read(source: &XmlText) -> Result<Description> {
+    let path = &source.path;
+    let mut root = element::load(source)?;
     if root.tag != "mujoco" {
         return Err(Error::input(
             path,
@@ -37,8 +41,8 @@ pub fn read(path: &Path) -> Result<Description> {
             "a MuJoCo model starts with <mujoco>",
         ));
     }
-    let (compiler, defaults) = (Compiler::of(&root)?, Defaults::of(&root));
-    let mut bodies = Bodies::of(&root, &compiler, &defaults)?;
+    let models = Models::of(&mut root)?;
+    let mut bodies = Bodies::of(&root, &models)?;
     if bodies.joints.is_empty() {
         return Err(Error::input(
             path,
@@ -47,12 +51,12 @@ pub fn read(path: &Path) -> Result<Description> {
             "there is no body; is this a part that another file includes?",
         ));
     }
-    drives::set_efforts(&root, &mut bodies, &compiler, &defaults)?;
+    drives::set_efforts(&root, &mut bodies, &models)?;
     couplings::couple(&root, &mut bodies)?;
     settle_mimics(path, &mut bodies.joints, &mut bodies.notes)?;
-    scale(&mut bodies, compiler.total_mass);
-    if compiler.rounded.get() > 0 {
-        let count = compiler.rounded.get();
+    scale(&mut bodies, models.main().total_mass);
+    let count = models.rounded();
+    if count > 0 {
         bodies.notes.push(format!(
             "{count} rounded angle(s) are taken as the multiple of 15 degrees within the printed digits"
         ));
@@ -60,7 +64,7 @@ pub fn read(path: &Path) -> Result<Description> {
     let gravity = gravity(&root, &mut bodies.notes)?;
     Ok(Description {
         name: root.get("model").unwrap_or("MuJoCo model").to_owned(),
-        source: path.to_owned(),
+        source: path.clone(),
         gravity,
         links: bodies.links,
         joints: bodies.joints,

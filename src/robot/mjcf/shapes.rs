@@ -3,14 +3,18 @@
 use super::super::Inertia;
 use super::super::Pose;
 use super::compiler::{Compiler, FromShapes, from_z_to};
-use super::defaults::{Defaults, Settled};
+use super::defaults::Settled;
 use super::element::Element;
+use super::models::{Class, Models, class_within};
 use crate::error::Result;
 use nalgebra::{Matrix3, Unit, Vector3};
 use std::f64::consts::PI;
 
 /// Density of a shape that gives none, kg/m3.
 const DENSITY: f64 = 1000.0;
+
+/// Sizes below this, m, are no shape, and their volumes would leave double precision.
+const SMALLEST: f64 = 1e-9;
 
 /// A body, and how many of its shapes could not be counted.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,13 +29,8 @@ pub(super) struct Body {
 ///
 /// # Errors
 /// If a number is malformed or a class is not there.
-pub(super) fn body(
-    element: &Element,
-    compiler: &Compiler,
-    defaults: &Defaults,
-    childclass: Option<&str>,
-) -> Result<Body> {
-    let given = element.first("inertial");
+pub(super) fn body<'a>(element: &'a Element, models: &'a Models, class: Class<'a>) -> Result<Body> {
+    let (given, compiler) = (element.first("inertial"), models.compiler(element));
     match (given, compiler.from_shapes) {
         (Some(given), FromShapes::Auto | FromShapes::No) => {
             Ok(Body { inertia: inertial(given, compiler)?, unknown: 0 })
@@ -39,7 +38,7 @@ pub(super) fn body(
         (None, FromShapes::No) => Ok(Body::default()),
         _ => {
             let mut body = Body::default();
-            add(&mut body, element, &Pose::identity(), compiler, defaults, childclass)?;
+            add(&mut body, element, &Pose::identity(), models, class)?;
             Ok(body)
         }
     }
@@ -57,20 +56,13 @@ fn inertial(element: &Element, compiler: &Compiler) -> Result<Inertia> {
 }
 
 /// Adds the shapes of an element, those within `<frame>` included; `place` is its pose in the body.
-fn add(
-    body: &mut Body,
-    element: &Element,
-    place: &Pose,
-    compiler: &Compiler,
-    defaults: &Defaults,
-    childclass: Option<&str>,
-) -> Result<()> {
+fn add<'a>(body: &mut Body, element: &'a Element, place: &Pose, models: &'a Models, class: Class<'a>) -> Result<()> {
     for frame in element.all("frame") {
-        let inner = place.then(&compiler.pose(&Settled::plain(frame))?);
-        add(body, frame, &inner, compiler, defaults, frame.get("childclass").or(childclass))?;
+        add(body, frame, &place.then(&models.pose(frame)?), models, class_within(frame, class))?;
     }
     for geom in element.all("geom") {
-        let geom = defaults.apply(geom, childclass)?;
+        let compiler = models.compiler(geom);
+        let geom = models.settled(geom, class)?;
         let group = geom.number("group")?.unwrap_or(0.0);
         if group < compiler.groups[0] || group > compiler.groups[1] {
             continue;
@@ -120,6 +112,9 @@ fn solid(geom: &Settled, compiler: &Compiler) -> Result<Option<(f64, Pose, Vecto
     };
     if size.len() < wanted {
         return Err(geom.element.error(format!("a {kind} needs {wanted} sizes, found {}", size.len())));
+    }
+    if size[..wanted].iter().any(|&size| size < SMALLEST) {
+        return Err(geom.element.error(format!("the sizes of a {kind} must be above zero")));
     }
     let (volume, moments) = of_unit_mass(kind, &size);
     Ok(Some((mass.unwrap_or(density * volume), at, mass.unwrap_or(density * volume) * moments)))

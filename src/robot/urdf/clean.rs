@@ -1,7 +1,7 @@
 //! A URDF with nothing in it but what is read: the URDF crate refuses files for what is only looks, for extensions and for
 //! what URDF lets out.
 
-use super::super::xml::{attribute, child, children, is};
+use super::super::xml::{attribute, child, children, is, words};
 use super::joint_type;
 use roxmltree::{Document, Node};
 use std::fmt::Write;
@@ -22,13 +22,13 @@ const JOINT: [(&str, &[&str]); 5] = [
     ("mimic", &["joint", "multiplier", "offset"]),
 ];
 
-/// Shapes with the attributes they need and how many numbers each holds; none for a name.
-const SHAPES: [(&str, &[(&str, Option<usize>)]); 5] = [
-    ("box", &[("size", Some(3))]),
-    ("cylinder", &[("radius", Some(1)), ("length", Some(1))]),
-    ("capsule", &[("radius", Some(1)), ("length", Some(1))]),
-    ("sphere", &[("radius", Some(1))]),
-    ("mesh", &[("filename", None)]),
+/// Shapes with the attributes they need and how many numbers each holds, none where it is a name.
+const SHAPES: [(&str, &[(&str, usize)]); 5] = [
+    ("box", &[("size", 3)]),
+    ("cylinder", &[("radius", 1), ("length", 1)]),
+    ("capsule", &[("radius", 1), ("length", 1)]),
+    ("sphere", &[("radius", 1)]),
+    ("mesh", &[("filename", 0)]),
 ];
 
 /// The URDF of `document` with links and joints alone, every number that its crate wants written out; with `looks`, the
@@ -64,7 +64,7 @@ fn body(text: &mut String, link: &Node) {
         for name in names {
             let value = node.and_then(|node| attribute(&node, name));
             if let Some(value) = value.or((tag != "origin").then_some("0")) {
-                write_attribute(text, name, value);
+                write_numbers(text, name, value);
             }
         }
         *text += "/>";
@@ -93,7 +93,13 @@ fn joint(text: &mut String, node: &Node) {
             continue;
         }
         let _ = write!(text, "<{tag}");
-        write_attributes(text, &element, names);
+        for name in *names {
+            match attribute(&element, name) {
+                Some(value) if *name == "joint" => write_attribute(text, name, value),
+                Some(value) => write_numbers(text, name, value),
+                None => {}
+            }
+        }
         if *tag == "limit" && attribute(&element, "velocity").is_none() {
             write_attribute(text, "velocity", "0");
         }
@@ -115,16 +121,17 @@ fn shape(text: &mut String, visual: &Node) {
     *text += "<visual>";
     if let Some(origin) = child(visual, "origin") {
         *text += "<origin";
-        let fitting = |name: &&str| numbers_fit(&origin, name, Some(3));
-        let names: Vec<&str> = ["xyz", "rpy"].into_iter().filter(|name| fitting(name)).collect();
-        write_attributes(text, &origin, &names);
+        let fitting = |name: &&str| numbers_fit(&origin, name, 3);
+        for name in ["xyz", "rpy"].into_iter().filter(fitting) {
+            write_numbers(text, name, attribute(&origin, name).unwrap_or_default());
+        }
         *text += "/>";
     }
     let _ = write!(text, "<geometry><{tag}");
     for (name, _) in needed {
         write_attributes(text, &node, &[name]);
     }
-    if tag == "mesh" && numbers_fit(&node, "scale", Some(3)) {
+    if tag == "mesh" && numbers_fit(&node, "scale", 3) {
         write_attributes(text, &node, &["scale"]);
     }
     *text += "/></geometry>";
@@ -138,7 +145,7 @@ fn material(text: &mut String, node: &Node) {
     *text += "<material";
     write_attribute(text, "name", node.attribute("name").unwrap_or_default());
     *text += ">";
-    if let Some(color) = child(node, "color").filter(|color| numbers_fit(color, "rgba", Some(4))) {
+    if let Some(color) = child(node, "color").filter(|color| numbers_fit(color, "rgba", 4)) {
         *text += "<color";
         write_attributes(text, &color, &["rgba"]);
         *text += "/>";
@@ -146,11 +153,11 @@ fn material(text: &mut String, node: &Node) {
     *text += "</material>";
 }
 
-/// Whether an attribute is there and holds so many finite numbers; any text where no number is wanted.
-fn numbers_fit(node: &Node, name: &str, count: Option<usize>) -> bool {
+/// Whether an attribute is there and holds so many finite numbers, or any text where no number is wanted.
+fn numbers_fit(node: &Node, name: &str, count: usize) -> bool {
     attribute(node, name).is_some_and(|value| {
         let finite = |word: &str| word.parse::<f64>().is_ok_and(f64::is_finite);
-        count.is_none_or(|count| value.split_whitespace().filter(|word| finite(word)).count() == count)
+        count == 0 || words(value).filter(|word| finite(word)).count() == count
     })
 }
 
@@ -168,7 +175,15 @@ fn write_attributes(text: &mut String, node: &Node, names: &[&str]) {
     }
 }
 
+fn write_numbers(text: &mut String, name: &str, value: &str) {
+    write_attribute(text, name, &words(value).collect::<Vec<_>>().join(" "));
+}
+
 fn write_attribute(text: &mut String, name: &str, value: &str) {
-    let escaped = value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-    let _ = write!(text, " {name}=\"{escaped}\"");
+    let _ = write!(text, " {name}=\"{}\"", escaped(value));
+}
+
+/// A value as it is written in an attribute.
+pub fn escaped(value: &str) -> String {
+    value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

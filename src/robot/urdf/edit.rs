@@ -2,13 +2,12 @@
 
 use super::super::xml::{attribute, child, children};
 use super::super::{Drive, Inertia, Pose, Robot};
-use super::edits::settled;
+use super::edits::{Edit, applied, settled};
 use super::joint_type;
 use super::write::{origin, to_urdf};
 use crate::error::{Error, Result};
 use roxmltree::Node;
 use std::collections::{HashMap, HashSet};
-use std::ops::Range;
 
 /// The text of the robot's URDF with the bodies and drives of `robot`. Each body goes to the link that its joint carries;
 /// links that move as one with that one lose theirs. `friction`, `damping` and `armature` go to `<dynamics>`; those of a joint
@@ -22,7 +21,7 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
     let (source, _) = settled(path)?;
     let (text, document) = (&source.text, source.parse()?);
     let root = document.root_element();
-    if !root.has_tag_name("robot") {
+    if root.has_tag_name("mujoco") {
         return Ok(to_urdf(robot));
     }
     let elements = |tag: &'static str| {
@@ -31,7 +30,7 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
     };
     let (links, joints) = (elements("link"), elements("joint"));
     let missing = |tag: &str, name: &str| Error::input(path, None, format!("{tag} `{name}`"), "is not there");
-    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    let mut edits: Vec<Edit> = Vec::new();
     for body in 0..robot.bodies() {
         let joint = robot.body(body);
         let link = links.get(&joint.link).ok_or_else(|| missing("link", &joint.link))?;
@@ -48,17 +47,16 @@ pub fn with_parameters(robot: &Robot) -> Result<String> {
         let element = joints.get(name).ok_or_else(|| missing("joint", name))?;
         edits.extend(fixed_at(text, *element, *position));
     }
-    // From the end of the file; where one is put in ahead of another that is replaced, the other comes first.
-    edits.sort_by_key(|(range, _)| (std::cmp::Reverse(range.start), std::cmp::Reverse(range.end)));
-    let mut edited = text.clone();
-    for (range, new) in edits {
-        edited.replace_range(range, &new);
+    edits.sort_by_key(|(range, _)| (range.start, range.end));
+    if edits.windows(2).any(|pair| pair[1].0.start < pair[0].0.end) {
+        let problem = "one entity of its document type stands for parts of several links; write them out";
+        return Err(Error::input(path, None, "<robot>", problem));
     }
-    Ok(edited)
+    Ok(applied(text, edits))
 }
 
 /// The edits that let the joint of a body mimic what it follows, if that is not what the file says.
-fn mimicry(text: &str, joint: Node, robot: &Robot, body: usize) -> Option<(Range<usize>, String)> {
+fn mimicry(text: &str, joint: Node, robot: &Robot, body: usize) -> Option<Edit> {
     let coupling = robot.coupling(body);
     let old = child(&joint, "mimic");
     if body < robot.dof() {
@@ -73,7 +71,7 @@ fn mimicry(text: &str, joint: Node, robot: &Robot, body: usize) -> Option<(Range
 }
 
 /// The edits that fix a joint at a position.
-fn fixed_at(text: &str, joint: Node, position: f64) -> Vec<(Range<usize>, String)> {
+fn fixed_at(text: &str, joint: Node, position: f64) -> Vec<Edit> {
     let mut edits = Vec::new();
     let slides = joint_type(&joint) == "prismatic";
     edits.extend(joint.attribute_node("type").map(|kind| (kind.range_value(), "fixed".to_owned())));
@@ -108,24 +106,23 @@ fn welded_behind(robot: &Robot, joints: &HashMap<String, Node>) -> Vec<String> {
     let end =
         |joint: &Node, tag: &str| child(joint, tag).and_then(|end| attribute(&end, "link")).unwrap_or("").to_owned();
     let moving: HashSet<&str> = (0..robot.bodies()).map(|body| robot.body(body).name.as_str()).collect();
-    let still: Vec<(String, String)> = joints
-        .iter()
-        .filter(|(name, _)| !moving.contains(name.as_str()))
-        .map(|(_, joint)| (end(joint, "parent"), end(joint, "child")))
-        .collect();
+    let mut welded: HashMap<String, Vec<String>> = HashMap::new();
+    for (_, joint) in joints.iter().filter(|(name, _)| !moving.contains(name.as_str())) {
+        welded.entry(end(joint, "parent")).or_default().push(end(joint, "child"));
+    }
     let mut open: Vec<String> = (0..robot.bodies()).map(|body| robot.body(body).link.clone()).collect();
     let mut found = Vec::new();
     while let Some(link) = open.pop() {
-        for (_, child) in still.iter().filter(|(parent, _)| *parent == link) {
+        for child in welded.remove(&link).unwrap_or_default() {
             open.push(child.clone());
-            found.push(child.clone());
+            found.push(child);
         }
     }
     found
 }
 
 /// The edit that gives an element a child, in place of one with the same tag.
-fn with_child(text: &str, node: Node, tag: &str, new: &str) -> (Range<usize>, String) {
+fn with_child(text: &str, node: Node, tag: &str, new: &str) -> Edit {
     if let Some(old) = child(&node, tag) {
         return (old.range(), new.to_owned());
     }
@@ -193,10 +190,50 @@ mod tests {
         }
     }
 
+    /// What a lenient reader takes is edited in place, with full digits and in SI where it was recognised otherwise.
+    #[test]
+    fn a_file_that_had_to_be_mended_is_edited_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.urdf");
+        let text = "\u{feff}<!DOCTYPE robot [<!ENTITY m \"3.5\">]>\r\n<robot name=\"a\">\r\n<link name=\"b\"/>\r\n\
+            <link name=\"l\"><inertial><mass value=\"&m;\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link>\r\n\
+            <joint name=\"j\" type=\"continuous\"><parent link=\"b\"/><child link=\"l\"/><origin rpy=\"1.5708 0 0\"/></joint>\r\n\
+            <gazebo><sensor:camera name=\"c\"/></gazebo></robot>";
+        std::fs::write(&path, text).unwrap();
+        let mut robot = load(&path, InertiaCheck::Required).unwrap();
+        assert_eq!(robot.joints[0].inertia.mass(), 3.5);
+        robot.joints[0].inertia.0[0] = 7.0;
+        let edited = with_parameters(&robot).unwrap();
+        std::fs::write(&path, &edited).unwrap();
+        let read = load(&path, InertiaCheck::Ignored).unwrap();
+        assert_eq!((read.joints[0].inertia.mass(), read.joints[0].origin), (7.0, robot.joints[0].origin));
+        assert!(edited.contains("1.5707963267948966 0 0") && edited.contains("<sensor:camera"), "{edited}");
+    }
+
     #[test]
     fn bodies_and_drives_come_back() {
         round_trip("urdf/irb1600_6_120.urdf");
         round_trip("tests/reference/skew7.urdf");
         round_trip("tests/reference/fixed_links.urdf");
+    }
+
+    /// Fingers that are held are part of the hand: their mass is written once.
+    #[test]
+    fn what_is_held_is_written_with_what_carries_it() {
+        let path = format!("{}/tests/reference/trees/two_finger.urdf", env!("CARGO_MANIFEST_DIR"));
+        let file = crate::robot::description::read(path.as_ref()).unwrap();
+        let moving: Vec<String> = file.masters().iter().map(|joint| joint.name.clone()).collect();
+        let fingers = |name: &String| name.contains("finger");
+        assert!(moving.iter().any(fingers), "{moving:?}");
+        let joints = moving.into_iter().filter(|name| !fingers(name)).collect();
+        let choice = crate::robot::Choice { joints: Some(joints), ..Default::default() };
+        let arm = file.robot(&choice, InertiaCheck::Required).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.urdf");
+        std::fs::write(&path, with_parameters(&arm).unwrap()).unwrap();
+        let read = crate::robot::description::read(&path).unwrap().robot(&choice, InertiaCheck::Required).unwrap();
+        for (new, old) in read.joints.iter().zip(&arm.joints) {
+            assert!(new.inertia.0.iter().zip(old.inertia.0).all(|(a, b)| (a - b).abs() < 1e-12), "{new:?} {old:?}");
+        }
     }
 }

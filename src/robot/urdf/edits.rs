@@ -1,6 +1,6 @@
 //! A URDF as it is meant: its text with numbers in SI units and all their digits, lines as in the file.
 
-use super::super::xml::XmlText;
+use super::super::xml::{self, XmlText};
 use super::{angles, units};
 use crate::error::Result;
 use roxmltree::Node;
@@ -55,11 +55,9 @@ pub(super) fn words<'a>(node: &Node<'a, '_>, attribute: &str) -> Vec<(Range<usiz
     if value.contains('&') {
         return Vec::new();
     }
-    value
-        .split_whitespace()
-        .map(|word| {
-            let start = range.start + (word.as_ptr() as usize - value.as_ptr() as usize);
-            (start..start + word.len(), word)
-        })
-        .collect()
+    let place = |word: &str| {
+        let start = range.start + (word.as_ptr() as usize - value.as_ptr() as usize);
+        start..start + word.len()
+    };
+    xml::words(value).map(|word| (place(word), word)).collect()
 }

@@ -6,6 +6,8 @@ mod edit;
 mod edits;
 mod numbers;
 mod sizes;
+#[cfg(test)]
+mod tests;
 mod tree;
 mod units;
 mod write;
@@ -125,13 +127,20 @@ impl Reader<'_, '_> {
         }
         settle_mimics(self.path, &mut joints, &mut notes)?;
         Ok(Description {
-            name: urdf.name.trim().to_owned(),
+            name: self.name(urdf.name.trim()),
             source: self.path.to_owned(),
             gravity: Vector3::from(GRAVITY),
             links,
             joints,
             notes,
         })
+    }
+
+    /// The name of the robot, or of its file.
+    fn name(&self, given: &str) -> String {
+        let file =
+            || self.path.file_stem().map_or_else(|| "robot".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        if given.is_empty() { file() } else { given.to_owned() }
     }
 
     fn link(&self, (name, node): &(&str, Node), link: &urdf_rs::Link, notes: &mut Vec<String>) -> LinkDescription {

@@ -1,7 +1,7 @@
 //! The numbers in a URDF, checked where they stand: the URDF crate reports what is wrong, but not where.
 
 use super::super::LARGEST;
-use super::super::xml::{attribute, child, line};
+use super::super::xml::{attribute, child, line, words};
 use crate::error::{Error, Result};
 use roxmltree::Node;
 use std::path::Path;
@@ -48,7 +48,7 @@ fn check(path: &Path, owner: &Node, parent: &Node, tag: &str, attributes: &[(&st
             let owner = owner.attribute("name").unwrap_or("?").trim();
             Err(Error::input(path, Some(line(&node)), format!("{name} of <{tag}> in `{owner}`"), problem))
         };
-        let words: Vec<&str> = text.split_whitespace().collect();
+        let words: Vec<&str> = words(text).collect();
         if words.len() != *count {
             return refuse(format!("\"{text}\" must be {count} number(s), found {}", words.len()));
         }

@@ -1,6 +1,6 @@
 //! The sizes of the robot in a URDF as it is printed: what its units are recognised by.
 
-use super::super::xml::{attribute, child, children};
+use super::super::xml::{attribute, child, children, words};
 use super::joint_type;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -50,8 +50,7 @@ impl<'a, 'i> Sizes<'a, 'i> {
 
 /// The numbers of an attribute; None if one of its words is none.
 pub(super) fn numbers(node: &Node, name: &str) -> Option<Vec<f64>> {
-    let words = attribute(node, name)?.split_whitespace();
-    words.map(|word| word.parse::<f64>().ok().filter(|value| value.is_finite())).collect()
+    words(attribute(node, name)?).map(|word| word.parse::<f64>().ok().filter(|value| value.is_finite())).collect()
 }
 
 /// The middle of a list; None if it is empty.

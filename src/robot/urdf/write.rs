@@ -1,40 +1,52 @@
-//! The URDF of an arm that did not come from one.
+//! The URDF of a robot that did not come from one.
 
 use super::super::{Joint, JointKind, Pose, Robot};
+use super::clean::escaped;
 use super::edit::{dynamics, inertial};
 use nalgebra::Rotation3;
 
-/// Names of the link that the first joint is mounted on, and of the link at the flange.
+/// Names of the link that the first joint is mounted on, and of the link at the flange, unless they are taken.
 const BASE: &str = "base_link";
 const FLANGE: &str = "flange";
 
-/// A URDF with the joints, limits, bodies and drives of `robot`, and its flange as a link behind a fixed joint; joints that
-/// follow others mimic them. Gravity is not part of a URDF; names must not need escaping.
+/// A URDF with the joints, limits, bodies and drives of `robot`, and its flange as a link behind a fixed joint. Joints that
+/// follow others mimic them. Gravity is not part of a URDF.
 pub fn to_urdf(robot: &Robot) -> String {
-    let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"{BASE}\"/>\n", robot.name);
+    let taken = |name: &str| {
+        (0..robot.bodies()).any(|body| [&robot.body(body).link, &robot.body(body).name].contains(&&name.to_owned()))
+    };
+    let free =
+        |name: &str| (0..).map(|k| name.to_owned() + &"_".repeat(k)).find(|name| !taken(name)).unwrap_or_default();
+    let (base, flange) = (free(BASE), free(FLANGE));
+    let carrier = |body: Option<usize>| escaped(body.map_or(&base, |body| &robot.body(body).link));
+    let name = escaped(&robot.name);
+    let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{name}\">\n  <link name=\"{base}\"/>\n");
     for body in robot.outwards() {
-        let parent = robot.parent(body).map_or(BASE, |parent| &robot.body(parent).link);
         let coupling = robot.coupling(body);
-        let follows = (body >= robot.dof()).then(|| {
-            format!(
-                "    <mimic joint=\"{}\" multiplier=\"{:?}\" offset=\"{:?}\"/>\n",
-                robot.joints[coupling.coordinate].name, coupling.multiplier, coupling.offset
-            )
-        });
-        text += &moving(robot.body(body), parent, &follows.unwrap_or_default());
+        let mimic = match body < robot.dof() {
+            true => String::new(),
+            false => format!(
+                "\n    <mimic joint=\"{}\" multiplier=\"{:?}\" offset=\"{:?}\"/>",
+                escaped(&robot.joints[coupling.coordinate].name),
+                coupling.multiplier,
+                coupling.offset
+            ),
+        };
+        text += &moving(robot.body(body), &carrier(robot.parent(body)), &mimic);
     }
     text += &format!(
-        "  <joint name=\"{FLANGE}_fixed\" type=\"fixed\">\n    <parent link=\"{}\"/><child link=\"{FLANGE}\"/>\n    \
-         {}\n  </joint>\n  <link name=\"{FLANGE}\"/>\n</robot>\n",
-        robot.body(robot.tip()).link,
+        "  <joint name=\"{flange}_fixed\" type=\"fixed\">\n    <parent link=\"{}\"/><child link=\"{flange}\"/>\n    \
+         {}\n  </joint>\n  <link name=\"{flange}\"/>\n</robot>\n",
+        carrier(Some(robot.tip())),
         origin(&robot.flange)
     );
     text
 }
 
 /// A moving joint and the link it carries.
-fn moving(joint: &Joint, parent: &str, follows: &str) -> String {
-    let Joint { name, link, axis, limits, .. } = joint;
+fn moving(joint: &Joint, parent: &str, mimic: &str) -> String {
+    let Joint { axis, limits, .. } = joint;
+    let (name, link) = (escaped(&joint.name), escaped(&joint.link));
     let kind = match joint.kind {
         JointKind::Revolute => "revolute",
         JointKind::Prismatic => "prismatic",
@@ -48,7 +60,7 @@ fn moving(joint: &Joint, parent: &str, follows: &str) -> String {
     };
     format!(
         "  <joint name=\"{name}\" type=\"{kind}\">\n    <parent link=\"{parent}\"/><child link=\"{link}\"/>\n    {}\n    \
-         <axis xyz=\"{:?} {:?} {:?}\"/>\n    <limit {range}velocity=\"{velocity:?}\" effort=\"{effort:?}\"/>\n    {}\n{follows}  \
+         <axis xyz=\"{:?} {:?} {:?}\"/>\n    <limit {range}velocity=\"{velocity:?}\" effort=\"{effort:?}\"/>\n    {}{mimic}\n  \
          </joint>\n  <link name=\"{link}\">\n    {}\n  </link>\n",
         origin(&joint.origin),
         axis.x,
@@ -93,5 +105,40 @@ mod tests {
                 assert!((new.translation - old.translation).norm() < 1e-13, "{file}");
             }
         }
+    }
+
+    /// A tree with joints that follow others, read from a MuJoCo model, is the same robot when it comes back.
+    #[test]
+    fn a_tree_comes_back_from_its_text() {
+        let path = format!("{}/tests/reference/trees/palletiser.xml", env!("CARGO_MANIFEST_DIR"));
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        assert!(!robot.followers().is_empty());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.urdf");
+        std::fs::write(&path, crate::robot::with_parameters(&robot).unwrap()).unwrap();
+        let read = load(&path, InertiaCheck::Required).unwrap();
+        assert_eq!((read.joint_names(), read.bodies()), (robot.joint_names(), robot.bodies()));
+        let x: Vec<f64> = (0..robot.dof()).map(|k| 0.3 - 0.2 * k as f64).collect();
+        for (new, old) in read.frames(&x).iter().zip(robot.frames(&x)) {
+            assert!((new.rotation - old.rotation).norm() < 1e-12 && (new.translation - old.translation).norm() < 1e-12);
+        }
+        for body in 0..robot.bodies() {
+            let (new, old) = (read.body(body), robot.body(body));
+            assert_eq!((&new.name, new.drive, read.coupling(body)), (&old.name, old.drive, robot.coupling(body)));
+            assert!(new.inertia.0.iter().zip(old.inertia.0).all(|(a, b)| (a - b).abs() < 1e-12 * (1.0 + b.abs())));
+        }
+    }
+
+    #[test]
+    fn names_of_the_file_keep_their_own() {
+        let path = format!("{}/tests/reference/pendulum.urdf", env!("CARGO_MANIFEST_DIR"));
+        let mut robot = load(path, InertiaCheck::Required).unwrap();
+        robot.joints[0].link = "base_link".to_owned();
+        robot.joints[0].name = "a<&\"b".to_owned();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.urdf");
+        std::fs::write(&path, to_urdf(&robot)).unwrap();
+        let read = load(&path, InertiaCheck::Required).unwrap();
+        assert_eq!((read.joints[0].name.as_str(), read.joints[0].link.as_str()), ("a<&\"b", "base_link"));
     }
 }

@@ -111,8 +111,9 @@ fn same_seed_same_bytes_other_seed_other_bytes() {
     assert_ne!(other.tau, runs.training.recording.tau);
 }
 
-/// What is found of the arm from `log`, under either trust: residuals of the training log, and notes.
-fn left(log: &Recording, trust: Trust) -> (Vec<f64>, Vec<String>) {
+/// What is found of the arm from `log`, under either trust: residuals of the training log, and notes. Bodies that can exist fit a
+/// log that is real as well as any parameters do.
+fn left(log: &Recording, trust: Trust, is_real: bool) -> (Vec<f64>, Vec<String>) {
     let (setup, ..) = &*CASE;
     let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
     let preparation = Preparation { smoothing, band: Band::OfNoise };
@@ -123,7 +124,7 @@ fn left(log: &Recording, trust: Trust) -> (Vec<f64>, Vec<String>) {
     if trust == Trust::Structure {
         let bodies = consistent(&found.model, logs, preparation, &fitted).unwrap();
         for (plain, own) in fitted.train_rms.iter().zip(&bodies.train_rms).filter(|(plain, _)| plain.is_finite()) {
-            assert!(*own < 1.05 * plain, "{own} {plain}");
+            assert!(!is_real || *own < 1.05 * plain, "{own} {plain}");
         }
         let arm = bodies.robot(&setup.plant);
         assert!(arm.joints.iter().all(|joint| joint.inertia.physical_fault(0.0).is_none()));
@@ -139,9 +140,9 @@ fn a_joint_without_torque_or_motion_is_left_out_with_a_note() {
     silent.tau.channel_mut(3).fill(f64::NAN);
     let name = setup.plant.joints[3].name.as_str();
     for trust in [Trust::Structure, Trust::Nominal] {
-        let (all, notes) = left(log, trust);
+        let (all, notes) = left(log, trust, true);
         assert!(notes.is_empty(), "{notes:?}");
-        let (others, notes) = left(&silent, trust);
+        let (others, notes) = left(&silent, trust, true);
         assert!(notes.len() == 1 && notes[0].contains(name) && notes[0].contains("not logged"), "{notes:?}");
         for joint in 0..6 {
             match joint {
@@ -153,7 +154,7 @@ fn a_joint_without_torque_or_motion_is_left_out_with_a_note() {
     let mut held = log.clone();
     held.q.channel_mut(3).fill(0.4);
     held.qd.iter_mut().for_each(|qd| qd.channel_mut(3).fill(0.0));
-    let (others, notes) = left(&held, Trust::Structure);
+    let (others, notes) = left(&held, Trust::Structure, false);
     assert!(others[3].is_nan() && notes.len() == 1, "{notes:?}");
     assert!(notes[0].contains(name) && notes[0].contains("0 samples"), "{notes:?}");
 }

@@ -181,7 +181,7 @@ impl<'a> EffectModel<'a> {
     pub(super) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
         if self.undetermined.is_none() {
             require_rows(regression)?;
-            self.undetermined = Some(undetermined(regression, &self.baseline));
+            self.undetermined = Some(undetermined(regression, &self.baseline, &self.baseline_units()));
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
 use tauscope::identification::reversals::Band;
 use tauscope::recording::Recording;
+use tauscope::report::fit::{self as report, Found};
 use tauscope::robot::{self, InertiaCheck, Robot};
 
 const MASS: f64 = 40.0;
@@ -68,6 +69,9 @@ fn friction_of_a_slow_axis_is_found_from_all_of_its_motion() {
     for (value, truth) in found.estimate.beta.iter().zip([MASS, VISCOUS, COULOMB, OFFSET]) {
         assert!((value / truth - 1.0).abs() < 0.015, "{:?}", found.estimate.beta);
     }
+    let fitted = fitted(Band::OfNoise);
+    let printed = report::tables(&carriage(), Found { plain: &fitted, extended: Some(&fitted), consistent: None });
+    assert!(printed.contains("residual rms, N ") && !printed.contains("N m"), "{printed}");
     let all = slow_log().samples() / 5;
     assert!(found.estimate.rows[0] > all * 9 / 10, "{} of {all}", found.estimate.rows[0]);
 }

@@ -75,6 +75,9 @@ pub struct Diagnosis {
     pub rates_hz: Vec<f64>,
     /// Whether the last part of the training logs was held out for want of test logs.
     pub held_out_from_training: bool,
+    /// Whether each joint has an equation: its torque is logged, and it surely moves. The numbers of a joint without one
+    /// mean nothing.
+    pub equations: Vec<bool>,
     /// Number of independent tests that the scan is worth.
     pub effective_tests: f64,
     /// Noise of the torque.

@@ -6,6 +6,7 @@ use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
 use super::disagreement::disagreement;
+use super::equations::{Observed, observed};
 use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::found::Found;
@@ -73,7 +74,7 @@ pub struct Conclusion<'a> {
     seed: u64,
 }
 
-/// Diagnoses `robot` from logs. Without `test` logs the last part of every training log is held out. `progress` is told
+/// Diagnoses `robot` from logs; joints without torque, or that hardly move, are left out. Without `test` logs the last part of every training log is held out. `progress` is told
 /// the number of effects found so far.
 ///
 /// # Errors
@@ -86,7 +87,8 @@ pub fn diagnose(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Diagnosis> {
     let input = Input { train: train.to_vec(), test: test.to_vec(), ..Input::default() };
-    Ok(conclude(&Model::new(robot), &input, options, progress)?.diagnosis)
+    let Observed { model, .. } = observed(robot, &input, &[])?;
+    Ok(conclude(&model, &input, options, progress)?.diagnosis)
 }
 
 /// Diagnoses the arm of `model`; `progress` is told the number of effects found so far.
@@ -259,6 +261,7 @@ fn answer<'a>(
         passband: session.passband,
         rates_hz: rates_hz(&session),
         held_out_from_training,
+        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
         effective_tests: multiplicity.all(),
         gap_closed: closed.value,
         gap_closed_interval: closed.interval,

@@ -3,7 +3,7 @@
 
 use super::conclusion::{Input, split};
 use super::cutoffs::cutoff;
-use super::rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
+use super::rows::{FEWEST_ROWS, Rows};
 use super::screening::{Consequence, DataFault};
 use crate::error::Result;
 use crate::identification::equations::{no_torque, with_torque};
@@ -27,7 +27,7 @@ const HARDLY_MOVES: &str =
 const ALL: &str = "all logs";
 
 /// The joints of `robot` with an equation in the logs; those in `still` hardly move. Where no joint has one all keep theirs, and
-/// the diagnosis says what is wrong.
+/// the diagnosis says what is wrong; so it does where a joint moves in the logs to identify from and not in those to judge by.
 ///
 /// # Errors
 /// If a log is too short.
@@ -43,18 +43,12 @@ pub fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<Observe
     };
     let unlogged = (0..robot.dof()).filter(|&joint| !equations[joint]);
     let mut left_out: Vec<DataFault> = unlogged.map(|joint| without(joint, Kind::NoTorque, no_torque())).collect();
-    let (early, late) = split(&input.train);
-    let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
-    let (train, test) = if input.test.is_empty() { (early, late) } else { (input.train.clone(), input.test.clone()) };
-    let train: Vec<&Recording> = input.reference.iter().chain(&train).copied().collect();
-    let hz = cutoff(&all)?;
-    let counts = |logs: &[&Recording]| -> Result<Vec<usize>> {
-        let rows = Rows::new(logs, hz, 0)?;
-        Ok(rows.valid.iter().map(|valid| valid.iter().filter(|&&ok| ok).count()).collect())
-    };
-    let (found_from, judged_by) = (counts(&train)?, counts(&test)?);
+    let early = if input.test.is_empty() { split(&input.train).0 } else { Vec::new() };
+    let train = if input.test.is_empty() { early.iter().collect() } else { input.train.clone() };
+    let train: Vec<&Recording> = input.reference.iter().copied().chain(train).collect();
+    let moving = Rows::new(&train, cutoff(&all)?, 0)?.valid;
     for joint in 0..robot.dof() {
-        let moves = found_from[joint] >= FEWEST_ROWS && judged_by[joint] >= FEWEST_TEST_ROWS;
+        let moves = moving[joint].iter().filter(|&&ok| ok).count() >= FEWEST_ROWS;
         if equations[joint] && (still.contains(&joint) || !moves) {
             equations[joint] = false;
             left_out.push(without(joint, Kind::HardlyMoves, HARDLY_MOVES.to_owned()));

@@ -40,7 +40,7 @@ impl BaseParameters {
     /// is regrouped into them, so the base stays on the proximal side. `names` are the standard parameters' symbols.
     ///
     /// The factorisation is a QR by Gram-Schmidt with reorthogonalisation on columns of unit length; a column counts as
-    /// dependent when less than 1e-5 of its length is left.
+    /// dependent when less than 1e-5 of its length is left, and as nothing when it is shorter than 1e-5 of the longest.
     ///
     /// # Panics
     /// If there is not one name per column.
@@ -56,7 +56,7 @@ impl BaseParameters {
         // What is left of columns that are regrouped.
         let mut apart = vec![0.0; columns];
         for column in 0..columns {
-            if norms[column] <= NEGLIGIBLE * largest {
+            if norms[column] <= INDEPENDENT * largest {
                 continue;
             }
             let mut rest = observation.column(column) / norms[column];

@@ -52,10 +52,10 @@ impl BaseColumns {
         let dof = chain.dof();
         let mut shares: Vec<Share> = Vec::with_capacity(dof);
         let mut places = 0;
-        for joint in 0..dof {
+        for (joint, &has_equation) in equations.iter().enumerate() {
             let acts = |&(_, &standard): &(usize, &usize)| {
                 let (link, which) = (standard / STANDARD, standard % STANDARD);
-                equations[joint] && if which < PARAMETERS { chain.moves(joint, link) } else { link == joint }
+                has_equation && if which < PARAMETERS { chain.moves(joint, link) } else { link == joint }
             };
             let (parameters, kinds) = kept.iter().enumerate().filter(acts).map(|(b, &s)| (b, kind(s))).unzip();
             let share = Share { parameters, kinds, first: places };

@@ -6,6 +6,7 @@ use super::effect_model::{Preparation, Trust};
 use super::fit::Logs;
 use super::model::Model;
 use super::prepare;
+use crate::dynamics::Motion;
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::robot::Robot;
@@ -46,9 +47,10 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
     let mut rows = vec![0usize; robot.dof()];
     for log in logs.train {
         let prepared = prepare::measured(log, preparation.smoothing, preparation.band)?;
-        for (joint, rows) in rows.iter_mut().enumerate() {
-            *rows += prepared.rows_to_use(joint).into_iter().filter(|&ok| ok).count();
-        }
+        let own: Vec<usize> =
+            (0..robot.dof()).map(|joint| prepared.rows_to_use(joint).into_iter().filter(|&ok| ok).count()).collect();
+        notes.extend(too_fast(log, &prepared.motion, &own));
+        rows.iter_mut().zip(own).for_each(|(rows, own)| *rows += own);
     }
     let model = Model::with_equations(robot, &equations);
     for (joint, spec) in robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint)) {
@@ -72,6 +74,33 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
         false => Ok(Observed { model: Model::with_equations(robot, &equations), notes }),
     }
 }
+
+/// A line about a motion that is too fast for the rate of its log, on joints with some `rows` in which they move.
+fn too_fast(log: &Recording, motion: &Motion, rows: &[usize]) -> Option<String> {
+    let rate_hz = log.rate_hz();
+    let rms = |signal: &[f64]| (signal.iter().map(|x| x * x).sum::<f64>() / signal.len().max(1) as f64).sqrt();
+    // What a swing of one frequency has.
+    let swings_hz =
+        |joint: usize| rms(motion.qdd.channel(joint)) / rms(motion.qd.channel(joint)) / std::f64::consts::TAU;
+    let moving = (0..motion.joints()).filter(|&joint| rows[joint] >= FEWEST);
+    let fastest = moving.max_by(|&a, &b| swings_hz(a).total_cmp(&swings_hz(b)))?;
+    let hz = swings_hz(fastest);
+    (rate_hz < SLOW_HZ && rate_hz < SAMPLES_IN_A_SWING * hz).then(|| {
+        format!(
+            "the log has {rate_hz:.1} samples a second, and joint `{}` swings at about {hz:.1} Hz: accelerations are worked out from \
+             too few samples in a swing and come out too small; log faster or move slower",
+            log.joints[fastest]
+        )
+    })
+}
+
+/// Rate below which a log is looked at for that, Hz: above it encoders' noise makes more of the acceleration than the motion of
+/// an arm does.
+const SLOW_HZ: f64 = 50.0;
+
+/// Fewest samples in a swing: the second difference of twelve samples to a turn is two per cent too small, the smoothing not yet
+/// counted.
+const SAMPLES_IN_A_SWING: f64 = 12.0;
 
 /// Fewest rows of a joint that tell anything of its friction, a moment's motion.
 const FEWEST: usize = 30;

@@ -4,7 +4,7 @@
 use super::joint_regression::JointRegression;
 use super::linear_model::LinearModel;
 use super::model::Model;
-use super::reversals::{self, Band, NoiseGains, own_band};
+use super::reversals::{self, Band, NoiseGains, Slow};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -68,7 +68,7 @@ pub struct Prepared<'a> {
     /// How it is decided where the direction of motion is certain.
     band: Band,
     /// Speed below which the direction of each joint is not certain, rad/s or m/s.
-    slow: Vec<f64>,
+    slow: Vec<Slow>,
     /// Sizes of the weights of the samples that enter a filtered one.
     weights: Vec<f64>,
 }
@@ -120,7 +120,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
         }
     };
     let (slow, weights) = match band {
-        Band::Given(speed) => (vec![speed; recording.joints()], Vec::new()),
+        Band::Given(speed) => (vec![Slow { uncertain: speed, standing: speed }; recording.joints()], Vec::new()),
         Band::OfNoise => (
             own_bands(recording, &motion, smoothing, &position_filter)?,
             reversals::weights(&filter, reach, recording.samples())?,
@@ -142,7 +142,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
 }
 
 /// Speed below which the direction of each joint is not certain, from the noise of its velocity.
-fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filter: &Filter) -> Result<Vec<f64>> {
+fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filter: &Filter) -> Result<Vec<Slow>> {
     let period = 1.0 / recording.rate_hz();
     let gains = NoiseGains::new(recording.samples(), |impulse| {
         let [mut smooth, mut rate] = [impulse.to_vec(), impulse.to_vec()];
@@ -161,7 +161,7 @@ fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filte
         (Smoothing::None, None) => white_noise(recording.q.channel(joint)) / (SQRT_2 * period),
         _ => gains.velocity_noise(recording.q.channel(joint), motion.q.channel(joint)),
     };
-    Ok((0..recording.joints()).map(|joint| own_band(motion.qd.channel(joint), noise(joint))).collect())
+    Ok((0..recording.joints()).map(|joint| Slow::new(motion.qd.channel(joint), noise(joint))).collect())
 }
 
 /// Makes exact signals ready: what identification could do with perfect sensors.
@@ -177,7 +177,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         decimation: 1,
         reach: 0,
         band: Band::Given(band),
-        slow: vec![band; q.channels()],
+        slow: vec![Slow { uncertain: band, standing: band }; q.channels()],
         weights: Vec::new(),
     }
 }
@@ -296,7 +296,7 @@ impl<'a> Prepared<'a> {
 
     /// Samples at which the direction of `joint` is certain.
     pub fn moving(&self, joint: usize) -> Vec<bool> {
-        self.motion.qd.channel(joint).iter().map(|v| v.abs() > self.slow[joint]).collect()
+        self.slow[joint].moving(self.motion.qd.channel(joint), 2 * self.reach + 1)
     }
 
     /// Rows after decimation all of whose inputs are inside the log, and whose direction is certain.

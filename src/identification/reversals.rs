@@ -26,9 +26,12 @@ impl From<f64> for Band {
 /// Standard deviations of the velocity's noise within which its sign is not certain: one sign in a thousand is wrong there.
 const DEVIATIONS: f64 = 3.0;
 
-/// Share of a joint's own fast speed below which it counts as standing: what a held joint creeps, and where stiction and not
-/// Coulomb's law gives the friction.
-const CREEP: f64 = 0.003;
+/// Share of a joint's own fast speed within which it stands if it stays there for as long as the filter is: a held joint creeps,
+/// and stiction gives its friction, not Coulomb's law. A quick reversal passes through.
+const STANDING: f64 = 0.05;
+
+/// Share of the largest position that rounding leaves in positions without noise.
+const ROUNDING: f64 = 1e-12;
 
 /// The fast speed is the one that so large a share of the samples stay below; single spikes do not count.
 const FAST: f64 = 0.95;
@@ -71,7 +74,9 @@ impl NoiseGains {
             return 0.0;
         }
         let rest: Vec<f64> = measured.iter().zip(smoothed).map(|(q, smooth)| q - smooth).collect();
-        length(&rest) / (rest.len().max(1) as f64).sqrt() / self.taken * self.rate
+        let noise = length(&rest) / (rest.len().max(1) as f64).sqrt() / self.taken;
+        let largest = measured.iter().fold(0.0f64, |most, q| most.max(q.abs()));
+        noise.max(ROUNDING * largest) * self.rate
     }
 }
 
@@ -79,15 +84,40 @@ fn length(signal: &[f64]) -> f64 {
     signal.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Speed below which a joint with these velocities, whose noise has the standard deviation `noise`, is not known to move.
-pub fn own_band(velocity: &[f64], noise: f64) -> f64 {
-    let mut speeds: Vec<f64> = velocity.iter().map(|v| v.abs()).filter(|v| v.is_finite()).collect();
-    if speeds.is_empty() {
-        return 0.0;
+/// Speeds below which a joint is not known to move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slow {
+    /// The direction is not certain at a moment.
+    pub uncertain: f64,
+    /// The joint stands if it stays below.
+    pub standing: f64,
+}
+
+impl Slow {
+    /// Of a joint with these velocities, whose noise has the standard deviation `noise`.
+    pub fn new(velocity: &[f64], noise: f64) -> Self {
+        let mut speeds: Vec<f64> = velocity.iter().map(|v| v.abs()).filter(|v| v.is_finite()).collect();
+        if speeds.is_empty() {
+            return Slow { uncertain: 0.0, standing: 0.0 };
+        }
+        let place = ((speeds.len() - 1) as f64 * FAST) as usize;
+        let fast = *speeds.select_nth_unstable_by(place, f64::total_cmp).1;
+        let uncertain = DEVIATIONS * noise;
+        Slow { uncertain, standing: uncertain.max(STANDING * fast) }
     }
-    let place = ((speeds.len() - 1) as f64 * FAST) as usize;
-    let fast = *speeds.select_nth_unstable_by(place, f64::total_cmp).1;
-    (DEVIATIONS * noise).max(CREEP * fast)
+
+    /// Samples at which the joint surely moves; it stands where it is slow for `length` samples or more.
+    pub fn moving(&self, velocity: &[f64], length: usize) -> Vec<bool> {
+        let mut moving: Vec<bool> = velocity.iter().map(|v| v.abs() > self.uncertain).collect();
+        let mut start = 0;
+        for stretch in velocity.chunk_by(|a, b| (a.abs() > self.standing) == (b.abs() > self.standing)) {
+            if stretch[0].abs() <= self.standing && stretch.len() >= length {
+                moving[start..start + stretch.len()].fill(false);
+            }
+            start += stretch.len();
+        }
+        moving
+    }
 }
 
 /// Sizes of the weights with which a filter takes the `reach` samples on either side of a row, and its own in the middle.
@@ -168,10 +198,21 @@ mod tests {
     fn a_band_knows_no_unit() {
         let velocity: Vec<f64> = (0..1000).map(|k| (0.01 * f64::from(k)).sin()).collect();
         let slow: Vec<f64> = velocity.iter().map(|v| 1e-3 * v).collect();
-        let (band, of_slow) = (own_band(&velocity, 1e-4), own_band(&slow, 1e-7));
-        assert!((band / of_slow - 1e3).abs() < 1e-6 && band < 0.0031, "{band} {of_slow}");
-        assert_eq!(own_band(&velocity, 0.1), 0.1 * DEVIATIONS);
-        assert_eq!(own_band(&[], 0.1), 0.0);
+        let (band, of_slow) = (Slow::new(&velocity, 1e-4), Slow::new(&slow, 1e-7));
+        assert_eq!(band.moving(&velocity, 30), of_slow.moving(&slow, 30));
+        assert!((band.standing / of_slow.standing - 1e3).abs() < 1e-6 && band.standing < 0.051, "{band:?} {of_slow:?}");
+        let noisy = Slow::new(&velocity, 0.1);
+        assert_eq!([noisy.uncertain, noisy.standing], [0.1 * DEVIATIONS; 2]);
+        assert_eq!(Slow::new(&[], 0.1).uncertain, 0.0);
+    }
+
+    #[test]
+    fn a_joint_that_stays_slow_stands_and_one_that_turns_does_not() {
+        // A reversal within ten samples, and a stop that creeps on at two per cent.
+        let mut velocity: Vec<f64> = (0..400).map(|k| (f64::from(k) - 100.0).clamp(-100.0, 100.0) / 100.0).collect();
+        velocity[300..350].fill(0.02);
+        let moving = Slow::new(&velocity, 1e-3).moving(&velocity, 30);
+        assert!(!moving[100] && moving[99] && moving[101] && moving[299] && !moving[320] && moving[350]);
     }
 
     #[test]

@@ -21,7 +21,10 @@ const WHOLE_TORQUE: f64 = 1.0;
 
 /// The first `count` parameters that the rows cannot determine, with the value at which to hold them: that of `described`,
 /// or zero where that would make more torque than the rows have.
-pub fn undetermined(joints: &[JointRegression], described: &[f64]) -> Vec<(usize, f64)> {
+///
+/// `units` are the parameters' units: one that is less sure than the largest of its unit is large is not determined either, since a
+/// parameter of the arm's size would not show.
+pub fn undetermined(joints: &[JointRegression], described: &[f64], units: &[&str]) -> Vec<(usize, f64)> {
     let count = described.len();
     let sums: Vec<JointSums> = joints.iter().filter(|joint| joint.rows() > 0).map(JointRegression::sums).collect();
     let torque = |own: &JointSums| own.gram[(own.parameters.len(), own.parameters.len())];
@@ -39,15 +42,26 @@ pub fn undetermined(joints: &[JointRegression], described: &[f64]) -> Vec<(usize
             *sigma = positive((left / freedom as f64).sqrt());
         }
     }
-    let (normal, _) = equations(&sums, &sigma, count);
+    let (normal, right) = equations(&sums, &sigma, count);
     let whole = sums.iter().zip(&sigma).map(|(own, s)| torque(own) / (s * s)).sum::<f64>().sqrt();
     kept = independent(&normal, kept, (1.0 / (WHOLE_TORQUE * whole).max(1.0)).max(RESOLVED));
+    if let Some((beta, std)) = solution(&normal, &right, &kept).zip(deviations(&normal, &kept)) {
+        let largest = |unit: &str| {
+            let same = (0..count).filter(|&k| units[k] == unit && kept.contains(&k) && beta[k].abs() > SURE * std[k]);
+            same.map(|k| beta[k].abs()).fold(0.0, f64::max)
+        };
+        let sizes: Vec<f64> = units.iter().map(|unit| largest(unit)).collect();
+        kept.retain(|&k| sizes[k] == 0.0 || std[k] <= sizes[k]);
+    }
     let held = |k: usize| {
         let makes = normal[(k, k)].sqrt() * described[k].abs();
         (k, if makes <= whole { described[k] } else { 0.0 })
     };
     (0..count).filter(|k| !kept.contains(k)).map(held).collect()
 }
+
+/// Standard deviations from zero at which a parameter tells how large those of its unit are.
+const SURE: f64 = 3.0;
 
 fn positive(value: f64) -> f64 {
     if value > 0.0 && value.is_finite() { value } else { 1.0 }
@@ -94,6 +108,16 @@ fn independent(normal: &DMatrix<f64>, candidates: Vec<usize>, share: f64) -> Vec
     kept
 }
 
+/// Standard deviations of the `kept` parameters, if the noise is white; zero for the others.
+fn deviations(normal: &DMatrix<f64>, kept: &[usize]) -> Option<Vec<f64>> {
+    let scale: Vec<f64> = kept.iter().map(|&k| 1.0 / normal[(k, k)].sqrt()).collect();
+    let unit = DMatrix::from_fn(kept.len(), kept.len(), |r, c| normal[(kept[r], kept[c])] * scale[r] * scale[c]);
+    let inverse = Cholesky::new(unit)?.inverse();
+    let mut std = vec![0.0; normal.nrows()];
+    kept.iter().enumerate().for_each(|(place, &k)| std[k] = inverse[(place, place)].sqrt() * scale[place]);
+    Some(std)
+}
+
 /// The solution in the `kept` parameters, zero in the others.
 fn solution(normal: &DMatrix<f64>, right: &DVector<f64>, kept: &[usize]) -> Option<Vec<f64>> {
     let scale: Vec<f64> = kept.iter().map(|&k| 1.0 / normal[(k, k)].sqrt()).collect();
@@ -131,19 +155,31 @@ mod tests {
 
     #[test]
     fn what_the_noise_hides_is_held_and_what_shows_is_not() {
-        assert_eq!(undetermined(&[rows(1e-2)], &[0.0, 0.0, 3.5]), []);
-        assert_eq!(undetermined(&[rows(1e-6)], &[0.0, 0.0, 3.5]), [(2, 3.5)]);
-        assert_eq!(undetermined(&[rows(0.0)], &[0.0, 0.0, 3.5]), [(2, 3.5)]);
-        assert_eq!(undetermined(&[rows(0.0)], &[0.0, 0.0, 1e9]), [(2, 0.0)], "no log has so much torque");
+        assert_eq!(undetermined(&[rows(1e-2)], &[0.0, 0.0, 3.5], &["kg"; 3]), []);
+        assert_eq!(undetermined(&[rows(1e-6)], &[0.0, 0.0, 3.5], &["kg"; 3]), [(2, 3.5)]);
+        assert_eq!(undetermined(&[rows(0.0)], &[0.0, 0.0, 3.5], &["kg"; 3]), [(2, 3.5)]);
+        assert_eq!(undetermined(&[rows(0.0)], &[0.0, 0.0, 1e9], &["kg"; 3]), [(2, 0.0)], "no log has so much torque");
     }
 
     #[test]
     fn what_does_not_act_at_all_is_held() {
         let mut still = rows(1e-2);
         still.columns.channel_mut(1).fill(0.0);
-        assert_eq!(undetermined(&[still], &[1.0, 2.0, 3.0]), [(1, 2.0)]);
+        assert_eq!(undetermined(&[still], &[1.0, 2.0, 3.0], &["kg"; 3]), [(1, 2.0)]);
         let mut nothing = rows(1e-2);
         nothing.valid.fill(false);
-        assert_eq!(undetermined(&[nothing], &[1.0, 2.0]).len(), 2, "without rows nothing is determined");
+        assert_eq!(undetermined(&[nothing], &[1.0, 2.0], &["kg"; 2]).len(), 2, "without rows nothing is determined");
+    }
+
+    #[test]
+    fn a_parameter_of_the_size_of_others_that_would_not_show_is_held() {
+        let mut faint = rows(1e-2);
+        let (columns, torque) = (&mut faint.columns, &mut faint.torque);
+        // Its parameter is zero.
+        torque.iter_mut().zip(columns.channel(1)).for_each(|(torque, value)| *torque += value);
+        columns.channel_mut(1).iter_mut().for_each(|value| *value *= 1e-6);
+        assert_eq!(undetermined(std::slice::from_ref(&faint), &[1.0, 2.0, 3.0], &["kg"; 3]), [(1, 2.0)]);
+        // Of a unit of its own it may be of any size.
+        assert_eq!(undetermined(&[faint], &[1.0, 2.0, 3.0], &["kg", "N", "kg"]), []);
     }
 }

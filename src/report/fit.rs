@@ -176,10 +176,10 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
     }
 }
 
-/// A line about the parameters that the logs do not tell from others, if there are any.
+/// A line about the parameters that the logs do not determine, if there are any.
 pub fn undetermined(fitted: &Fitted) -> Option<String> {
     let held = fitted.fit.names.iter().zip(&fitted.fit.undetermined).filter(|(_, held)| **held);
-    // Long sums are told from each other by their leaders.
+    // The leader identifies a long sum.
     let leaders: Vec<&str> = held.filter_map(|(name, _)| name.split_whitespace().next()).collect();
     (!leaders.is_empty()).then(|| {
         format!(

@@ -11,6 +11,7 @@ use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::fit::{Logs, fit_effects};
 use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
+use tauscope::identification::reversals::Band;
 use tauscope::quality::{self, Kind, Report, Severity};
 use tauscope::recording::Recording;
 use tauscope::robot::{self, InertiaCheck, Robot};
@@ -133,4 +134,22 @@ fn universal_robots_ur10() {
         "ur10 held out: load on j2 {loaded:.2}, power on j1 {concave:.2}, Stribeck on j1 {dip:.2} of what was left"
     );
     assert!(loaded < 0.5 && concave < 0.8 && dip > 0.9, "{loaded} {concave} {dip}");
+}
+
+/// One sliding axis, slow in m/s; published (Janot, Gautier and Brunot 2019): 203.50 N s/m, 20.394 N, -3.165 N.
+#[test]
+fn emps() {
+    let Some(folder) = folder() else { return };
+    let robot = arm(&folder, "emps/emps.urdf");
+    let log = dataset::plain(&folder.join("emps/emps_est.csv"), &robot, &mut Vec::new()).unwrap().remove(0);
+    let smoothing = Smoothing::SavitzkyGolay { window: 121, order: 6, decimation: 10 };
+    let preparation = Preparation { smoothing, band: Band::OfNoise };
+    let placed = vec![Placed::typical(effects::find("torque_offset").unwrap(), 0)];
+    let logs = Logs { train: &[&log], test: &[] };
+    let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, preparation, placed).unwrap();
+    let found = &fitted.fit.estimate.beta;
+    println!("emps: {found:.4?}");
+    for (value, published) in found[1..].iter().zip([203.5, 20.394, -3.165]) {
+        assert!((value / published - 1.0).abs() < 0.015, "{found:?}");
+    }
 }

@@ -6,9 +6,11 @@
 
 mod parts;
 mod sensing;
+mod signals;
 
 use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, leader, stands_for};
 use sensing::Sensing;
+use signals::{derivatives, difference, put_behind};
 
 use super::joint_regression::JointRegression;
 use super::least_squares::require_rows;
@@ -21,7 +23,6 @@ use crate::dynamics::Motion;
 use crate::effects::{DAMPING_TIME_S, Gear, Placed, Role, Scope};
 use crate::error::Result;
 use crate::recording::Recording;
-use crate::signal::{first_derivative, second_derivative};
 use std::borrow::Cow;
 
 /// Rounds in which encoder errors are taken back out of the measured positions.
@@ -181,7 +182,7 @@ impl<'a> EffectModel<'a> {
     pub(super) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
         if self.undetermined.is_none() {
             require_rows(regression)?;
-            self.undetermined = Some(undetermined(regression, &self.baseline));
+            self.undetermined = Some(undetermined(regression, &self.baseline, &self.baseline_units()));
         }
         Ok(())
     }
@@ -484,26 +485,6 @@ impl<'a> EffectModel<'a> {
         let [twist, ..] = gear.follow(&load, &inertia, period);
         derivatives(prepared.filtered_like_positions(&twist)?, period)
     }
-}
-
-/// Takes a twist, its rate and its acceleration off the motion of a joint.
-fn put_behind(motion: &mut Motion, joint: usize, twist: [Vec<f64>; 3]) {
-    for (channels, change) in [&mut motion.q, &mut motion.qd, &mut motion.qdd].into_iter().zip(twist) {
-        channels.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
-    }
-}
-
-/// One signal less another.
-fn difference(signal: &[f64], other: &[f64]) -> Vec<f64> {
-    signal.iter().zip(other).map(|(a, b)| a - b).collect()
-}
-
-/// A signal with its first and second derivative.
-fn derivatives(signal: Vec<f64>, period: f64) -> Result<[Vec<f64>; 3]> {
-    let (mut rate, mut second) = (vec![0.0; signal.len()], vec![0.0; signal.len()]);
-    first_derivative(&signal, period, &mut rate)?;
-    second_derivative(&signal, period, &mut second)?;
-    Ok([signal, rate, second])
 }
 
 /// Parameters of an effect with its amplitudes at zero.

@@ -181,7 +181,12 @@ pub fn result(
     resimulation: Option<&Resimulation>,
     faults: &[DataFault],
 ) -> DiagnosisResult {
-    let [train, test] = diagnosis.baseline_rms.clone();
+    // Not a number, which JSON writes as null, where there is no equation.
+    let known = |values: &[f64]| -> Vec<f64> {
+        let each = values.iter().zip(&diagnosis.equations);
+        each.map(|(&value, &has)| if has { value } else { f64::NAN }).collect()
+    };
+    let [train, test] = diagnosis.baseline_rms.each_ref().map(|rms| known(rms));
     let not_found = diagnosis.not_found.iter().map(|missed| NotFound {
         effect: missed.family.effect,
         joint: joints(robot, missed.family).into_iter().next(),
@@ -226,24 +231,24 @@ pub fn result(
         position_cutoffs_hz: diagnosis.cutoffs_hz.clone(),
         torque_cutoff_hz: diagnosis.passband.map(|low_pass| low_pass.hz),
         effective_tests: Some(diagnosis.effective_tests),
-        noise_floor_nm: diagnosis.noise_floor.clone(),
-        test_torque_rms_nm: diagnosis.test_torque_rms.clone(),
+        noise_floor_nm: known(&diagnosis.noise_floor),
+        test_torque_rms_nm: known(&diagnosis.test_torque_rms),
         simulation: Simulation {
-            test_rms_nm: diagnosis.simulation_test_rms.clone(),
+            test_rms_nm: known(&diagnosis.simulation_test_rms),
             structure: structure(&diagnosis.structure[0]),
         },
         baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
         reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
         findings: findings(robot, diagnosis),
         extended: Some(Extended {
-            test_rms_nm: diagnosis.extended_test_rms.clone(),
-            test_prediction_std_nm: diagnosis.prediction_std.clone(),
+            test_rms_nm: known(&diagnosis.extended_test_rms),
+            test_prediction_std_nm: known(&diagnosis.prediction_std),
             gap_closed: diagnosis.gap_closed,
             gap_closed_interval: diagnosis.gap_closed_interval,
             structure: structure(&diagnosis.structure[1]),
             model: EXTENDED_SCENARIO,
             urdf: EXTENDED_URDF,
-            resimulated_test_rms_nm: resimulation.map(|run| run.extended_rms.clone()),
+            resimulated_test_rms_nm: resimulation.map(|run| known(&run.extended_rms)),
             resimulation: resimulation.map(|run| Resimulated {
                 engine: run.engine,
                 described_test_rms_nm: run.described_rms.clone(),

@@ -311,7 +311,8 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
     header.push("noise");
     columns.push(&diagnosis.noise_floor);
     let rows = names.into_iter().enumerate().map(|(joint, name)| {
-        let values = columns.iter().map(|column| significant(column[joint]));
+        let value = |value: f64| if diagnosis.equations[joint] { significant(value) } else { significant(f64::NAN) };
+        let values = columns.iter().map(|column| value(column[joint]));
         [name].into_iter().chain(values).collect()
     });
     table(&header, rows.collect())

@@ -29,9 +29,10 @@ fn two_joints_that_move_are_identified_and_diagnosed() {
     let fit = identified(&case, &UR5);
     let left = numbers(&fit["without_effects"]["test_rms_nm"]);
     let joints: Vec<&str> = fit["joints"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    // Of 40 N m; on the first the hidden friction at low speed is left.
     for name in ["shoulder_lift_joint", "elbow_joint"] {
         let place = joints.iter().position(|joint| *joint == name).unwrap();
-        assert!(left[place] > 0.0 && left[place] < 1.0, "{name}: {left:?}");
+        assert!(left[place] > 0.0 && left[place] < 1.5, "{name}: {left:?}");
     }
     let told = diagnosed(&case, &UR5);
     let found = told["findings"].as_array().unwrap().iter().find(|found| found["effect"] == "stribeck_friction");

@@ -120,7 +120,8 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let about = found.member.placed.effect.about();
         let [before, after] = &found.rms;
         let gain = |joint: &usize| before[*joint] / after[*joint];
-        let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
+        let seen = (0..robot.dof()).filter(|&joint| diagnosis.equations[joint]);
+        let most = seen.max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
         let shown = match &found.impacts {
             Some(play) => sentence(&impacts(play)),
@@ -189,8 +190,9 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
         let last =
             if diagnosis.found.is_empty() { diagnosis.baseline_rms[1][j] } else { diagnosis.extended_test_rms[j] };
         let torque = diagnosis.test_torque_rms[j];
+        let name = format!("{}, {}", joint.name, joint.effort_unit());
         let mut row = vec![
-            format!("{}, {}", joint.name, joint.effort_unit()),
+            name,
             significant(torque),
             significant(diagnosis.simulation_test_rms[j]),
             significant(diagnosis.baseline_rms[1][j]),
@@ -200,6 +202,9 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
         }
         row.extend(resimulation.map(|run| significant(run.extended_rms[j])));
         row.extend([significant(floor), format!("{:.2}", last / floor)]);
+        if !diagnosis.equations[j] {
+            row[1..].fill("-".to_owned());
+        }
         row
     });
     let mut header = vec!["joint", "torque", "as described", "re-identified"];

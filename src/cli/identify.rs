@@ -10,6 +10,7 @@ use crate::identification::fit::{self, fit_effects};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
@@ -93,7 +94,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
     if let Some(description) = &correction {
         let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
-        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, None)?;
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
     }
 
     let model = Model::new(&robot);

@@ -2,6 +2,7 @@
 
 use super::{Dataset, SCHEMA};
 use crate::error::{Error, Result};
+use crate::quality::UnitChanges;
 use crate::quality::descriptions::{Change, Description};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -18,7 +19,7 @@ pub struct Named {
 }
 
 /// The text of a dataset that describes the logs as `description` says: `dataset` with the changes, or a new one of the
-/// files `named`. `joints` are the arm's. Files are named from the root, so that the text may be kept anywhere.
+/// files `named`. `joints` are the arm's, `units` are changed too. Files are named from the root, so that the text may be kept anywhere.
 ///
 /// # Errors
 /// If a path has no absolute form, or the motors are coupled: a change of one joint is then none of one motor.
@@ -27,7 +28,7 @@ pub fn corrected(
     named: &Named,
     joints: &[String],
     description: &Description,
-    time_factor: Option<f64>,
+    units: UnitChanges,
 ) -> Result<String> {
     let mut table = match dataset {
         Some(dataset) => dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?,
@@ -60,10 +61,14 @@ pub fn corrected(
         let gravity: Vec<Value> = description.gravity.iter().map(|&value| Value::from(value)).collect();
         section(&mut table, "mounting").insert("gravity_m_s2".into(), Value::Array(gravity));
     }
-    if let Some(factor) = time_factor {
-        let units = section(&mut table, "units");
-        let old = units.get("time_factor").cloned();
-        units.insert("time_factor".into(), scaled(old, factor));
+    let written = section(&mut table, "units");
+    if let Some(factor) = units.time_factor {
+        let old = written.get("time_factor").cloned();
+        written.insert("time_factor".into(), scaled(old, factor));
+    }
+    if units.degrees {
+        written.insert("position".into(), Value::from("deg"));
+        written.insert("velocity".into(), Value::from("deg/s"));
     }
     table.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
     Ok(table.to_string())

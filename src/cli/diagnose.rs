@@ -2,7 +2,9 @@
 
 use super::{DONE, Global, corrected, gravity, print, progress};
 use crate::dataset::{Dataset, Named};
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, correct, screen_all, shared_verdict};
+use crate::diagnosis::screening::{
+    Consequence, Screened, all_faults, check_length, correct, screen_all, shared_verdict,
+};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
@@ -112,7 +114,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let found = shared_verdict(&all);
     correct(&mut all, &mut robot);
     if let Some(description) = found.map(|verdict| verdict.description) {
-        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        let named =
+            Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
         corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, UnitChanges::default())?;
     }
     let faults = all_faults(&train, &test, &reference, &robot);

@@ -84,8 +84,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let fits = if placed.is_empty() { FIT } else { FIT + WITH_EFFECTS };
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let Logs { train, test, notes, correction } =
-        logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
+    let Logs { train, test, notes, correction } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
     if let Some(description) = &correction {
         robot.gravity = description.gravity;
     }
@@ -93,7 +92,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
 
     if let Some(description) = &correction {
-        let named = Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        let named =
+            Named { robot: arguments.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
         corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
     }
 

@@ -76,7 +76,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     print::result(global, report::SCHEMA, &result, || {
         let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
-        let corrected = corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
+        let corrected =
+            corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
         texts.join("\n\n") + &converted + &corrected
     })?;
     match each.iter().find_map(|(log, found)| Some((log, found.fatal()?))) {

@@ -114,12 +114,15 @@ impl Dataset {
     /// Exchanges the columns of pairs of joints, in a log whose joints are in the robot's order.
     pub(super) fn exchange(&self, log: &mut Recording) -> Result<()> {
         let motors = &self.spec.motors;
-        for (key, pairs) in [("torques_exchanged", &motors.torques_exchanged), ("positions_exchanged", &motors.positions_exchanged)] {
+        for (key, pairs) in
+            [("torques_exchanged", &motors.torques_exchanged), ("positions_exchanged", &motors.positions_exchanged)]
+        {
             for pair in pairs.iter().flatten() {
                 let mut places = [0; 2];
                 for (place, name) in places.iter_mut().zip(pair) {
                     *place = log.joints.iter().position(|joint| joint == name).ok_or_else(|| {
-                        let problem = format!("`{name}` is no joint of the arm; its joints are {}", log.joints.join(", "));
+                        let problem =
+                            format!("`{name}` is no joint of the arm; its joints are {}", log.joints.join(", "));
                         self.error(&format!("motors.{key}"), problem)
                     })?;
                 }

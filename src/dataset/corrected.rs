@@ -31,7 +31,9 @@ pub fn corrected(
     units: UnitChanges,
 ) -> Result<String> {
     let mut table = match dataset {
-        Some(dataset) => dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?,
+        Some(dataset) => {
+            dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?
+        }
         None => Table::from_iter([("schema".to_owned(), Value::from(SCHEMA))]),
     };
     if dataset.is_some_and(|dataset| dataset.spec.motors.coupling.is_some()) {

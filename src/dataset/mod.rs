@@ -412,7 +412,9 @@ fn ready(train: Vec<(PathBuf, Sieved)>, test: Vec<(PathBuf, Sieved)>, robot: &Ro
         if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
     if logs.correction.is_some() {
-        logs.notes.push("the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into());
+        logs.notes.push(
+            "the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into(),
+        );
     }
     Ok(logs)
 }

@@ -175,8 +175,11 @@ fn offsets_exchanges_and_a_wrong_clock_are_put_right() {
     assert_close(&Channels::from_vectors(&[log.time]), &[&[0.0, 1.6]]);
     assert_close(&log.q, &[&[2.0, 6.0], &[1.0, 5.0]]);
     assert_close(&log.tau, &[&[4.0, 8.0], &[3.0, 7.0]]);
-    for (key, word) in [("units]\ntime_factor = 0.0", "above zero"), ("motors]\ntorques_exchanged = [[\"a\", \"x\"]]", "`x`")] {
-        let case = Case::new(&format!("[[train]]\nfile = \"log.csv\"\n[{key}\n"), "t,q1,q2,tau1,tau2\n0,1,2,3,4\n1,5,6,7,8\n");
+    for (key, word) in
+        [("units]\ntime_factor = 0.0", "above zero"), ("motors]\ntorques_exchanged = [[\"a\", \"x\"]]", "`x`")]
+    {
+        let case =
+            Case::new(&format!("[[train]]\nfile = \"log.csv\"\n[{key}\n"), "t,q1,q2,tau1,tau2\n0,1,2,3,4\n1,5,6,7,8\n");
         let problem = case.read().unwrap_err().to_string();
         assert!(problem.contains(word), "{problem}");
     }
@@ -205,8 +208,7 @@ fn a_corrected_dataset_reads_the_corrected_log() {
             description.apply(&mut expected);
             let dataset = case.dataset().unwrap();
             let units = quality::UnitChanges::default();
-            let text =
-                corrected(Some(&dataset), &Named::default(), &robot.joint_names(), &description, units).unwrap();
+            let text = corrected(Some(&dataset), &Named::default(), &robot.joint_names(), &description, units).unwrap();
             let path = case.folder.path().join("corrected.toml");
             std::fs::write(&path, &text).unwrap();
             let again = Dataset::load(&path).unwrap();

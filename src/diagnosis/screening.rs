@@ -240,9 +240,12 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::BackwardTime
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
-        Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime | Kind::ClockFactor | Kind::ModelTorque => {
-            Some(Consequence::Told)
-        }
+        Kind::HeldSamples
+        | Kind::HardlyMoves
+        | Kind::OutsideLimits
+        | Kind::DeadTime
+        | Kind::ClockFactor
+        | Kind::ModelTorque => Some(Consequence::Told),
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {
             (severity > Severity::Note).then_some(Consequence::Told)
         }

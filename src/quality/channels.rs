@@ -151,9 +151,8 @@ pub fn motor_off(q: &[f64], tau: &[f64], rate_hz: f64) -> Vec<Range<usize>> {
     if coarse(tau) || tau.iter().all(|torque| *torque == 0.0) {
         return Vec::new();
     }
-    let off = runs(tau).filter(|&(start, length)| {
-        tau[start] == 0.0 && length >= shortest && path(&q[start..start + length]) > PATH
-    });
+    let off = runs(tau)
+        .filter(|&(start, length)| tau[start] == 0.0 && length >= shortest && path(&q[start..start + length]) > PATH);
     off.map(|(start, length)| start..start + length).collect()
 }
 

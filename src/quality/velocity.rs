@@ -93,8 +93,10 @@ fn clock_factor(view: &View, logged: &Channels, moving: &[bool]) -> Option<f64> 
     if each.is_empty() || !each.iter().all(sound) {
         return None;
     }
-    let mut factors: Vec<f64> =
-        (0..view.dof()).filter(|&joint| moving[joint]).map(|joint| rms(view.qd.channel(joint)) / rms(logged.channel(joint))).collect();
+    let mut factors: Vec<f64> = (0..view.dof())
+        .filter(|&joint| moving[joint])
+        .map(|joint| rms(view.qd.channel(joint)) / rms(logged.channel(joint)))
+        .collect();
     factors.sort_by(f64::total_cmp);
     let median = factors[factors.len() / 2];
     let shared = factors.iter().all(|factor| (factor / median - 1.0).abs() < TOLERANCE);

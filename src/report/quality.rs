@@ -65,8 +65,7 @@ struct Other {
 impl Hypotheses {
     fn new(verdict: &Verdict, joints: &[String]) -> Hypotheses {
         let said = |changes: &[Change]| changes.iter().map(|&change| words(change, joints)).collect();
-        let other =
-            |other: &Alternative| Other { changes: said(&other.changes), unexplained: other.unexplained };
+        let other = |other: &Alternative| Other { changes: said(&other.changes), unexplained: other.unexplained };
         Hypotheses {
             changes: said(&verdict.description.changes),
             unexplained: [verdict.before, verdict.after],

@@ -32,6 +32,25 @@ pub enum Change {
     TorqueScale(f64),
 }
 
+impl Change {
+    /// Kinds in the order in which recorders are usually wrong; of descriptions that explain logs equally well, the first is
+    /// named first.
+    pub fn rank(self) -> usize {
+        match self {
+            Change::TorqueSign(_) => 0,
+            Change::AllTorqueSigns => 1,
+            Change::TorqueExchange(..) => 2,
+            Change::WithoutGravity => 3,
+            Change::Gravity(_) => 4,
+            Change::JointExchange(..) => 5,
+            Change::AxisSign(_) => 6,
+            Change::PositionSign(_) => 7,
+            Change::PositionExchange(..) => 8,
+            Change::TorqueScale(_) => 9,
+        }
+    }
+}
+
 /// How logged channels become signals of the arm: the identity, or that after some changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
@@ -149,6 +168,10 @@ impl Description {
             changes.extend(pairs().map(|(a, b)| Change::PositionExchange(a, b)));
         }
         let start = Description::as_given(dof, self.gravity);
-        changes.into_iter().map(|change| self.with(change)).filter(|next| !next.same_as(self) && !next.same_as(&start)).collect()
+        changes
+            .into_iter()
+            .map(|change| self.with(change))
+            .filter(|next| !next.same_as(self) && !next.same_as(&start))
+            .collect()
     }
 }

@@ -41,7 +41,9 @@ pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) ->
     for block in 0..log.len() {
         let mut gain = None;
         for (channel, of_channel) in each.iter_mut().enumerate() {
-            if let (Some(before), Some(after)) = (reference.held_out[channel][block], candidate.held_out[channel][block]) {
+            if let (Some(before), Some(after)) =
+                (reference.held_out[channel][block], candidate.held_out[channel][block])
+            {
                 of_channel.push(before - after);
                 *gain.get_or_insert(0.0) += before - after;
             }

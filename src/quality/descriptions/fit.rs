@@ -150,7 +150,9 @@ impl<'a> Fit<'a> {
             let variance = |(joint, left): (&Equations, &f64)| 1.0 / left.max(joint.floor).max(f64::MIN_POSITIVE);
             weights = self.joints.iter().zip(&residuals).map(variance).collect();
             let solution = self.solve(&weights, &|_| true)?;
-            let left = |joint: &Equations| (0..self.blocks).map(|block| joint.left(block, &solution)).sum::<f64>() / joint.rows;
+            let left = |joint: &Equations| {
+                (0..self.blocks).map(|block| joint.left(block, &solution)).sum::<f64>() / joint.rows
+            };
             residuals = self.joints.iter().zip(&own).map(|(joint, own)| left(joint).max(*own)).collect();
         }
         Some((weights, residuals))

@@ -31,8 +31,8 @@ pub use findings::{is_description, words};
 
 use super::View;
 use crate::robot::Robot;
-use nalgebra::Vector3;
 use fit::Fit;
+use nalgebra::Vector3;
 use physics::Physics;
 use rows::Rows;
 use search::{Found, Outcome, Tried, search};
@@ -161,7 +161,7 @@ fn settled(bodies: &Physics, rows: &Rows, mut outcome: Outcome) -> Outcome {
             false => rivals.push(other),
         }
     }
-    outcome.found = Some(Found { best, rivals, next, gain });
+    outcome.found = Some(Found { best, rivals, next, gain }.simplest_first());
     outcome
 }
 

@@ -66,9 +66,10 @@ impl Physics {
 
     /// The bodies as described, where they are bodies that can exist.
     pub fn bodies(robot: &Robot) -> Option<Physics> {
-        let possible = robot.joints.iter().all(|joint| {
-            joint.inertia.0.iter().all(|v| *v == 0.0) || joint.inertia.physical_fault(1e-3).is_none()
-        });
+        let possible = robot
+            .joints
+            .iter()
+            .all(|joint| joint.inertia.0.iter().all(|v| *v == 0.0) || joint.inertia.physical_fault(1e-3).is_none());
         let mass: f64 = robot.joints.iter().map(|joint| joint.inertia.mass()).sum();
         (possible && mass > 0.0).then(|| Physics::Bodies(Box::new(robot.clone())))
     }
@@ -150,7 +151,9 @@ fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
     let quantile = |share: f64| speeds.get(((speeds.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
     let knots = FRICTION_KNOTS.map(quantile);
     let mut columns = vec![vec![1.0; velocity.len()]];
-    columns.extend((0..knots.len()).map(|knot| velocity.iter().map(|v| v.signum() * hat(&knots, knot, v.abs())).collect()));
+    columns.extend(
+        (0..knots.len()).map(|knot| velocity.iter().map(|v| v.signum() * hat(&knots, knot, v.abs())).collect()),
+    );
     columns
 }
 

@@ -60,9 +60,8 @@ fn factor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
     let left = |size: usize| -> Option<(f64, f64)> {
         let (gram, right) = (gram.view((0, 0), (size, size)).into_owned(), right.rows(0, size).into_owned());
         let scale = gram.diagonal().map(|v: f64| if v > 0.0 { v.sqrt() } else { 1.0 });
-        let unit = DMatrix::from_fn(size, size, |r, c| {
-            gram[(r, c)] / (scale[r] * scale[c]) + if r == c { 1e-8 } else { 0.0 }
-        });
+        let unit =
+            DMatrix::from_fn(size, size, |r, c| gram[(r, c)] / (scale[r] * scale[c]) + if r == c { 1e-8 } else { 0.0 });
         let solution = unit.cholesky()?.solve(&right.component_div(&scale)).component_div(&scale);
         Some(((squares - solution.dot(&right)).max(0.0), solution[size - 1]))
     };

@@ -61,6 +61,19 @@ pub struct Outcome {
     pub found: Option<Found>,
 }
 
+impl Found {
+    /// The same with the simplest of the best and its rivals in front.
+    pub fn simplest_first(mut self) -> Found {
+        let rank = |tried: &Tried| tried.description.changes.iter().map(|change| change.rank()).sum::<usize>();
+        for rival in &mut self.rivals {
+            if rank(rival) < rank(&self.best) {
+                std::mem::swap(rival, &mut self.best);
+            }
+        }
+        self
+    }
+}
+
 impl Tried {
     /// Judges a description; none where nothing can be fitted.
     pub fn new(physics: &Physics, rows: &Rows, description: Description) -> Option<Tried> {
@@ -148,13 +161,7 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
 }
 
 /// The best of the judged ones, where it is clearly better than `reference`, with its rivals and the next.
-fn chosen(
-    judged: Vec<(Tried, Comparison)>,
-    limit: f64,
-    reference: &Tried,
-    rows: &Rows,
-    tried: usize,
-) -> Option<Found> {
+fn chosen(judged: Vec<(Tried, Comparison)>, limit: f64, reference: &Tried, rows: &Rows, tried: usize) -> Option<Found> {
     let top = compare(&reference.evaluation, &judged.first()?.0.evaluation, &rows.log)?;
     let explains = |channel: usize| judged[0].0.evaluation.unexplained[channel].is_some_and(|share| share < limit);
     let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
@@ -173,5 +180,5 @@ fn chosen(
             true => {}
         }
     }
-    Some(Found { best, rivals, next, gain })
+    Some(Found { best, rivals, next, gain }.simplest_first())
 }

@@ -95,7 +95,8 @@ fn simulated(robot: &Robot, oddity: Oddity, seconds: f64, seed: u64) -> Sieved {
     let mut carrying = robot.clone();
     if oddity == Oddity::Payload {
         let last = carrying.joints.last_mut().unwrap();
-        let body = Inertia::from_center_of_mass(5.0, nalgebra::Vector3::new(0.05, 0.02, 0.15), Matrix3::identity() * 0.03);
+        let body =
+            Inertia::from_center_of_mass(5.0, nalgebra::Vector3::new(0.05, 0.02, 0.15), Matrix3::identity() * 0.03);
         last.inertia = last.inertia.welded_to(&body);
     }
     let bodies = inverse_dynamics(&Chain::new(&carrying), &carrying.inertial_parameters(), &motion);
@@ -272,7 +273,9 @@ fn a_description_applied_twice_is_the_log() {
     let robot = irb();
     let log = simulated(&robot, Oddity::None, 2.0, 1).recording;
     let start = Description::as_given(6, robot.gravity);
-    for change in [Change::AxisSign(2), Change::TorqueExchange(0, 4), Change::JointExchange(1, 5), Change::AllTorqueSigns] {
+    for change in
+        [Change::AxisSign(2), Change::TorqueExchange(0, 4), Change::JointExchange(1, 5), Change::AllTorqueSigns]
+    {
         let description = start.with(change);
         let mut twice = log.clone();
         description.apply(&mut twice);

@@ -23,8 +23,18 @@ fn kinds(result: &Value) -> Vec<String> {
 #[ignore = "needs the cases folder"]
 fn an_arm_mounted_sideways() {
     let case = case("f09_ar5");
-    let header = case.read("d.toml").lines().filter(|line| line.contains("= [")).map(|line| line.to_owned() + "\n").collect::<String>();
-    case.write("all.toml", &format!("schema = \"tauscope.dataset/1\"\nrobot = \"ar5.urdf\"\n[[train]]\nfile = \"ar5.csv\"\n[columns]\n{header}"));
+    let header = case
+        .read("d.toml")
+        .lines()
+        .filter(|line| line.contains("= ["))
+        .map(|line| line.to_owned() + "\n")
+        .collect::<String>();
+    case.write(
+        "all.toml",
+        &format!(
+            "schema = \"tauscope.dataset/1\"\nrobot = \"ar5.urdf\"\n[[train]]\nfile = \"ar5.csv\"\n[columns]\n{header}"
+        ),
+    );
     let result = inspected(&case, &["ar5.csv", "--dataset", "all.toml"]);
     assert_eq!(kinds(&result), ["mounting"], "{result}");
     assert_eq!(result["description"]["changes"][0], "gravity is along +x of the base");
@@ -47,7 +57,8 @@ fn a_torque_without_gravity() {
         let result = inspected(&case, &[logs, &["--robot", "ur5.urdf"]].concat());
         assert_eq!(kinds(&result), ["gravity_compensated"], "{result}");
     }
-    let arguments = ["identify", "--robot", "ur5.urdf", "--train", "train.csv", "--test", "test.csv", "--out", "identified"];
+    let arguments =
+        ["identify", "--robot", "ur5.urdf", "--train", "train.csv", "--test", "test.csv", "--out", "identified"];
     let output = case.tauscope(&arguments);
     assert_done(&output);
     assert!(text(&output.stdout).contains("gravity-compensated"), "{}", text(&output.stdout));

@@ -193,7 +193,9 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }
-    if verdict.is_none() && descriptions::is_modelled(&all, robot) {
+    // Where something else is wrong, that is to be put right first.
+    let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
+    if sound && descriptions::is_modelled(&all, robot) {
         let text = "the torques are those of a rigid-body model without friction: they come from the controller's own model or a \
                     simulation and are no measurement; identification gives that model back";
         for &log in &with_torque {

@@ -10,7 +10,7 @@ use crate::robot::Robot;
 /// Its name in the folder of results.
 pub const FILE: &str = "corrected.toml";
 
-/// Writes it: `dataset`, or a new one of the files `named`, with what `description` and `units` change.
+/// Writes it, and returns whether it could: `dataset`, or a new one of the files `named`, with what `description` and `units` change.
 ///
 /// # Errors
 /// Those of [`corrected`] and of writing.
@@ -21,8 +21,13 @@ pub fn write(
     robot: &Robot,
     description: &Description,
     units: UnitChanges,
-) -> Result<()> {
+) -> Result<bool> {
+    if dataset.is_some_and(Dataset::is_coupled) {
+        tracing::warn!("{FILE} is not written: the motors are coupled, so apply the change to the columns by hand");
+        return Ok(false);
+    }
     let source = || Some(robot.source.clone()).filter(|_| dataset.and_then(Dataset::robot).is_none());
     let named = &Named { robot: named.robot.clone().or_else(source), ..named.clone() };
-    folder.write_text(FILE, &corrected(dataset, named, &robot.joint_names(), description, units)?)
+    folder.write_text(FILE, &corrected(dataset, named, &robot.joint_names(), description, units)?)?;
+    Ok(true)
 }

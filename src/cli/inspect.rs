@@ -112,7 +112,9 @@ fn correct(
     let name = arguments.log[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
     let named = Named { robot: arguments.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
-    corrected::write(&folder, dataset, &named, robot, description, units)?;
+    if !corrected::write(&folder, dataset, &named, robot, description, units)? {
+        return Ok(None);
+    }
     Ok(Some(folder.finish()?.join(corrected::FILE)))
 }
 

@@ -7,6 +7,16 @@ use crate::quality::descriptions::{Change, Description};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
+/// Factors to N m that mean mN m, between bodies that are described five times too light and too heavy.
+const MILLINEWTON: [f64; 2] = [2e-4, 5e-3];
+
+impl Dataset {
+    /// Whether the motors are coupled: a change of one joint is then none of one motor, and [`corrected`] refuses it.
+    pub fn is_coupled(&self) -> bool {
+        self.spec.motors.coupling.is_some()
+    }
+}
+
 /// Names the logs of a description that has no file yet: the arm's, those to train from, those to judge by.
 #[derive(Debug, Clone, Default)]
 pub struct Named {
@@ -36,17 +46,21 @@ pub fn corrected(
         }
         None => Table::from_iter([("schema".to_owned(), Value::from(SCHEMA))]),
     };
-    if dataset.is_some_and(|dataset| dataset.spec.motors.coupling.is_some()) {
+    if dataset.is_some_and(Dataset::is_coupled) {
         let problem = "the motors are coupled: apply the change to the columns by hand";
         return Err(Error::request("motors.coupling", problem));
     }
     files(&mut table, dataset, named)?;
     // Lists of the motors are in the order of the file's columns.
     let order = dataset.and_then(|dataset| dataset.spec.joints.clone()).unwrap_or(joints.to_vec());
-    let channel = |name: &String| joints.iter().position(|joint| joint == name).unwrap_or(0);
-    let joint_of = |of: &[usize], name: &String| of.iter().position(|&own| own == channel(name)).unwrap_or(0);
-    let position = |name: &String| description.position_sign[joint_of(&description.position_of, name)];
-    let torque = |name: &String| description.torque_sign[joint_of(&description.torque_of, name)];
+    // Columns of joints that the arm does not have stay as they are.
+    let joint_of = |of: &[usize], name: &String| {
+        let channel = joints.iter().position(|joint| joint == name)?;
+        of.iter().position(|&own| own == channel)
+    };
+    let position =
+        |name: &String| joint_of(&description.position_of, name).map_or(1.0, |j| description.position_sign[j]);
+    let torque = |name: &String| joint_of(&description.torque_of, name).map_or(1.0, |j| description.torque_sign[j]);
     let motors = section(&mut table, "motors");
     // `sign` is of position and torque alike, and `torque_sign` comes on top of it.
     signs(motors, "sign", order.iter().map(position).collect());
@@ -55,9 +69,17 @@ pub fn corrected(
     exchanges(motors, "positions_exchanged", joints, &description.position_of);
     let scale = description.torque_scale;
     if scale != 1.0 {
-        let old = motors.get("torque_constant_nm_a").cloned();
-        motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
-        section(&mut table, "units").entry("torque").or_insert(Value::from("A"));
+        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_current());
+        if !currents && (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale) {
+            section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
+        } else {
+            // A torque is a current under a constant in N m per ampere, whatever its unit is.
+            let old = motors.get("torque_constant_nm_a").cloned();
+            motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
+            if !currents {
+                section(&mut table, "units").insert("torque".into(), Value::from("A"));
+            }
+        }
     }
     if description.changes.iter().any(|change| matches!(change, Change::Gravity(_) | Change::WithoutGravity)) {
         let gravity: Vec<Value> = description.gravity.iter().map(|&value| Value::from(value)).collect();

@@ -119,10 +119,10 @@ impl Description {
         let pick = |table: &Channels, of: &[usize], factor: &dyn Fn(usize) -> f64| {
             table.map(|joint, _| table.channel(of[joint]).iter().map(|v| factor(joint) * v).collect())
         };
-        let position = |table: &Channels| pick(table, &self.position_of, &|joint| self.position_sign[joint]);
-        log.q = position(&log.q);
-        log.qd = log.qd.as_ref().map(position);
-        log.qdd = log.qdd.as_ref().map(position);
+        let position = |table: &mut Channels| {
+            *table = pick(table, &self.position_of, &|joint| self.position_sign[joint]);
+        };
+        [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()].into_iter().flatten().for_each(position);
         log.tau = pick(&log.tau, &self.torque_of, &|joint| self.torque_sign[joint] * self.torque_scale);
         log.truth = None;
     }

@@ -38,7 +38,7 @@ pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) ->
     let channels = reference.held_out.len();
     let mut each = vec![Vec::new(); channels];
     let mut blocks: Vec<(usize, f64)> = Vec::new();
-    for block in 0..log.len() {
+    for (block, &own_log) in log.iter().enumerate() {
         let mut gain = None;
         for (channel, of_channel) in each.iter_mut().enumerate() {
             if let (Some(before), Some(after)) =
@@ -48,7 +48,7 @@ pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) ->
                 *gain.get_or_insert(0.0) += before - after;
             }
         }
-        blocks.extend(gain.map(|gain| (log[block], gain)));
+        blocks.extend(gain.map(|gain| (own_log, gain)));
     }
     if blocks.len() < LEAST_BLOCKS {
         return None;

@@ -152,6 +152,11 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
     order.sort_by_key(|(place, _)| *place);
     let judge = |&(place, _): &(usize, f64)| {
         let tried = Tried::new(physics, rows, candidates[place].clone())?;
+        // A torque that is given the motion of a joint at rest is not explained: it only drops out.
+        let lacks = |(before, after): (&Option<f64>, &Option<f64>)| before.is_some() && after.is_none();
+        if start.evaluation.unexplained.iter().zip(&tried.evaluation.unexplained).any(lacks) {
+            return None;
+        }
         let gain = compare(&start.evaluation, &tried.evaluation, &rows.log)?;
         Some((tried, gain))
     };

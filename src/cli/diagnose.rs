@@ -5,12 +5,15 @@ use super::{DONE, Global, corrected, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Named};
 use crate::diagnosis::equations::{self, Observed};
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, correct, screen_all, still_joints};
+use crate::diagnosis::screening::{
+    Consequence, Screened, all_faults, check_length, correct, screen_all, shared_verdict, still_joints,
+};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
@@ -112,12 +115,12 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
     let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
-    let found = all.first().and_then(|log| log.verdict.clone());
-    let correction = correct(&mut all, &mut robot);
-    if let Some(description) = correction.or(found.map(|verdict| verdict.description)) {
+    let found = shared_verdict(&all);
+    correct(&mut all, &mut robot);
+    if let Some(description) = found.map(|verdict| verdict.description) {
         let named =
             Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
-        corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, None)?;
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, UnitChanges::default())?;
     }
     let mut faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {

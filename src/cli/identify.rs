@@ -14,6 +14,7 @@ use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
@@ -96,7 +97,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(description) = &correction {
         let named =
             Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
-        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, None)?;
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
     }
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };

@@ -6,10 +6,12 @@ use crate::dataset::{self, Dataset, Named};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
-use crate::quality;
+use crate::quality::descriptions::Description;
+use crate::quality::{self, Together, UnitChanges};
 use crate::recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::quality as report;
+use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `tauscope inspect`.
@@ -54,15 +56,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     stages.begin("looking at the log");
     let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
     let converted = arguments.convert.as_ref().map(|path| convert(path, first, &sieved[0])).transpose()?;
-    let corrected = match (&robot, together.verdict.as_ref().or(together.reports[0].description.as_ref())) {
-        (Some(robot), Some(verdict)) => {
-            let name = first.file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
-            let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
-            let named = Named { robot: arguments.arm.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
-            corrected::write(&folder, dataset.as_ref(), &named, robot, &verdict.description, None)?;
-            Some(folder.finish()?.join(corrected::FILE))
-        }
-        _ => None,
+    let corrected = match &robot {
+        Some(robot) => correct(arguments, global, dataset.as_ref(), robot, &together)?,
+        None => None,
     };
     stages.finish();
     let each: Vec<(&Path, &quality::Report)> =
@@ -82,6 +78,35 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         }
         None => Ok(DONE),
     }
+}
+
+/// Writes what was found wrong with the description, put right, where there is something; the path it is in.
+fn correct(
+    arguments: &Arguments,
+    global: &Global,
+    dataset: Option<&Dataset>,
+    robot: &Robot,
+    together: &Together,
+) -> Result<Option<PathBuf>> {
+    let verdict = together.verdict.as_ref();
+    // One recorder made all logs: what one shows and another denies is not put right for all.
+    let units = together.reports[0].units;
+    let shared = together.reports.iter().all(|report| {
+        report.units.degrees == units.degrees && report.units.time_factor.is_some() == units.time_factor.is_some()
+    });
+    let units = if shared { units } else { UnitChanges::default() };
+    if verdict.is_none() && units == UnitChanges::default() {
+        return Ok(None);
+    }
+    let as_given = Description::as_given(robot.dof(), robot.gravity);
+    let description = verdict.map_or(&as_given, |verdict| &verdict.description);
+    let name = arguments.log[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
+    let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
+    let named = Named { robot: arguments.arm.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
+    if !corrected::write(&folder, dataset, &named, robot, description, units)? {
+        return Ok(None);
+    }
+    Ok(Some(folder.finish()?.join(corrected::FILE)))
 }
 
 /// Writes the usable rows to `path`, whole or not at all, and says so.

@@ -9,6 +9,7 @@ use crate::identification::effect_model::Trust;
 use crate::identification::fit;
 use crate::identification::model::Model;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::html::{self, Provenance};
 use crate::report::{fit as fit_report, measured as report, viewer};
@@ -35,7 +36,7 @@ pub fn run(path: &Path, global: &Global) -> Result<u8> {
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
     if let Some(description) = &correction {
         robot.gravity = description.gravity;
-        corrected::write(&folder, Some(&dataset), &Named::default(), &robot, description, None)?;
+        corrected::write(&folder, Some(&dataset), &Named::default(), &robot, description, UnitChanges::default())?;
     }
     let model = Model::new(&robot);
     let preparation = identify::usual_preparation(&train[0]);

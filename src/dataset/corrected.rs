@@ -2,10 +2,21 @@
 
 use super::{Dataset, SCHEMA};
 use crate::error::{Error, Result};
+use crate::quality::UnitChanges;
 use crate::quality::descriptions::{Change, Description};
 use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
+
+/// Factors to N m that mean mN m, between bodies that are described five times too light and too heavy.
+const MILLINEWTON: [f64; 2] = [2e-4, 5e-3];
+
+impl Dataset {
+    /// Whether the motors are coupled: a change of one joint is then none of one motor, and [`corrected`] refuses it.
+    pub fn is_coupled(&self) -> bool {
+        self.spec.motors.coupling.is_some()
+    }
+}
 
 /// Names the logs of a description that has no file yet: the arm's, those to train from, those to judge by.
 #[derive(Debug, Clone, Default)]
@@ -19,7 +30,7 @@ pub struct Named {
 }
 
 /// The text of a dataset that describes the logs as `description` says: `dataset` with the changes, or a new one of the
-/// files `named`. Files are named from the root, so that the text may be kept anywhere.
+/// files `named`; `units` are changed too. Files are named from the root, so that the text may be kept anywhere.
 ///
 /// # Errors
 /// If a path has no absolute form, or the motors are coupled: a change of one joint is then none of one motor.
@@ -28,7 +39,7 @@ pub fn corrected(
     named: &Named,
     robot: &Robot,
     description: &Description,
-    time_factor: Option<f64>,
+    units: UnitChanges,
 ) -> Result<String> {
     let mut table = match dataset {
         Some(dataset) => {
@@ -36,7 +47,7 @@ pub fn corrected(
         }
         None => Table::from_iter([("schema".to_owned(), Value::from(SCHEMA))]),
     };
-    if dataset.is_some_and(|dataset| dataset.spec.motors.coupling.is_some()) {
+    if dataset.is_some_and(Dataset::is_coupled) {
         let problem = "the motors are coupled: apply the change to the columns by hand";
         return Err(Error::request("motors.coupling", problem));
     }
@@ -60,18 +71,30 @@ pub fn corrected(
     exchanges(motors, "positions_exchanged", joints, &description.position_of);
     let scale = description.torque_scale;
     if scale != 1.0 {
-        let old = motors.get("torque_constant_nm_a").cloned();
-        motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
-        section(&mut table, "units").entry("torque").or_insert(Value::from("A"));
+        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_current());
+        if !currents && (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale) {
+            section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
+        } else {
+            // A torque is a current under a constant in N m per ampere, whatever its unit is.
+            let old = motors.get("torque_constant_nm_a").cloned();
+            motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
+            if !currents {
+                section(&mut table, "units").insert("torque".into(), Value::from("A"));
+            }
+        }
     }
     if description.changes.iter().any(|change| matches!(change, Change::Gravity(_) | Change::WithoutGravity)) {
         let gravity: Vec<Value> = description.gravity.iter().map(|&value| Value::from(value)).collect();
         section(&mut table, "mounting").insert("gravity_m_s2".into(), Value::Array(gravity));
     }
-    if let Some(factor) = time_factor {
-        let units = section(&mut table, "units");
-        let old = units.get("time_factor").cloned();
-        units.insert("time_factor".into(), scaled(old, factor));
+    let written = section(&mut table, "units");
+    if let Some(factor) = units.time_factor {
+        let old = written.get("time_factor").cloned();
+        written.insert("time_factor".into(), scaled(old, factor));
+    }
+    if units.degrees {
+        written.insert("position".into(), Value::from("deg"));
+        written.insert("velocity".into(), Value::from("deg/s"));
     }
     table.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
     Ok(table.to_string())

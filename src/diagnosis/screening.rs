@@ -5,7 +5,7 @@
 //! cause named from them would be wrong.
 
 use crate::error::{Error, Result};
-use crate::quality::descriptions::{self, Description, Verdict};
+use crate::quality::descriptions::{self, Verdict};
 use crate::quality::{self, Kind, Severity};
 use crate::recording::lenient::Sieved;
 use crate::recording::{Recording, resample};
@@ -113,14 +113,18 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
     Ok(Screened { name, pieces, faults, verdict: report.description })
 }
 
+/// What is wrong with the description of all logs alike; none where one log denies it.
+pub fn shared_verdict(logs: &[&mut Screened]) -> Option<Verdict> {
+    let verdict = logs.first()?.verdict.clone()?;
+    let agrees = |other: &Verdict| other.description.same_as(&verdict.description);
+    logs.iter().all(|log| log.verdict.as_ref().is_some_and(agrees)).then_some(verdict)
+}
+
 /// Puts right what is wrong beyond doubt with the description of all `logs`, in the logs and in the gravity of `robot`.
-/// Returns the right description; none, and nothing is touched, where there is nothing to put right or a doubt.
-pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) -> Option<Description> {
-    let verdict = logs.first()?.verdict.clone().filter(|verdict| verdict.beyond_doubt)?;
-    let agrees = |other: &Verdict| other.beyond_doubt && other.description.same_as(&verdict.description);
-    if !logs.iter().all(|log| log.verdict.as_ref().is_some_and(agrees)) {
-        return None;
-    }
+/// Nothing is touched where there is nothing to put right, or a doubt.
+pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) {
+    let beyond_doubt = logs.iter().all(|log| log.verdict.as_ref().is_some_and(|verdict| verdict.beyond_doubt));
+    let Some(verdict) = shared_verdict(logs).filter(|_| beyond_doubt) else { return };
     for log in logs.iter_mut() {
         log.pieces.iter_mut().for_each(|piece| verdict.description.apply(piece));
         for fault in log.faults.iter_mut().filter(|fault| descriptions::is_description(fault.kind)) {
@@ -128,7 +132,6 @@ pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) -> Option<Descript
         }
     }
     robot.gravity = verdict.description.gravity;
-    Some(verdict.description)
 }
 
 /// All faults, those that stop first. A joint that moves in the logs that judge and in none to identify from stops the
@@ -241,9 +244,12 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::BackwardTime
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
-        Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime | Kind::ClockFactor => {
-            Some(Consequence::Told)
-        }
+        Kind::HeldSamples
+        | Kind::HardlyMoves
+        | Kind::OutsideLimits
+        | Kind::DeadTime
+        | Kind::ClockFactor
+        | Kind::ModelTorque => Some(Consequence::Told),
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {
             (severity > Severity::Note).then_some(Consequence::Told)
         }

@@ -7,7 +7,7 @@ use crate::recording::lenient::Cause;
 use crate::recording::{self};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 33] = [
+const ALL: [Kind; 34] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -41,6 +41,7 @@ const ALL: [Kind; 33] = [
     Kind::GravityCompensated,
     Kind::ClockFactor,
     Kind::MotorOff,
+    Kind::ModelTorque,
 ];
 
 /// A fault put into a clean log.
@@ -180,6 +181,14 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
         Kind::GravityCompensated => (Signals(|log| with_gravity(log, [0.0; 3])), "tau"),
         Kind::ClockFactor => (Signals(|log| log.time.iter_mut().for_each(|t| *t *= 0.625)), "t"),
         Kind::MotorOff => (Signals(|log| log.tau.channel_mut(2)[1000..1200].fill(0.0)), "tau3"),
+        Kind::ModelTorque => (
+            Signals(|log| {
+                let view = View::new(log).unwrap();
+                let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
+                log.tau = inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion);
+            }),
+            "tau",
+        ),
     }
 }
 
@@ -245,5 +254,5 @@ fn every_kind_of_fault_is_found_where_it_is() {
         assert!(found.iter().any(|(k, p)| *k == kind && p.starts_with(expected)), "{kind:?} at {expected}: {found:?}");
         assert_eq!(report.usable, !matches!(kind, Kind::TooShort | Kind::NoMotion), "{kind:?}: {found:?}");
     }
-    assert_eq!(ALL.len(), Kind::MotorOff as usize + 1);
+    assert_eq!(ALL.len(), Kind::ModelTorque as usize + 1);
 }

@@ -73,6 +73,7 @@ pub enum Kind {
     GravityCompensated,
     ClockFactor,
     MotorOff,
+    ModelTorque,
 }
 
 /// One finding.
@@ -95,6 +96,15 @@ impl Finding {
     }
 }
 
+/// Units of a log that are not those of its description.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct UnitChanges {
+    /// True seconds per second of the clock.
+    pub time_factor: Option<f64>,
+    /// Whether positions are in degrees.
+    pub degrees: bool,
+}
+
 /// Everything found in a log.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
@@ -113,6 +123,9 @@ pub struct Report {
     /// What is wrong with the description of the log.
     #[serde(skip)]
     pub description: Option<Verdict>,
+    /// Units that are not those of the description.
+    #[serde(skip)]
+    pub units: UnitChanges,
     /// What is wrong, the worst first.
     pub findings: Vec<Finding>,
     /// Whether the log can be used at all.
@@ -180,6 +193,15 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }
+    // Where something else is wrong, that is to be put right first.
+    let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
+    if sound && descriptions::is_modelled(&all, robot) {
+        let text = "the torques are those of a rigid-body model without friction: they come from the controller's own model or a \
+                    simulation and are no measurement; identification gives that model back";
+        for &log in &with_torque {
+            reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
+        }
+    }
     Ok(Together { reports, verdict })
 }
 
@@ -192,18 +214,22 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
     let mut summaries = Vec::new();
     let mut condition_number = None;
     let mut comparable = None;
+    let mut units = UnitChanges::default();
     if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
         let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
         let view = View::new(&even)?;
         summaries = motion::summaries(&view, robot);
         findings.extend(channels::findings(&view, &recording.tau));
-        let units = motion::findings(&view, &summaries, robot);
-        let positions_doubtful = units.iter().any(|f| f.kind == Kind::PositionUnit);
-        findings.extend(units);
+        let about_motion = motion::findings(&view, &summaries, robot);
+        let positions_doubtful = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
+        findings.extend(about_motion);
         // Derivatives across a long gap are those of no motion.
         let stretch = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
         let view = stretch.as_ref().map_or(Ok(view), View::new)?;
-        findings.extend(velocity::findings(&view)?);
+        let (about_velocity, factor) = velocity::findings(&view);
+        findings.extend(about_velocity);
+        units.time_factor = factor;
+        units.degrees = positions_doubtful && motion::in_degrees(&summaries, robot);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {
             let (found, condition) = torque::findings(&view, &mut summaries, robot);
@@ -223,6 +249,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         joints: summaries,
         condition_number,
         description: None,
+        units,
         usable: findings.iter().all(|finding| finding.severity != Severity::Fatal),
         findings,
     };

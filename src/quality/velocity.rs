@@ -2,7 +2,6 @@
 
 use super::{BAND, Finding, Kind, Severity, View, correlation, rms};
 use crate::channels::Channels;
-use crate::error::Result;
 use std::f64::consts::PI;
 
 /// Known factors between velocities in other units, with the advice.
@@ -22,9 +21,9 @@ const SLOWEST_GEAR: f64 = 5.0;
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
-/// Findings about the velocity columns; none where there are none.
-pub fn findings(view: &View) -> Result<Vec<Finding>> {
-    let Some(logged) = &view.log.qd else { return Ok(Vec::new()) };
+/// Findings about the velocity columns, and the factor by which the clock is wrong; none where there are none.
+pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
+    let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
     let moving: Vec<bool> = view.qd.iter().map(|v| rms(v) > BAND).collect();
     let clock = clock_factor(view, logged, &moving);
@@ -73,7 +72,7 @@ pub fn findings(view: &View) -> Result<Vec<Finding>> {
             out.push(Finding::new(Kind::VelocityDelay, Severity::Note, place, text));
         }
     }
-    Ok(out)
+    (out, clock)
 }
 
 /// Slope and unexplained part of a logged velocity over the change of position.

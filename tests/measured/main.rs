@@ -1,6 +1,7 @@
 //! Public logs of real arms, where a folder has them (it is not part of the project): they load, their findings make
 //! sense, their base parameters are found. Without the folder these tests say "skipped".
 
+mod descriptions;
 mod diagnosis;
 
 use std::path::{Path, PathBuf};

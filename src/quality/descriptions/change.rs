@@ -32,6 +32,25 @@ pub enum Change {
     TorqueScale(f64),
 }
 
+impl Change {
+    /// Kinds in the order in which recorders are usually wrong; of descriptions that explain logs equally well, the first is
+    /// named first.
+    pub fn rank(self) -> usize {
+        match self {
+            Change::TorqueSign(_) => 0,
+            Change::AllTorqueSigns => 1,
+            Change::TorqueExchange(..) => 2,
+            Change::WithoutGravity => 3,
+            Change::Gravity(_) => 4,
+            Change::JointExchange(..) => 5,
+            Change::AxisSign(_) => 6,
+            Change::PositionSign(_) => 7,
+            Change::PositionExchange(..) => 8,
+            Change::TorqueScale(_) => 9,
+        }
+    }
+}
+
 /// How logged channels become signals of the arm: the identity, or that after some changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
@@ -100,10 +119,10 @@ impl Description {
         let pick = |table: &Channels, of: &[usize], factor: &dyn Fn(usize) -> f64| {
             table.map(|joint, _| table.channel(of[joint]).iter().map(|v| factor(joint) * v).collect())
         };
-        let position = |table: &Channels| pick(table, &self.position_of, &|joint| self.position_sign[joint]);
-        log.q = position(&log.q);
-        log.qd = log.qd.as_ref().map(position);
-        log.qdd = log.qdd.as_ref().map(position);
+        let position = |table: &mut Channels| {
+            *table = pick(table, &self.position_of, &|joint| self.position_sign[joint]);
+        };
+        [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()].into_iter().flatten().for_each(position);
         log.tau = pick(&log.tau, &self.torque_of, &|joint| self.torque_sign[joint] * self.torque_scale);
         log.truth = None;
     }

@@ -24,7 +24,8 @@ const LEAST_BLOCKS: usize = 4;
 pub struct Comparison {
     /// Mean over the blocks of the sum over the torques.
     pub gain: f64,
-    /// One-sided probability of such a gain where there is none; the blocks are the independent observations.
+    /// One-sided p-value of the torque that gains most, times the number of torques; the blocks are the independent
+    /// observations.
     pub p: f64,
     /// Mean gain of every torque channel.
     pub channels: Vec<Option<f64>>,
@@ -37,7 +38,7 @@ pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) ->
     let channels = reference.held_out.len();
     let mut each = vec![Vec::new(); channels];
     let mut blocks: Vec<(usize, f64)> = Vec::new();
-    for block in 0..log.len() {
+    for (block, &own_log) in log.iter().enumerate() {
         let mut gain = None;
         for (channel, of_channel) in each.iter_mut().enumerate() {
             if let (Some(before), Some(after)) =
@@ -47,17 +48,15 @@ pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) ->
                 *gain.get_or_insert(0.0) += before - after;
             }
         }
-        blocks.extend(gain.map(|gain| (log[block], gain)));
+        blocks.extend(gain.map(|gain| (own_log, gain)));
     }
     if blocks.len() < LEAST_BLOCKS {
         return None;
     }
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let gains: Vec<f64> = blocks.iter().map(|(_, gain)| *gain).collect();
-    let (count, gain) = (gains.len() as f64, mean(&gains));
-    let deviation = (gains.iter().map(|g| (g - gain).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
-    let t = gain / deviation.max(f64::MIN_POSITIVE);
-    let p = StudentsT::new(0.0, 1.0, count - 1.0).map_or(1.0, |t_law| t_law.sf(t));
+    let gain = mean(&gains);
+    // A joint that rests in some blocks has no gain there; the torque that gains most is compared on its own blocks.
+    let p = each.iter().map(|gains| one_sided(gains)).fold(1.0, f64::min) * channels as f64;
     let of_log = |wanted: usize| {
         let own: Vec<f64> = blocks.iter().filter(|(log, _)| *log == wanted).map(|(_, gain)| *gain).collect();
         if own.is_empty() { f64::INFINITY } else { mean(&own) }
@@ -65,6 +64,22 @@ pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) ->
     let least_of_logs = log.iter().map(|&wanted| of_log(wanted)).fold(f64::INFINITY, f64::min);
     let channels = each.iter().map(|gains| (!gains.is_empty()).then(|| mean(gains))).collect();
     Some(Comparison { gain, p, channels, least_of_logs })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// One-sided p-value of a positive mean, by Student's t over the blocks.
+fn one_sided(gains: &[f64]) -> f64 {
+    if gains.len() < LEAST_BLOCKS {
+        return 1.0;
+    }
+    let (count, mean) = (gains.len() as f64, mean(gains));
+    let error = (gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
+    // Gains without any scatter are those of logs without noise.
+    let t = if mean == 0.0 { 0.0 } else { mean / error.max(1e-12 * mean.abs()) };
+    StudentsT::new(0.0, 1.0, count - 1.0).map_or(1.0, |law| law.sf(t))
 }
 
 impl Comparison {

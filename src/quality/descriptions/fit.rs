@@ -1,7 +1,7 @@
 //! The fit of one description: weighted least squares with friction that takes power, judged on blocks of time held out.
 
 use super::change::Description;
-use super::physics::{JointTable, Tables};
+use super::physics::{FRICTION_COLUMNS, JointTable, Tables};
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 
@@ -119,6 +119,26 @@ impl<'a> Fit<'a> {
             *share = (all > 0.0).then(|| (left / all).sqrt());
         }
         Some(out)
+    }
+
+    /// Shares of every torque that takes part, root mean square: what a fit of all rows leaves, and what its friction is.
+    pub fn residual_and_friction(&self) -> Option<Vec<[f64; 2]>> {
+        let (weights, _) = self.weighted()?;
+        let solution = self.solve(&weights, &|_| true)?;
+        let of = |joint: &Equations| {
+            let first = joint.table.parameters.len() - FRICTION_COLUMNS;
+            let (mut left, mut friction, mut all) = (0.0, 0.0, 0.0);
+            for block in 0..self.blocks {
+                let own = joint.table.parameters[first..].iter().map(|&b| solution[b]);
+                let own = DVector::from_iterator(FRICTION_COLUMNS, own);
+                let gram = joint.table.gram[block].view((first, first), (FRICTION_COLUMNS, FRICTION_COLUMNS));
+                friction += own.dot(&(gram * &own));
+                left += joint.left(block, &solution);
+                all += joint.squares[block];
+            }
+            [left, friction].map(|part| (part / all.max(f64::MIN_POSITIVE)).sqrt())
+        };
+        Some(self.joints.iter().map(of).collect())
     }
 
     /// Weights of the joints, and the mean square that the fit with them leaves of each.

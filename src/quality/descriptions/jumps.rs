@@ -7,10 +7,10 @@ use super::super::{View, rms};
 use super::change::Description;
 
 /// Speed on both sides of a reversal, as a share of the joint's root mean square speed.
-const SIDES: f64 = 0.15;
+const SIDES: f64 = 0.1;
 
 /// A reversal that takes longer is a rest, s.
-const LONGEST_S: f64 = 0.5;
+const LONGEST_S: f64 = 2.0;
 
 /// Share of the jumps that go with the motion from which friction is taken to. Where there is no friction half of them do.
 const WITH: f64 = 0.6;

@@ -31,6 +31,7 @@ pub use findings::{is_description, words};
 
 use super::View;
 use crate::robot::Robot;
+use fit::Fit;
 use nalgebra::Vector3;
 use physics::Physics;
 use rows::Rows;
@@ -69,6 +70,22 @@ pub struct Verdict {
     /// Whether there is no alternative and the logs are long enough, or several that agree: then the changed description
     /// can be gone on with.
     pub beyond_doubt: bool,
+}
+
+/// A torque that a rigid-body model explains to this share, and friction of no more than that: no measured torque is like it.
+const MODELLED: f64 = 0.005;
+
+/// Whether all torques are those of a rigid-body model without friction: a controller's feedforward, or a simulation, and no
+/// measurement.
+pub(super) fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
+    let modelled = || {
+        let robot = robot?;
+        let rows = Rows::new(views, Some(robot))?;
+        let start = Description::as_given(robot.dof(), robot.gravity);
+        let tables = Physics::free(robot).tables(&rows, &start);
+        Fit::new(&tables, &rows, &start).residual_and_friction()
+    };
+    modelled().is_some_and(|shares| !shares.is_empty() && shares.iter().flatten().all(|share| *share < MODELLED))
 }
 
 /// Judges the description of some logs of one arm.
@@ -144,7 +161,7 @@ fn settled(bodies: &Physics, rows: &Rows, mut outcome: Outcome) -> Outcome {
             false => rivals.push(other),
         }
     }
-    outcome.found = Some(Found { best, rivals, next, gain });
+    outcome.found = Some(Found { best, rivals, next, gain }.simplest_first());
     outcome
 }
 

@@ -15,8 +15,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 /// Quantiles of a joint's speed at which the size of its friction is free; linear between.
 const FRICTION_KNOTS: [f64; 3] = [0.05, 0.4, 0.95];
 
-/// Nuisance columns of every drive: the constant, and friction at each knot.
-const DRIVE: usize = 1 + FRICTION_KNOTS.len();
+/// Columns of friction, the last ones of every joint.
+pub const FRICTION_COLUMNS: usize = FRICTION_KNOTS.len();
 
 /// What is known of the bodies.
 pub enum Physics {
@@ -154,7 +154,6 @@ fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
     columns.extend(
         (0..knots.len()).map(|knot| velocity.iter().map(|v| v.signum() * hat(&knots, knot, v.abs())).collect()),
     );
-    debug_assert_eq!(columns.len(), DRIVE);
     columns
 }
 

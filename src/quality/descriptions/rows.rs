@@ -13,10 +13,10 @@ const MOST_ROWS: usize = 1500;
 
 /// Blocks of time that are aimed at. Each is held out in turn, and each counts as one observation in the paired comparison,
 /// since residuals within it are dependent.
-const BLOCKS: f64 = 12.0;
+const BLOCKS: f64 = 20.0;
 
-/// Shortest block, s: residuals of a motion are dependent for about so long.
-const SHORTEST_BLOCK_S: f64 = 1.0;
+/// Shortest block, s: noise and what friction does after a reversal are dependent for less.
+const SHORTEST_BLOCK_S: f64 = 0.5;
 
 /// Samples at either end of a log whose derivatives are one-sided, s.
 const EDGE_S: f64 = 0.08;

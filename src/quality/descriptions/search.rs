@@ -61,6 +61,19 @@ pub struct Outcome {
     pub found: Option<Found>,
 }
 
+impl Found {
+    /// The same with the simplest of the best and its rivals in front.
+    pub fn simplest_first(mut self) -> Found {
+        let rank = |tried: &Tried| tried.description.changes.iter().map(|change| change.rank()).sum::<usize>();
+        for rival in &mut self.rivals {
+            if rank(rival) < rank(&self.best) {
+                std::mem::swap(rival, &mut self.best);
+            }
+        }
+        self
+    }
+}
+
 impl Tried {
     /// Judges a description; none where nothing can be fitted.
     pub fn new(physics: &Physics, rows: &Rows, description: Description) -> Option<Tried> {
@@ -139,6 +152,11 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
     order.sort_by_key(|(place, _)| *place);
     let judge = |&(place, _): &(usize, f64)| {
         let tried = Tried::new(physics, rows, candidates[place].clone())?;
+        // A torque that is given the motion of a joint at rest is not explained: it only drops out.
+        let lacks = |(before, after): (&Option<f64>, &Option<f64>)| before.is_some() && after.is_none();
+        if start.evaluation.unexplained.iter().zip(&tried.evaluation.unexplained).any(lacks) {
+            return None;
+        }
         let gain = compare(&start.evaluation, &tried.evaluation, &rows.log)?;
         Some((tried, gain))
     };
@@ -167,5 +185,5 @@ fn chosen(judged: Vec<(Tried, Comparison)>, limit: f64, reference: &Tried, rows:
             true => {}
         }
     }
-    Some(Found { best, rivals, next, gain })
+    Some(Found { best, rivals, next, gain }.simplest_first())
 }

@@ -260,7 +260,7 @@ fn a_scale_of_the_torque_is_found_and_not_applied() {
 #[test]
 fn logs_that_contradict_each_other_are_judged_one_by_one() {
     let robot = irb();
-    let mut logs = vec![simulated(&robot, Oddity::None, 15.0, 1), simulated(&robot, Oddity::None, 15.0, 2)];
+    let mut logs = [1, 2].map(|seed| simulated(&robot, Oddity::None, 15.0, seed));
     logs[0].recording.tau.channel_mut(2).iter_mut().for_each(|torque| *torque = -*torque);
     let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
     assert_eq!(together.verdict, None);

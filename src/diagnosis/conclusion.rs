@@ -37,6 +37,9 @@ const HELD_OUT: f64 = 0.3;
 /// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz.
 const SLOWEST_RATE_HZ: f64 = 50.0;
 
+/// A log at that rate has stamps of few digits, or a clock that is not exact.
+const RATE_TOLERANCE: f64 = 0.01;
+
 /// Rates closer than this factor are one.
 const SAME_RATE: f64 = 1.2;
 
@@ -105,7 +108,7 @@ pub fn conclude<'a>(
         return Err(Error::request("log", problem));
     }
     let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
-    if let Some(log) = logs.find(|log| log.rate_hz() < SLOWEST_RATE_HZ) {
+    if let Some(log) = logs.find(|log| log.rate_hz() < SLOWEST_RATE_HZ * (1.0 - RATE_TOLERANCE)) {
         let problem = format!(
             "is sampled at {:.3} Hz, and a diagnosis needs {SLOWEST_RATE_HZ} Hz or more; log faster",
             log.rate_hz()

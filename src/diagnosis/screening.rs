@@ -175,13 +175,14 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::TorqueUnit
         | Kind::TorqueSign
         | Kind::UnsignedTorque
-        | Kind::NoTorque
+        | Kind::TwoSources
         | Kind::Frozen
         | Kind::Wrapped
         | Kind::Spike
         | Kind::TooShort
         | Kind::NoMotion => Some(Consequence::Stops),
         Kind::CutOff
+        | Kind::NoTorque
         | Kind::Clipped
         | Kind::Gap
         | Kind::Jitter
@@ -189,7 +190,9 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::BackwardTime
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
-        Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime => Some(Consequence::Told),
+        Kind::Mended | Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime => {
+            Some(Consequence::Told)
+        }
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {
             (severity > Severity::Note).then_some(Consequence::Told)
         }

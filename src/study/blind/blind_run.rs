@@ -151,7 +151,7 @@ fn screened(robot: &Robot, logs: Vec<Recording>) -> Result<(Vec<DataFault>, Usab
     for (index, log) in logs.into_iter().enumerate() {
         let name = format!("log {}", index + 1);
         let lines = (2..log.samples() + 2).collect();
-        let sieved = Sieved { recording: log, lines, rejected: Vec::new(), notes: Vec::new() };
+        let sieved = Sieved { recording: log, lines, ..Sieved::default() };
         match screen(&name, sieved.clone(), robot) {
             Ok(log) => screened.push(log),
             Err(problem) => {

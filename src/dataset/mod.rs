@@ -196,7 +196,8 @@ impl Dataset {
     fn check_parts(&self) -> Result<()> {
         for (key, part) in self.parts() {
             if part.file.is_some() == part.files.is_some() || part.paths().is_empty() {
-                let problem = "name the log by file = \"...\", or by files = [\"...\", \"...\"] where its columns are in several";
+                let problem =
+                    "name the log by file = \"...\", or by files = [\"...\", \"...\"] where its columns are in several";
                 return Err(self.error(key, problem));
             }
             let [from, to] = part.seconds();
@@ -376,11 +377,7 @@ impl Part {
         let [from, to] = self.seconds();
         let start = sieved.recording.time.partition_point(|&t| t < from);
         let end = sieved.recording.time.partition_point(|&t| t < to).max(start);
-        Sieved {
-            recording: sieved.recording.slice(start..end),
-            lines: sieved.lines[start..end].to_vec(),
-            ..sieved
-        }
+        Sieved { recording: sieved.recording.slice(start..end), lines: sieved.lines[start..end].to_vec(), ..sieved }
     }
 }
 

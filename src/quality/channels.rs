@@ -51,7 +51,9 @@ pub fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         let zero = logged.tau.as_slice().iter().all(|value| *value == 0.0 || value.is_nan());
         let text = match zero {
-            true => "the torque is zero on all joints in every row: the driver does not report it; log motor currents or torques",
+            true => {
+                "the torque is zero on all joints in every row: the driver does not report it; log motor currents or torques"
+            }
             false => "no joint has a torque that changes",
         };
         out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", text));

@@ -1,9 +1,14 @@
 //! The table of a recording: which column is which signal of which joint. All formats that are tables share it.
 
-use super::names::{self, Joint, Meaning, Part, QUANTITIES, Quantity, TRUE};
+mod families;
+
+pub use families::joint_names;
+
+use super::names::{self, Part, QUANTITIES, Quantity, TRUE};
 use super::{Recording, Signals};
 use crate::channels::Channels;
 use crate::error::{Error, Result};
+use families::{Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -61,23 +66,6 @@ pub struct Demand {
     pub timeless: bool,
 }
 
-/// A column that is the signal of a joint, as one reading of its name has it.
-#[derive(Debug)]
-struct Candidate<'a> {
-    column: usize,
-    meaning: &'a Meaning,
-    joint: Place,
-}
-
-/// Where a joint is in the order of joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// As the file numbers it.
-    Number(usize),
-    /// Counted from 1.
-    Index(usize),
-}
-
 impl Layout {
     /// Finds the columns by their names in the header, which stands at `line` of the file. `joints` are the robot's
     /// joints in order; without them the header's own numbers or names are taken. Every joint must have all that any has.
@@ -109,18 +97,22 @@ impl Layout {
         if joints.is_some() && !any_position(&meanings, &names) {
             numbers = numbers_in_names(&meanings, names.len());
             if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
-                understood.push(format!("joints are taken by the numbers in their names, {first} for {name} and so on"));
+                understood
+                    .push(format!("joints are taken by the numbers in their names, {first} for {name} and so on"));
             }
         }
         let mut used = BTreeSet::new();
         let mut found: [[Found; 4]; 2] = Default::default();
         let mut bases = [None; 4];
         let mut currents = false;
-        for (truth, quantity) in [false, true].into_iter().flat_map(|truth| (0..4).map(move |quantity| (truth, quantity))) {
+        for (truth, quantity) in
+            [false, true].into_iter().flat_map(|truth| (0..4).map(move |quantity| (truth, quantity)))
+        {
             let family = best_family(candidates(&meanings, &names, &numbers, truth, quantity));
             currents |= family.iter().any(|candidate| candidate.meaning.current);
             let positions = found[0][names::POSITION].len();
-            let base = base(&family, if quantity == names::POSITION { None } else { bases[names::POSITION] }, positions);
+            let base =
+                base(&family, if quantity == names::POSITION { None } else { bases[names::POSITION] }, positions);
             if !truth {
                 bases[quantity] = base;
             }
@@ -178,10 +170,13 @@ impl Layout {
             ));
             used.retain(|column| !header[*column].ends_with(TRUE));
         }
-        let unused: Vec<String> = (0..header.len())
-            .filter(|column| !used.contains(column) && !(header[*column].ends_with(TRUE) && !notes.is_empty()))
-            .map(|column| if header[column].is_empty() { format!("(column {})", column + 1) } else { header[column].clone() })
-            .collect();
+        let unused: Vec<String> =
+            (0..header.len())
+                .filter(|column| !used.contains(column) && (notes.is_empty() || !header[*column].ends_with(TRUE)))
+                .map(|column| {
+                    if header[column].is_empty() { format!("(column {})", column + 1) } else { header[column].clone() }
+                })
+                .collect();
         if !unused.is_empty() {
             notes.push(format!("columns not used: {}", listed(&unused)));
         }
@@ -323,115 +318,6 @@ impl Layout {
     }
 }
 
-/// The columns of a quantity whose joint is known, each in the first reading of its name that gives one.
-fn candidates<'a>(
-    meanings: &'a [Vec<Meaning>],
-    names: &[String],
-    numbers: &BTreeMap<String, usize>,
-    truth: bool,
-    quantity: usize,
-) -> Vec<Candidate<'a>> {
-    let place = |meaning: &Meaning| match &meaning.joint {
-        Joint::Number(number) => Some(Place::Number(*number)),
-        Joint::Name(name) => match numbers.get(name) {
-            Some(number) => Some(Place::Index(*number)),
-            None => names.iter().position(|own| own == name).map(|index| Place::Index(index + 1)),
-        },
-    };
-    let of = |(column, readings): (usize, &'a Vec<Meaning>)| {
-        let (meaning, joint) = readings.iter().find_map(|meaning| Some((meaning, place(meaning)?)))?;
-        ((meaning.truth, meaning.quantity) == (truth, quantity)).then_some(Candidate { column, meaning, joint })
-    };
-    meanings.iter().enumerate().filter_map(of).collect()
-}
-
-/// Of columns that could be the same quantity, those that are called alike: torques before currents, those of more joints,
-/// and names that this program writes before others.
-fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
-    let mut families: BTreeMap<&str, Vec<Candidate>> = BTreeMap::new();
-    for candidate in candidates {
-        families.entry(&candidate.meaning.family).or_default().push(candidate);
-    }
-    let order = |family: &Vec<Candidate>| {
-        let first = family.first().map(|candidate| candidate.meaning);
-        (first.is_some_and(|m| m.current), std::cmp::Reverse(family.len()), first.map_or(0, |m| m.rank))
-    };
-    families.into_values().min_by_key(order).unwrap_or_default()
-}
-
-/// Whether the joints of a quantity are counted from 0 or from 1; None where none is numbered. A quantity without number
-/// 0 is counted as positions are, unless it has as many joints from 1 on.
-fn base(family: &[Candidate], of_positions: Option<usize>, positions: usize) -> Option<usize> {
-    let numbers = family.iter().filter_map(|candidate| match candidate.joint {
-        Place::Number(number) => Some(number),
-        Place::Index(_) => None,
-    });
-    let (lowest, highest) = (numbers.clone().min()?, numbers.max()?);
-    Some(if lowest == 0 || (of_positions == Some(0) && highest < positions) { 0 } else { 1 })
-}
-
-fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool {
-    !candidates(meanings, names, &BTreeMap::new(), false, names::POSITION).is_empty()
-}
-
-/// The numbers of joints that the file calls by other names than the robot does, as `joint1` to `joint6`: name -> number
-/// counted from 1. Empty unless there are `count` of them without a hole.
-fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<String, usize> {
-    let names = own_names(meanings);
-    let split = |name: &str| -> Option<(String, usize)> {
-        let start = name.find(|letter: char| letter.is_ascii_digit())?;
-        let length = name[start..].bytes().take_while(u8::is_ascii_digit).count();
-        let number = name[start..start + length].parse().ok()?;
-        Some((format!("{}#{}", &name[..start], &name[start + length..]), number))
-    };
-    let parts: Option<Vec<(String, usize)>> = names.iter().map(|name| split(name)).collect();
-    let Some(parts) = parts.filter(|parts| parts.len() == count && count > 0) else { return BTreeMap::new() };
-    let lowest = parts.iter().map(|(_, number)| *number).min().unwrap_or(0);
-    let mut sorted: Vec<usize> = parts.iter().map(|(_, number)| *number).collect();
-    sorted.sort_unstable();
-    let alike = parts.iter().all(|(pattern, _)| *pattern == parts[0].0);
-    if !alike || lowest > 1 || !sorted.into_iter().eq(lowest..lowest + count) {
-        return BTreeMap::new();
-    }
-    names.into_iter().zip(parts).map(|(name, (_, number))| (name, number + 1 - lowest)).collect()
-}
-
-/// The readings of positions in the family that most columns share.
-fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
-    let mut families: BTreeMap<&str, Vec<&Meaning>> = BTreeMap::new();
-    for meaning in meanings.iter().filter_map(|readings| readings.iter().find(|meaning| !meaning.exact_only)) {
-        if !meaning.truth && meaning.quantity == names::POSITION {
-            families.entry(&meaning.family).or_default().push(meaning);
-        }
-    }
-    let order = |family: &Vec<&Meaning>| (std::cmp::Reverse(family.len()), family.first().map(|meaning| meaning.rank));
-    families.into_values().min_by_key(order).unwrap_or_default()
-}
-
-/// The joints whose positions a header names or numbers.
-pub fn joint_names(header: &[String]) -> super::lenient::JointNames {
-    let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
-    let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
-    let numbered = positions(&meanings).iter().filter(numbered).count();
-    super::lenient::JointNames { names: own_names(&meanings), numbered }
-}
-
-/// Joint names in the order of their positions; none where the positions are numbered.
-fn own_names(meanings: &[Vec<Meaning>]) -> Vec<String> {
-    let name = |meaning: &&Meaning| match &meaning.joint {
-        Joint::Name(name) => Some(name.clone()),
-        Joint::Number(_) => None,
-    };
-    let names: Option<Vec<String>> = positions(meanings).iter().map(name).collect();
-    let mut unique: Vec<String> = Vec::new();
-    for name in names.unwrap_or_default() {
-        if !unique.contains(&name) {
-            unique.push(name);
-        }
-    }
-    unique
-}
-
 /// Names of columns, those of one list as one: `action[0..5]`.
 fn listed(names: &[String]) -> String {
     const SHOWN: usize = 30;
@@ -492,8 +378,9 @@ impl Resolver<'_> {
         let of_part = |part| times.iter().filter(move |(_, time)| time.part == part);
         let best = times.iter().filter(|(_, time)| time.part != Part::Nanoseconds).min_by_key(|(_, time)| time.rank);
         let Some(&(column, time)) = best else {
-            let torque = if no_torque { ", and none of torque" } else { "" };
-            return Err(self.missing("t", &format!("no column of time (t or time, in s){torque}"), CURE_OF_TIME));
+            let (torque, files) = if no_torque { (", and none of torque", CURE_OF_SIGNALS) } else { ("", "") };
+            let reason = format!("no column of time (t or time, in s){torque}");
+            return Err(self.missing("t", &reason, &format!("{CURE_OF_TIME}{files}")));
         };
         let second = of_part(Part::Whole).find(|(other, own)| *other != column && own.rank == names::OWN_TIME);
         if let (names::OWN_TIME, Some(&(second, _))) = (time.rank, second) {
@@ -543,7 +430,7 @@ impl Resolver<'_> {
         } else {
             format!("no column {accepted}, though there are positions of {count} joints")
         };
-        let cure = if found.is_empty() && name != QUANTITIES[names::VELOCITY].name { CURE_OF_SIGNALS } else { "" };
+        let cure = if found.is_empty() { CURE_OF_SIGNALS } else { "" };
         Err(self.missing(&column, &reason, cure))
     }
 
@@ -569,83 +456,4 @@ const CURE_OF_SIGNALS: &str =
     "; if another file holds them, name both in a dataset: [[train]] files = [\"q.csv\", \"tau.csv\"]";
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn find(header: &str, joints: Option<&[&str]>) -> Result<Layout> {
-        let header: Vec<String> = header.split(',').map(str::to_owned).collect();
-        let joints: Option<Vec<String>> = joints.map(|joints| joints.iter().map(|&joint| joint.to_owned()).collect());
-        Layout::find(Path::new("log.csv"), Some(1), &header, joints.as_deref())
-    }
-
-    fn problem(header: &str, joints: Option<&[&str]>) -> String {
-        find(header, joints).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn numbered_columns_in_any_order() {
-        let layout = find("tau2,q1,time,q2,dq2,dq1,tau1", None).unwrap();
-        assert_eq!((layout.time, layout.q, layout.tau), (2, vec![1, 3], vec![6, 0]));
-        assert_eq!((layout.qd, layout.qdd, layout.truth), (Some(vec![5, 4]), None, None));
-        assert_eq!(layout.joints, ["joint_1", "joint_2"]);
-        assert!(layout.notes.is_empty());
-    }
-
-    #[test]
-    fn joint_names_in_columns() {
-        for header in
-            ["t,q_b,q_a,qd_a,qd_b,tau_a,tau_b", "t,b_position,a_position,a_velocity,b_velocity,a_effort,b_effort"]
-        {
-            let own = find(header, None).unwrap();
-            assert_eq!((own.joints, own.q, own.tau), (vec!["b".into(), "a".into()], vec![1, 2], vec![6, 5]));
-            let ordered = find(header, Some(&["a", "b"])).unwrap();
-            assert_eq!((ordered.q, ordered.qd, ordered.tau), (vec![2, 1], Some(vec![3, 4]), vec![5, 6]));
-        }
-        let layout = find("t,q_1,q_2,ddq_1,ddq_2,tau_1,tau_2", Some(&["a", "b"])).unwrap();
-        assert_eq!((layout.q, layout.qdd), (vec![1, 2], Some(vec![3, 4])));
-    }
-
-    #[test]
-    fn other_columns_are_noted() {
-        let layout = find("t,q1,tau1,current,q_reference,,status", None).unwrap();
-        assert_eq!(layout.notes, ["columns not used: current, q_reference, (column 6), status"]);
-        let layout = find("t,q_a,tau_a,q_gripper,tau_gripper", Some(&["a"])).unwrap();
-        assert_eq!(layout.notes, ["columns not used: q_gripper, tau_gripper"]);
-    }
-
-    #[test]
-    fn truth_is_taken_only_when_whole() {
-        let whole = find("t,q1,tau1,q1_true,qd1_true,qdd1_true,tau1_true", None).unwrap();
-        assert_eq!(whole.truth, Some([vec![3], vec![4], vec![5], vec![6]]));
-        let part = find("t,q1,tau1,q1_true,qd1_true,tau1_true", None).unwrap();
-        assert_eq!(part.truth, None);
-        assert!(part.notes[0].contains("_true"), "{:?}", part.notes);
-    }
-
-    #[test]
-    fn wrong_headers_are_named() {
-        let six: &[&str] = &["a", "b", "c"];
-        let cases = [
-            ("q1,tau1", None, ["log.csv:1: t: missing column", "found: q1, tau1"]),
-            ("t,tau1", None, ["log.csv:1: q1: missing column", "found: t, tau1"]),
-            ("t,q1,q2,tau1", None, ["log.csv:1: tau2: missing column", "positions of 2 joints"]),
-            ("t,q1,q2,qd2,tau1,tau2", None, ["log.csv:1: qd1: missing column", "hole"]),
-            ("t,q1,q3,tau1,tau3", None, ["log.csv:1: q2: missing column", "a hole in the numbering: q3 is there"]),
-            ("t,q1,q4000000000,tau1", None, ["log.csv:1: q2:", "hole"]),
-            ("t,q1,tau1,tau2", None, ["log.csv:1: tau2:", "too many: there are positions of 1 joints"]),
-            ("t,q1,q2,tau1,tau2", Some(six), ["log.csv:1: q3:", "fewer joints than the robot"]),
-            ("t,q1,q2,q3,q4,tau1", Some(six), ["log.csv:1: q4:", "the robot has 3 joints (a, b, c)"]),
-            ("t,q_x,tau_x", Some(six), ["log.csv:1: q1:", "(q1, q_a or a_position)"]),
-            ("t,q_a,q_b,tau_a", None, ["log.csv:1: tau2:", "tau_b"]),
-            ("t,q1,tau1", Some(&[]), ["log.csv:1: q1:", "the robot has 0 joints"]),
-            ("t,q1,qd1,dq1,tau1", None, ["log.csv:1: dq1:", "the same as column qd1"]),
-            ("t,time,q1,tau1", None, ["log.csv:1: time:", "the same as column t"]),
-            ("0.0,1.5,2.5", None, ["log.csv:1: t:", "the first line must name the columns"]),
-            ("Zeit,Winkel1,tau1", None, ["log.csv:1: t:", "in a dataset ([columns])"]),
-        ];
-        for (header, joints, expected) in cases {
-            let problem = problem(header, joints);
-            assert!(expected.iter().all(|part| problem.contains(part)), "{header}: {problem}");
-        }
-    }
-}
+mod tests;

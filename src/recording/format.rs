@@ -132,7 +132,9 @@ fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'st
         let found = what.into_iter().find(|(tag, _)| text.contains(tag)).map_or("an XML file", |(_, what)| what);
         let cure = "give a robot with --robot, and as the log a table, a ROS 2 bag or .npz";
         (found, cure.to_owned())
-    } else if text.starts_with('{') || text.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(['{', '['])) {
+    } else if text.starts_with('{')
+        || text.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(['{', '[']))
+    {
         let code = format!("import pandas; pandas.read_json('{name}').to_csv('{stem}.csv', index=False)");
         ("JSON", python(code))
     } else if text.starts_with("header:") {

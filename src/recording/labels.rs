@@ -79,7 +79,10 @@ mod tests {
     #[test]
     fn messages_without_a_header() {
         let header = of_joint_state_message(&cells("17,5000,base,a,b,1,2,,3,4")).unwrap();
-        assert_eq!(header[3..], ["name[0]", "name[1]", "a_position", "b_position", "(no_velocity)", "a_effort", "b_effort"]);
+        assert_eq!(
+            header[3..],
+            ["name[0]", "name[1]", "a_position", "b_position", "(no_velocity)", "a_effort", "b_effort"]
+        );
         let full = of_joint_state_message(&cells("17,5000,,a,1,2,3")).unwrap();
         assert_eq!(full[4..], ["a_position", "a_velocity", "a_effort"]);
         for other in ["t,q1,tau1", "0,1,2", "17,5000,,a,1,2,3,4", "17,5e9,,a,1,2,3"] {

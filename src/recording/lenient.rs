@@ -95,6 +95,9 @@ pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnM
     // Joints under other names are found by their columns, not by the arm's names.
     let wanted = joints.filter(|_| map.q.is_none());
     let mut sources = paths.iter().map(|path| source::open(path, wanted, map)).collect::<Result<Vec<Source>>>()?;
+    if let ([source], None, Some(problem)) = (sources.as_slice(), &map.tau, sources[0].without_effort(wanted)) {
+        return Err(Error::input(path, source.line(), "effort", problem));
+    }
     let header = sources.iter().flat_map(Source::header).cloned().collect();
     let mut header = map.rename(path, header)?;
     let by_time = source::hide_times(&sources, &mut header);
@@ -126,16 +129,8 @@ pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnM
     mended.extend(mend::constant_torques(&mut recording));
     let (unwrapped, note) = mend::unwrap(&mut recording);
     mended.extend(note);
-    let sieved = Sieved {
-        recording,
-        lines: rows.lines,
-        rejected,
-        notes,
-        mended,
-        unwrapped,
-        currents,
-        spoilt: clock.spoilt,
-    };
+    let sieved =
+        Sieved { recording, lines: rows.lines, rejected, notes, mended, unwrapped, currents, spoilt: clock.spoilt };
     match sieved.rejected.first() {
         Some(first) if sieved.lines.is_empty() => {
             let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);

@@ -73,7 +73,10 @@ pub fn unwrap(log: &mut Recording) -> (Vec<usize>, Option<String>) {
         names.push(format!("{} (turns of {turn:.6})", log.joints[joint]));
     }
     let note = (!joints.is_empty()).then(|| {
-        format!("positions of {} jumped by whole turns where they came to an end of their range; undone", names.join(", "))
+        format!(
+            "positions of {} jumped by whole turns where they came to an end of their range; undone",
+            names.join(", ")
+        )
     });
     (joints, note)
 }

@@ -46,7 +46,8 @@ pub fn npz(path: &Path) -> Result<Table> {
     let entries = entries(&bytes).ok_or_else(|| broken("the archive is damaged or cut off; save it again"))?;
     let mut arrays = Vec::new();
     for entry in entries {
-        let content = entry.content(&bytes).ok_or_else(|| broken("the archive is damaged or cut off; save it again"))?;
+        let content =
+            entry.content(&bytes).ok_or_else(|| broken("the archive is damaged or cut off; save it again"))?;
         let name = entry.name.strip_suffix(".npy").unwrap_or(&entry.name).to_owned();
         // Arrays of other things than numbers do not belong to the log.
         arrays.extend(fields(&content, &name).unwrap_or_default());
@@ -80,7 +81,9 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
     let rows = arrays.iter().find(is_time).map(|array| array.values.len()).or_else(longest).unwrap_or(0);
     let labels: &[String] = arrays
         .iter()
-        .find(|array| matches!(array.name.as_str(), "name" | "names" | "joint_names" | "joints") && !array.texts.is_empty())
+        .find(|array| {
+            matches!(array.name.as_str(), "name" | "names" | "joint_names" | "joints") && !array.texts.is_empty()
+        })
         .map_or(&[], |array| array.texts.as_slice());
     let mut table = Table::default();
     for array in &arrays {
@@ -189,8 +192,12 @@ fn named_parts(list: &str) -> Option<Vec<(String, Kind, usize)>> {
         let (times, behind) = match behind.trim_start().strip_prefix(',').map(str::trim_start) {
             Some(tuple) if tuple.starts_with('(') => {
                 let (inside, behind) = tuple[1..].split_once(')')?;
-                let sizes: Option<Vec<usize>> =
-                    inside.split(',').map(str::trim).filter(|part| !part.is_empty()).map(|part| part.parse().ok()).collect();
+                let sizes: Option<Vec<usize>> = inside
+                    .split(',')
+                    .map(str::trim)
+                    .filter(|part| !part.is_empty())
+                    .map(|part| part.parse().ok())
+                    .collect();
                 (sizes?.into_iter().product(), behind)
             }
             _ => (1, behind),
@@ -380,10 +387,7 @@ mod tests {
         let single = array("'<f4'", "False", "(3, 1)", &[1.5f32, 2.5, 3.5].map(f32::to_le_bytes).concat());
         let big = array("'>i2'", "False", "(3,)", &[0, 1, 0xFF, 0xFE, 1, 0]);
         let table = read(
-            &archive(
-                &[("time.npy", t), ("q.npy", q), ("tau.npy", tau), ("amp.npy", single), ("n.npy", big)],
-                1,
-            ),
+            &archive(&[("time.npy", t), ("q.npy", q), ("tau.npy", tau), ("amp.npy", single), ("n.npy", big)], 1),
             "log.npz",
         )
         .unwrap();
@@ -417,7 +421,8 @@ mod tests {
         let plain = array("'<f8'", "False", "(2, 3)", &doubles(&[0.0; 6]));
         let error = read(&plain, "log.npy").unwrap_err().to_string();
         assert!(error.contains("2 x 3") && error.contains("np.savez"), "{error}");
-        let fields = array("[('t', '<f8'), ('q', '<f8', (2,))]", "False", "(2,)", &doubles(&[0.0, 1.0, 2.0, 0.5, 3.0, 4.0]));
+        let fields =
+            array("[('t', '<f8'), ('q', '<f8', (2,))]", "False", "(2,)", &doubles(&[0.0, 1.0, 2.0, 0.5, 3.0, 4.0]));
         let table = read(&fields, "log.npy").unwrap();
         assert_eq!(table.header, ["t", "q[0]", "q[1]"]);
         assert_eq!(table.columns[2], [2.0, 4.0]);

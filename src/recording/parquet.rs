@@ -121,9 +121,8 @@ impl Table {
             .collect();
         let own_joints = own_joints(path, &metadata)?;
         let fields: Vec<_> = builder.schema().fields().iter().cloned().collect();
-        let is_list = |kind: &DataType| {
-            matches!(kind, DataType::List(_) | DataType::LargeList(_) | DataType::FixedSizeList(..))
-        };
+        let is_list =
+            |kind: &DataType| matches!(kind, DataType::List(_) | DataType::LargeList(_) | DataType::FixedSizeList(..));
         let lists: Vec<usize> = (0..fields.len()).filter(|&column| is_list(fields[column].data_type())).collect();
         let mut lengths = HashMap::new();
         if !lists.is_empty() {
@@ -397,9 +396,8 @@ mod tests {
             Arc::new(ListArray::from_iter_primitive::<Float32Type, _, _>(rows))
         };
         let index: ArrayRef = Arc::new(Int64Array::from(vec![0, 1, 2]));
-        let columns = || {
-            vec![("frame_index", index.clone()), ("action", lists(9.0)), ("observation.state", lists(0.5))]
-        };
+        let columns =
+            || vec![("frame_index", index.clone()), ("action", lists(9.0)), ("observation.state", lists(0.5))];
         let mut whole = columns();
         whole.extend([("timestamp", floats(&[0.0, 0.1, 0.2])), ("observation.effort", lists(2.5))]);
         let (recording, notes) = foreign(whole).unwrap();

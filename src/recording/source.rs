@@ -36,6 +36,9 @@ struct Content {
     rejected: Vec<Rejected>,
 }
 
+/// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
+pub type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
+
 /// Opens a file. `joints` are wanted where they are known.
 ///
 /// # Errors
@@ -85,6 +88,26 @@ impl Source {
             #[cfg(feature = "bags")]
             Source::Bag(table) => table.notes.clone(),
             _ => Vec::new(),
+        }
+    }
+
+    /// Why there is no torque in messages about `joints` whose positions are there.
+    pub fn without_effort(&self, joints: Option<&[String]>) -> Option<String> {
+        match self {
+            #[cfg(feature = "bags")]
+            Source::Bag(table) => {
+                let has = |joint: &String| table.header.contains(&format!("{joint}_position"));
+                let there = joints.is_none_or(|joints| joints.iter().all(has));
+                let effort = table.header.iter().any(|column| column.ends_with("_effort"));
+                (there && !effort).then(|| {
+                    format!(
+                        "the messages on {} carry no effort: the driver does not report torques; have it report them, or log \
+                         motor currents",
+                        table.topic
+                    )
+                })
+            }
+            _ => None,
         }
     }
 
@@ -190,12 +213,13 @@ pub fn rows(
     header: &[String],
     used: &[usize],
     times: &[Option<usize>],
-) -> Result<(Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>)> {
+) -> Result<Joined> {
     let mut contents = Vec::new();
     let mut start = 0;
     for ((path, source), time) in paths.iter().zip(sources.iter_mut()).zip(times) {
         let own = start..start + source.header().len();
-        let mut wanted: Vec<usize> = used.iter().filter(|column| own.contains(*column)).map(|column| column - own.start).collect();
+        let mut wanted: Vec<usize> =
+            used.iter().filter(|column| own.contains(*column)).map(|column| column - own.start).collect();
         if paths.len() > 1 {
             wanted.extend(time.map(|time| time - own.start).filter(|time| !wanted.contains(time)));
             wanted.sort_unstable();
@@ -213,7 +237,7 @@ pub fn rows(
 }
 
 /// Rows that are good in every file, matched by their place.
-fn matched(contents: Vec<Content>) -> Result<(Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>)> {
+fn matched(contents: Vec<Content>) -> Result<Joined> {
     let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
     contents.iter().flat_map(|content| &content.ordinals).for_each(|&ordinal| *seen.entry(ordinal).or_default() += 1);
     let good = |ordinal: &usize| seen.get(ordinal) == Some(&contents.len());
@@ -233,11 +257,7 @@ fn matched(contents: Vec<Content>) -> Result<(Vec<Vec<f64>>, Vec<usize>, Vec<Rej
 }
 
 /// The rows of the first file with time, and what the others say at its times.
-fn by_time(
-    paths: &[PathBuf],
-    contents: Vec<Content>,
-    times: &[Option<usize>],
-) -> Result<(Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>)> {
+fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<usize>]) -> Result<Joined> {
     let mut start = 0;
     let mut clocks: Vec<&[f64]> = Vec::new();
     for ((content, time), path) in contents.iter().zip(times).zip(paths) {

@@ -129,7 +129,9 @@ fn in_seconds(time: &mut [f64], layout: &Layout, given: Option<f64>) -> Option<S
     let (factor, unit) = match (named, of_1970) {
         (Some(factor), _) => (factor, "the unit that its name says"),
         (None, Some((_, factor, unit))) => (factor, unit),
-        (None, None) if layout.open_unit => STEPS.into_iter().find(|(least, ..)| step >= *least).map(|(_, f, u)| (f, u))?,
+        (None, None) if layout.open_unit => {
+            STEPS.into_iter().find(|(least, ..)| step >= *least).map(|(_, f, u)| (f, u))?
+        }
         (None, None) => return None,
     };
     // Numbers from 1970 on have no digits for what is between two rows.
@@ -155,12 +157,14 @@ fn zeros_lost(cells: &[String], time: &mut [f64]) -> Option<String> {
     let parts = parts.filter(|parts| parts.len() == time.len())?;
     let digits = parts.iter().map(|(_, fraction)| fraction.len()).max()?;
     let scale = 10f64.powi(-(i32::try_from(digits).ok()?));
-    let value = |(whole, fraction): &(&str, &str)| Some(whole.parse::<f64>().ok()? + scale * fraction.parse::<f64>().ok()?);
+    let value =
+        |(whole, fraction): &(&str, &str)| Some(whole.parse::<f64>().ok()? + scale * fraction.parse::<f64>().ok()?);
     let mended: Vec<f64> = parts.iter().map(value).collect::<Option<_>>()?;
     if backward(&mended) > 0.0 {
         return None;
     }
-    let example = cells.iter().find(|cell| cell.split_once('.').is_some_and(|(_, fraction)| fraction.len() < digits))?;
+    let example =
+        cells.iter().find(|cell| cell.split_once('.').is_some_and(|(_, fraction)| fraction.len() < digits))?;
     time.copy_from_slice(&mended);
     Some(format!(
         "seconds and their fraction were joined without leading zeros ({example}): the digits behind the point are taken as a \
@@ -171,7 +175,10 @@ fn zeros_lost(cells: &[String], time: &mut [f64]) -> Option<String> {
 /// Rows that belong to two sources, as of two publishers on one topic.
 fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
     let path = |signal: &[f64], step: usize| -> f64 {
-        (step..signal.len()).map(|row| (signal[row] - signal[row - step]).abs()).filter(|change| change.is_finite()).sum()
+        (step..signal.len())
+            .map(|row| (signal[row] - signal[row - step]).abs())
+            .filter(|change| change.is_finite())
+            .sum()
     };
     let alternates = |signal: &&&[f64]| {
         let (one, two) = (path(signal, 1), path(signal, 2));
@@ -216,7 +223,8 @@ fn on_a_line(stamps: &[f64]) -> Option<Vec<f64>> {
     let middle = 0.5 * (count - 1.0);
     let mean = stamps.iter().map(|stamp| stamp - stamps[0]).sum::<f64>() / count;
     let rows = || (0..stamps.len()).map(|row| row as f64 - middle);
-    let slope = rows().zip(stamps).map(|(row, stamp)| row * (stamp - stamps[0])).sum::<f64>() / rows().map(|r| r * r).sum::<f64>();
+    let slope = rows().zip(stamps).map(|(row, stamp)| row * (stamp - stamps[0])).sum::<f64>()
+        / rows().map(|r| r * r).sum::<f64>();
     (slope > 0.0).then(|| rows().map(|row| stamps[0] + mean + slope * row).collect())
 }
 
@@ -226,7 +234,8 @@ mod tests {
 
     #[test]
     fn a_coarse_clock_is_spread_evenly() {
-        let truth: Vec<f64> = (0..1000).map(|row| 0.004 * f64::from(row) + if row >= 600 { 0.5 } else { 0.0 }).collect();
+        let truth: Vec<f64> =
+            (0..1000).map(|row| 0.004 * f64::from(row) + if row >= 600 { 0.5 } else { 0.0 }).collect();
         let stamps: Vec<f64> = truth.iter().map(|t| (t / 0.01 + 1e-9).floor() * 0.01).collect();
         let (spread, quantum) = spread(&stamps);
         assert!((quantum - 0.01).abs() < 1e-9, "{quantum}");

@@ -99,7 +99,8 @@ impl Text {
             text.header = header;
             return Ok(text);
         }
-        text.widths = (0..names.len()).map(|column| first.get(column).map_or(1, |cell| list(cell).len().max(1))).collect();
+        text.widths =
+            (0..names.len()).map(|column| first.get(column).map_or(1, |cell| list(cell).len().max(1))).collect();
         let flat: Vec<String> = names
             .iter()
             .zip(&text.widths)
@@ -326,7 +327,11 @@ fn list(cell: &str) -> Vec<&str> {
         return Vec::new();
     }
     let inside = cell[start + 1..].trim_end_matches([']', ')']);
-    inside.split([',', ';', ' ', '\t']).map(|part| part.trim_matches(['\'', '"', ' '])).filter(|part| !part.is_empty()).collect()
+    inside
+        .split([',', ';', ' ', '\t'])
+        .map(|part| part.trim_matches(['\'', '"', ' ']))
+        .filter(|part| !part.is_empty())
+        .collect()
 }
 
 fn cells(cell: &str, width: usize) -> Vec<String> {
@@ -339,7 +344,8 @@ fn cells(cell: &str, width: usize) -> Vec<String> {
 /// What programs write for a value that is not there.
 fn is_empty(cell: &[u8]) -> bool {
     let cell = cell.trim_ascii();
-    cell.is_empty() || ["none", "null", "na", "n/a", "-", "--"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+    cell.is_empty()
+        || ["none", "null", "na", "n/a", "-", "--"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
 }
 
 fn not_a_number(cell: &[u8]) -> String {

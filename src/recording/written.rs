@@ -43,4 +43,3 @@ pub fn table(recording: &Recording, named: bool) -> Result<Vec<(String, &[f64])>
     }
     Ok(columns)
 }
-

@@ -135,7 +135,7 @@ impl LoggedArm {
         self.robot = Robot { columns, ..believed(&self.description, &self.choice, self.trust)? };
         self.mount(dataset)?;
         for log in &mut logs {
-            select(&mut log.1.recording, &names, &moving);
+            select(&mut log.1, &names, &moving);
         }
         Ok(())
     }
@@ -255,10 +255,12 @@ fn studied(
 }
 
 /// Takes the joints `wanted` of a log whose joints are `names`.
-pub(super) fn select(log: &mut Recording, names: &[String], wanted: &[String]) {
+pub(super) fn select(sieved: &mut Sieved, names: &[String], wanted: &[String]) {
     if names != wanted {
         let place = |name: &String| names.iter().position(|own| own == name);
-        reorder(log, &wanted.iter().filter_map(place).collect::<Vec<_>>());
+        let order: Vec<usize> = wanted.iter().filter_map(place).collect();
+        reorder(&mut sieved.recording, &order);
+        sieved.unwrapped = (0..order.len()).filter(|joint| sieved.unwrapped.contains(&order[*joint])).collect();
     }
 }
 

@@ -4,6 +4,7 @@ use super::{Dataset, PerJoint, Side};
 use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
+use crate::recording::lenient::Sieved;
 use nalgebra::DMatrix;
 
 /// A coupling whose inverse is larger than this does not let motors move joints independently.
@@ -11,7 +12,8 @@ const SINGULAR: f64 = 1e6;
 
 impl Dataset {
     /// Converts a log, whose joints are in the order of the file's columns.
-    pub(super) fn convert(&self, log: &mut Recording) -> Result<()> {
+    pub(super) fn convert(&self, sieved: &mut Sieved) -> Result<()> {
+        let log = &mut sieved.recording;
         let (units, motors) = (self.spec.units, &self.spec.motors);
         let dof = log.joints();
         let gear = self.list("motors.gear_ratio", &motors.gear_ratio, dof)?;
@@ -27,7 +29,8 @@ impl Dataset {
             (false, _) => vec![1.0; dof],
         };
         let mut torque_factor = vec![units.torque.factor(); dof];
-        let currents = units.torque.is_current();
+        // Currents by their name become torques where the dataset says how.
+        let currents = units.torque.is_current() || (sieved.currents && constant.is_some());
         if currents {
             let Some(constant) = &constant else {
                 return Err(needs("motors.torque_constant_nm_a", "torque is given as a current"));
@@ -45,7 +48,7 @@ impl Dataset {
         scale(&mut torque_factor, &torque_sign);
 
         let clock = self.time_factor()?;
-        log.time.iter_mut().for_each(|t| *t *= units.time.factor() * clock);
+        log.time.iter_mut().for_each(|t| *t *= clock);
         let moved = |unit: f64| -> Vec<f64> { (0..dof).map(|j| unit * sign[j] / motion_gear[j]).collect() };
         apply(&mut log.q, &moved(units.position.factor()));
         if let Some(qd) = &mut log.qd {
@@ -181,8 +184,13 @@ fn apply(table: &mut Channels, factors: &[f64]) {
 
 fn mix(table: &mut Channels, matrix: &DMatrix<f64>) {
     for sample in 0..table.samples() {
-        let mixed = matrix * nalgebra::DVector::from_vec(table.at(sample));
-        table.set(sample, mixed.as_slice());
+        let values = table.at(sample);
+        // What has no part in a sum must not spoil it where it is not a number.
+        let sum = |row: usize| {
+            let parts = values.iter().enumerate().filter(|(column, _)| matrix[(row, *column)] != 0.0);
+            parts.fold(0.0, |sum, (column, value)| sum + matrix[(row, column)] * value)
+        };
+        table.set(sample, &(0..values.len()).map(sum).collect::<Vec<_>>());
     }
 }
 

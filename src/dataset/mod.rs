@@ -10,15 +10,19 @@
 //! file = "a.csv"
 //! [[test]]
 //! file = "b.csv"                # from_s and to_s, on the log's clock, take a part of a file
+//! # files = ["q.csv", "tau.csv"]  # in the place of `file`: columns in several files, rows matched one by one where there
+//!                                 # are as many in each, else by time
+//! # rate_hz = 100                 # rows per second of files without a column of time; also in [columns]
 //!
 //! [columns]                     # one per joint; usual names are found without
 //! time = "stamp"
+//! # rate_hz = 100               # in the place of `time`
 //! q = ["enc1", "enc2"]
 //! tau = ["i1", "i2"]
 //! topic = "/joint_states"       # of a log of ROS 2 with several that tell of the joints
 //!
 //! [units]
-//! time = "ms"                   # s, ms, us, ns
+//! time = "ms"                   # s, ms, us, ns; recognised from its name and numbers where it is not given
 //! position = "deg"              # rad, deg, mrad, rev, m, mm
 //! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s
 //! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
@@ -110,7 +114,11 @@ struct Spec {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Part {
-    file: PathBuf,
+    file: Option<PathBuf>,
+    /// Files whose columns belong together, in the place of `file`.
+    files: Option<Vec<PathBuf>>,
+    /// Rows per second, Hz, of files without a column of time.
+    rate_hz: Option<f64>,
     from_s: Option<f64>,
     to_s: Option<f64>,
 }
@@ -118,7 +126,7 @@ struct Part {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Units {
-    time: TimeUnit,
+    time: Option<TimeUnit>,
     position: PositionUnit,
     velocity: VelocityUnit,
     acceleration: AccelerationUnit,
@@ -209,10 +217,15 @@ impl Dataset {
     /// Parts end after they begin, and what judges is not what was trained from.
     fn check_parts(&self) -> Result<()> {
         for (key, part) in self.parts() {
+            if part.file.is_some() == part.files.is_some() || part.paths().is_empty() {
+                let problem =
+                    "name the log by file = \"...\", or by files = [\"...\", \"...\"] where its columns are in several";
+                return Err(self.error(key, problem));
+            }
             let [from, to] = part.seconds();
             // Not a number compares to nothing.
             if from.partial_cmp(&to) != Some(std::cmp::Ordering::Less) {
-                let problem = format!("{}: from {from} s to {to} s is no part of a log", part.file.display());
+                let problem = format!("{}: from {from} s to {to} s is no part of a log", part.name());
                 return Err(self.error(key, problem));
             }
         }
@@ -220,13 +233,13 @@ impl Dataset {
             let [from, to] = test.seconds();
             let shares = |train: &&Part| {
                 let [begin, end] = train.seconds();
-                train.file == test.file && begin < to && from < end
+                train.paths().iter().any(|path| test.paths().contains(path)) && begin < to && from < end
             };
             if let Some(train) = self.spec.train.iter().find(shares) {
                 let problem = format!(
                     "{} is trained from in part or as a whole; judge by what the fit did not see, with to_s in [[train]] and \
                      from_s in [[test]] or with another log",
-                    train.file.display()
+                    train.name()
                 );
                 return Err(self.error("test", problem));
             }
@@ -244,9 +257,9 @@ impl Dataset {
         self.spec.robot.as_ref().map(|robot| self.beside(robot))
     }
 
-    /// All logs it names, those to train from first.
+    /// All logs it names, those to train from first; of a log in several files the first of them.
     pub fn files(&self) -> Vec<PathBuf> {
-        self.parts().map(|(_, part)| self.beside(&part.file)).collect()
+        self.parts().filter_map(|(_, part)| Some(self.beside(part.paths().first()?))).collect()
     }
 
     /// Puts the mounting and the known payload on an arm.
@@ -280,15 +293,23 @@ impl Dataset {
     /// # Errors
     /// Those of [`lenient::load`]; lists that do not fit the joints, units that need what is not given.
     pub fn read(&self, file: &Path, robot: &Robot) -> Result<Sieved> {
+        self.read_together(&[file.to_owned()], None, robot)
+    }
+
+    /// The same of a log whose columns are in several files; `rate_hz` where it is known and they have no time.
+    fn read_together(&self, files: &[PathBuf], rate_hz: Option<f64>, robot: &Robot) -> Result<Sieved> {
         let order = self.spec.joints.as_ref().unwrap_or(&robot.columns);
         if let Some(missing) = robot.joint_names().into_iter().find(|name| !order.contains(name)) {
             let names = robot.joint_names().join(", ");
             let problem = format!("{} are not the robot's joints {names}: `{missing}` is missing", order.join(", "));
             return Err(self.error("joints", problem));
         }
-        let mut sieved = lenient::load(file, Some(order), &self.spec.columns)?;
-        self.convert(&mut sieved.recording)?;
-        arm::select(&mut sieved.recording, order, &robot.joint_names());
+        let mut columns = self.spec.columns.clone();
+        columns.rate_hz = rate_hz.or(columns.rate_hz);
+        columns.time_factor = self.spec.units.time.map(TimeUnit::factor);
+        let mut sieved = lenient::load_together(files, Some(order), &columns)?;
+        self.convert(&mut sieved)?;
+        arm::select(&mut sieved, order, &robot.joint_names());
         self.exchange(&mut sieved.recording)?;
         Ok(sieved)
     }
@@ -301,8 +322,9 @@ impl Dataset {
     pub fn sieved(&self, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
         let read = |key: &str, parts: &[Part]| -> Result<Vec<(PathBuf, Sieved)>> {
             let one = |part: &Part| {
-                let path = self.beside(&part.file);
-                let sieved = self.read(&path, robot)?;
+                let files: Vec<PathBuf> = part.paths().into_iter().map(|path| self.beside(path)).collect();
+                let path = files[0].clone();
+                let sieved = self.read_together(&files, part.rate_hz, robot)?;
                 let ends = [sieved.recording.time.first(), sieved.recording.time.last()]
                     .map(|t| (t.copied().unwrap_or(0.0) * 1e6).round() / 1e6);
                 let sieved = part.of(sieved);
@@ -310,7 +332,7 @@ impl Dataset {
                     let ([from, to], [first, last]) = (part.seconds(), ends);
                     let problem = format!(
                         "{}: no row is from {from} s to {to} s; the log's clock goes from {first} s to {last} s",
-                        part.file.display()
+                        part.name()
                     );
                     return Err(self.error(key, problem));
                 }
@@ -337,6 +359,16 @@ impl Dataset {
 }
 
 impl Part {
+    /// The files of the log.
+    fn paths(&self) -> Vec<&PathBuf> {
+        self.file.iter().chain(self.files.iter().flatten()).collect()
+    }
+
+    /// The files in messages.
+    fn name(&self) -> String {
+        self.paths().iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" and ")
+    }
+
     /// From when to when, on the log's clock.
     fn seconds(&self) -> [f64; 2] {
         [self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY)]
@@ -350,12 +382,7 @@ impl Part {
         let [from, to] = self.seconds();
         let start = sieved.recording.time.partition_point(|&t| t < from);
         let end = sieved.recording.time.partition_point(|&t| t < to).max(start);
-        Sieved {
-            recording: sieved.recording.slice(start..end),
-            lines: sieved.lines[start..end].to_vec(),
-            rejected: sieved.rejected,
-            notes: sieved.notes,
-        }
+        Sieved { recording: sieved.recording.slice(start..end), lines: sieved.lines[start..end].to_vec(), ..sieved }
     }
 }
 
@@ -365,7 +392,7 @@ impl Part {
 /// Those of [`lenient::load`].
 pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
     let mut sieved = lenient::load(path, Some(&robot.columns), &ColumnMap::default())?;
-    arm::select(&mut sieved.recording, &robot.columns, &robot.joint_names());
+    arm::select(&mut sieved, &robot.columns, &robot.joint_names());
     Ok(sieved)
 }
 
@@ -409,6 +436,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
             format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
         });
         logs.notes.extend(rows);
+        logs.notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
         let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
         logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
         let mut pieces = resample::pieces(sieved.recording);

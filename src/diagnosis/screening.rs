@@ -229,14 +229,15 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::Mounting
         | Kind::GravityCompensated
         | Kind::UnsignedTorque
+        | Kind::TwoSources
         | Kind::Frozen
         | Kind::Wrapped
         | Kind::Spike
         | Kind::TooShort
         | Kind::NoMotion => Some(Consequence::Stops),
         Kind::CutOff
-        | Kind::Clipped
         | Kind::NoTorque
+        | Kind::Clipped
         | Kind::MotorOff
         | Kind::Gap
         | Kind::Jitter
@@ -244,7 +245,8 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::BackwardTime
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
-        Kind::HeldSamples
+        Kind::Mended
+        | Kind::HeldSamples
         | Kind::HardlyMoves
         | Kind::OutsideLimits
         | Kind::DeadTime

@@ -2,6 +2,7 @@
 
 use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
 use crate::channels::Channels;
+use crate::recording::Recording;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -28,29 +29,42 @@ const COARSE: f64 = 3.5;
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
 
-/// Findings about the channels of every joint; `logged` is the torque as it was logged, whose digits even steps do not keep.
-pub fn findings(view: &View, logged_torques: &Channels) -> Vec<Finding> {
+/// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
+/// digits that even steps do not keep.
+pub fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
     let mut out = Vec::new();
     for joint in 0..view.dof() {
-        let (q, tau, logged) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged_torques.channel(joint));
+        let (q, tau, own) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged.tau.channel(joint));
         out.extend(wrapped(view, joint, q));
         out.extend(spike(view, joint, q));
         out.extend(frozen_position(view, joint, q));
+        if !logged.has_torque(joint) {
+            let text = "there is no torque of this joint in the log: its motion is used, its equation is not";
+            out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
+            continue;
+        }
         if tau.iter().all(|v| v == &tau[0]) {
             let text = format!("the torque is {} all along: it was not logged; leave the joint out or log it", tau[0]);
             out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
             continue;
         }
-        if !coarse(logged) {
+        if !coarse(own) {
             out.extend(clipped(view, joint, tau));
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
             out.extend(off(view, joint, tau));
         }
-        out.extend(unsigned(view, joint, logged));
+        out.extend(unsigned(view, joint, own));
     }
-    out.extend(all_unsigned(view, logged_torques, &out));
+    out.extend(all_unsigned(view, &logged.tau, &out));
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
-        out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", "no joint has a torque that changes"));
+        let zero = logged.tau.as_slice().iter().all(|value| *value == 0.0 || value.is_nan());
+        let text = match zero {
+            true => {
+                "the torque is zero on all joints in every row: the driver does not report it; log motor currents or torques"
+            }
+            false => "no joint has a torque that changes",
+        };
+        out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", text));
     }
     out
 }

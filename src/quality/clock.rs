@@ -1,7 +1,7 @@
 //! Rows that were left out, and the clock.
 
 use super::{Finding, Kind, Severity};
-use crate::recording::lenient::{Cause, Sieved};
+use crate::recording::lenient::{Cause, Rejected, Sieved};
 use crate::recording::resample::{Clock, IRREGULAR};
 
 /// Fewer samples, or a shorter time, tell nothing about an arm.
@@ -14,11 +14,33 @@ const RESTARTED: f64 = 0.1;
 /// Lines that a finding lists.
 const LISTED: usize = 5;
 
+/// Rows out of time in runs of this length on average are those of a recording behind another; shorter ones are scattered.
+const RUN: f64 = 20.0;
+
+/// Why time goes back so often, and what to do.
+fn cause_of_backward_time(rows: &[&Rejected]) -> &'static str {
+    let runs = 1 + rows.windows(2).filter(|pair| pair[1].line > pair[0].line + 1).count();
+    match rows.len() as f64 / runs as f64 > RUN {
+        true => "the clock starts again: give each recording as a file of its own",
+        false => {
+            "the stamps of two sources are mixed: two programs write the joints' states, as two publishers on one topic do; stop one \
+             of them, or give it a topic of its own, and record again"
+        }
+    }
+}
+
 /// Findings about rows and clock.
 pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
     let recording = &sieved.recording;
     let all = sieved.rejected.len() + recording.samples();
     let mut out = Vec::new();
+    if let Some(spoilt) = &sieved.spoilt {
+        out.push(Finding::new(Kind::TwoSources, Severity::Fatal, "rows", spoilt.as_str()));
+        return out;
+    }
+    if !sieved.mended.is_empty() {
+        out.push(Finding::new(Kind::Mended, Severity::Note, "log", sieved.mended.join("; ")));
+    }
     let groups: [(Kind, &[Cause], &str); 3] = [
         (Kind::BadRows, &[Cause::Unreadable, Cause::NotFinite, Cause::Absurd], "cannot be used"),
         (Kind::DuplicateTime, &[Cause::DuplicateTime], "repeat the time of the row before"),
@@ -33,9 +55,7 @@ pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
         }
         let share = rows.len() as f64 / all as f64;
         let (severity, advice) = match share {
-            s if s > RESTARTED && kind == Kind::BackwardTime => {
-                (Severity::Fatal, "the clock starts again: give each recording as a file of its own")
-            }
+            s if s > RESTARTED && kind == Kind::BackwardTime => (Severity::Fatal, cause_of_backward_time(&rows)),
             s if s > 0.5 => (Severity::Fatal, "most of the log is lost; mend the export and try again"),
             s if s > 0.01 => (Severity::Warning, "they are left out and bridged; mend the export if you can"),
             _ => (Severity::Note, "they are left out and bridged"),

@@ -7,7 +7,7 @@ use crate::recording::lenient::Cause;
 use crate::recording::{self};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 34] = [
+const ALL: [Kind; 36] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -35,6 +35,8 @@ const ALL: [Kind; 34] = [
     Kind::DeadTime,
     Kind::HardlyMoves,
     Kind::PoorExcitation,
+    Kind::TwoSources,
+    Kind::Mended,
     Kind::UnusedColumns,
     Kind::PositionSign,
     Kind::Mounting,
@@ -163,6 +165,26 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "q6",
         ),
         Kind::PoorExcitation => (Signals(together), "motion"),
+        Kind::TwoSources => (
+            Lines(|lines| {
+                let rest = lines[1].split_once(',').map(|(_, rest)| rest.to_owned()).unwrap_or_default();
+                for line in lines.iter_mut().skip(2).step_by(2) {
+                    let time = line.split_once(',').map_or("", |(time, _)| time);
+                    *line = format!("{time},{rest}");
+                }
+            }),
+            "rows",
+        ),
+        Kind::Mended => (
+            Lines(|lines| {
+                lines[0] = lines[0].replacen('t', "time_ms", 1);
+                for line in &mut lines[1..] {
+                    let (time, rest) = line.split_once(',').unwrap();
+                    *line = format!("{:?},{rest}", 1e3 * time.parse::<f64>().unwrap());
+                }
+            }),
+            "log",
+        ),
         Kind::UnusedColumns => (
             Lines(|lines| {
                 lines[0] += ",temperature";
@@ -252,7 +274,11 @@ fn every_kind_of_fault_is_found_where_it_is() {
         let report = examine(&sieved, Some(&robot)).unwrap();
         let found: Vec<_> = report.findings.iter().map(|finding| (finding.kind, finding.place.as_str())).collect();
         assert!(found.iter().any(|(k, p)| *k == kind && p.starts_with(expected)), "{kind:?} at {expected}: {found:?}");
-        assert_eq!(report.usable, !matches!(kind, Kind::TooShort | Kind::NoMotion), "{kind:?}: {found:?}");
+        assert_eq!(
+            report.usable,
+            !matches!(kind, Kind::TooShort | Kind::NoMotion | Kind::TwoSources),
+            "{kind:?}: {found:?}"
+        );
     }
     assert_eq!(ALL.len(), Kind::ModelTorque as usize + 1);
 }

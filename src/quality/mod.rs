@@ -21,6 +21,7 @@ use crate::recording::resample::{self, Clock};
 use crate::robot::Robot;
 use crate::signal::{Edge, SavitzkyGolay};
 use descriptions::Verdict;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// How bad a finding is.
@@ -67,6 +68,8 @@ pub enum Kind {
     DeadTime,
     HardlyMoves,
     PoorExcitation,
+    TwoSources,
+    Mended,
     UnusedColumns,
     PositionSign,
     Mounting,
@@ -216,11 +219,16 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
     let mut comparable = None;
     let mut units = UnitChanges::default();
     if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
+        let known = with_all_torques(recording);
+        let recording: &Recording = &known;
         let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
         let view = View::new(&even)?;
         summaries = motion::summaries(&view, robot);
-        findings.extend(channels::findings(&view, &recording.tau));
-        let about_motion = motion::findings(&view, &summaries, robot);
+        findings.extend(channels::findings(&view, &sieved.recording));
+        let mut about_motion = motion::findings(&view, &summaries, robot);
+        // A joint that went on turning may be whole turns outside its limits.
+        let turned = |finding: &Finding| sieved.unwrapped.iter().any(|&joint| finding.place == view.place("q", joint));
+        about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
         let positions_doubtful = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
         findings.extend(about_motion);
         // Derivatives across a long gap are those of no motion.
@@ -254,6 +262,17 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings,
     };
     Ok((report, comparable))
+}
+
+/// The log with zeros where a joint has no torque, which the checks of motion do not look at.
+fn with_all_torques(recording: &Recording) -> Cow<'_, Recording> {
+    let without: Vec<usize> = (0..recording.joints()).filter(|joint| !recording.has_torque(*joint)).collect();
+    if without.is_empty() {
+        return Cow::Borrowed(recording);
+    }
+    let mut log = recording.clone();
+    without.into_iter().for_each(|joint| log.tau.channel_mut(joint).fill(0.0));
+    Cow::Owned(log)
 }
 
 /// Time over which positions are smoothed for the checks, s.

@@ -49,7 +49,7 @@ pub(super) fn log(robot: &Robot, rate_hz: f64, seconds: f64) -> Sieved {
         }
     }
     let recording = Recording { joints: robot.joint_names(), time, q, qd: Some(qd), tau, ..Recording::default() };
-    Sieved { lines: (2..samples + 2).collect(), rejected: Vec::new(), notes: Vec::new(), recording }
+    Sieved { lines: (2..samples + 2).collect(), recording, ..Sieved::default() }
 }
 
 fn found(sieved: &Sieved, robot: Option<&Robot>) -> Vec<(Kind, String)> {

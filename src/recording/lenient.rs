@@ -1,10 +1,14 @@
-//! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept.
+//! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept, and what has
+//! one cause and one cure is mended.
 
+use super::Recording;
+use super::columns::{self, Demand, Layout};
 use super::sieve::Rows;
 pub use super::sieve::{Cause, Rejected};
-use super::{Recording, csv, parquet};
+use super::source::{self, Source};
+use super::{mend, stamps};
 use crate::error::{Error, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Names of columns in a file, for those that are not called as [`super::csv`] expects; one per joint in the order of
 /// the joints. Quantities left out are looked for under their usual names.
@@ -15,6 +19,8 @@ pub struct ColumnMap {
     pub topic: Option<String>,
     /// The column of time.
     pub time: Option<String>,
+    /// Rows per second, Hz, where there is no column of time; one that is there is not used then.
+    pub rate_hz: Option<f64>,
     /// Columns of position.
     pub q: Option<Vec<String>>,
     /// Columns of velocity.
@@ -23,12 +29,15 @@ pub struct ColumnMap {
     pub qdd: Option<Vec<String>>,
     /// Columns of torque, or of motor current.
     pub tau: Option<Vec<String>>,
+    /// Seconds per unit of time, where it is known; else it is recognised from the column's name and the numbers.
+    #[serde(skip)]
+    pub time_factor: Option<f64>,
 }
 
 /// A log without its unusable rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sieved {
-    /// What is left; it may be empty.
+    /// What is left; it may be empty. Time is in seconds, all else in the units of the file.
     pub recording: Recording,
     /// Line (CSV), row (Parquet) or message (ROS 2) of every sample, counted from 1.
     pub lines: Vec<usize>,
@@ -36,31 +45,14 @@ pub struct Sieved {
     pub rejected: Vec<Rejected>,
     /// What the file has and the recording has not.
     pub notes: Vec<String>,
-}
-
-/// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
-/// robot's joints in order; `map` renames columns.
-///
-/// # Errors
-/// An unreadable file, an unknown extension, a header without what is needed, no usable row at all.
-pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
-    let path = path.as_ref();
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    let rename = |header: Vec<String>| map.rename(path, header);
-    let sieved = match extension.as_deref() {
-        Some("csv") => load_csv(path, joints, &rename)?,
-        Some("parquet") => load_parquet(path, joints, &rename)?,
-        #[cfg(feature = "bags")]
-        _ if super::bag::is_bag(path) => load_bag(path, joints, map)?,
-        _ => return Err(super::unknown_format(path)),
-    };
-    match sieved.rejected.first() {
-        Some(first) if sieved.lines.is_empty() => {
-            let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);
-            Err(Error::input(path, Some(first.line), &first.column, problem))
-        }
-        _ => Ok(sieved),
-    }
+    /// How the file was understood and what was mended.
+    pub mended: Vec<String>,
+    /// Joints whose position jumped by whole turns, which was undone: they may lie whole turns outside their limits.
+    pub unwrapped: Vec<usize>,
+    /// Torques are motor currents by their name.
+    pub currents: bool,
+    /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
+    pub spoilt: Option<String>,
 }
 
 /// The joints of which a log holds positions.
@@ -77,100 +69,75 @@ pub struct JointNames {
 /// # Errors
 /// Those of [`load`] about the file and its header.
 pub fn joint_names(path: impl AsRef<Path>, map: &ColumnMap) -> Result<JointNames> {
-    let path = path.as_ref();
     if let Some(q) = &map.q {
         return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
     }
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    let header = match extension.as_deref() {
-        Some("csv") => {
-            let bytes = csv::bytes(path)?;
-            csv::header(csv::content(path, &bytes)?)
-        }
-        Some("parquet") => parquet::header(path)?,
-        #[cfg(feature = "bags")]
-        _ if super::bag::is_bag(path) => super::bag::read(path, None, map.topic.as_deref())?.header,
-        _ => return Err(super::unknown_format(path)),
-    };
-    Ok(super::columns::joint_names(&header))
+    Ok(columns::joint_names(source::open(path.as_ref(), None, map)?.header()))
 }
 
-type Rename<'a> = dyn Fn(Vec<String>) -> Result<Vec<String>> + 'a;
-
-fn load_csv(path: &Path, joints: Option<&[String]>, rename: &Rename) -> Result<Sieved> {
-    let bytes = csv::bytes(path)?;
-    let bytes = csv::content(path, &bytes)?;
-    let mut bad = Vec::new();
-    let table = csv::Table::parse(path, bytes, joints, rename, &mut |row| {
-        bad.push(row);
-        Ok(())
-    })?;
-    let starts: Vec<usize> = bad.iter().map(|row| row.start).collect();
-    let unreadable = bad.into_iter().zip(lines(bytes, &starts)).map(|(row, line)| Rejected {
-        line,
-        column: row.field,
-        cause: Cause::Unreadable,
-        problem: row.problem,
-    });
-    let unreadable = unreadable.collect();
-    let mut rows = Rows { header: table.header, lines: lines(bytes, &table.starts), columns: table.columns };
-    let mut layout = table.layout;
-    let rejected = rows.sieve(&layout, unreadable);
-    let notes = std::mem::take(&mut layout.notes);
-    Ok(Sieved { recording: layout.recording(rows.columns), lines: rows.lines, rejected, notes })
+/// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
+/// joints that are wanted in order, of which the log may hold more; `map` renames columns. A joint without torque, or with
+/// one that never changes, has NaN in its place.
+///
+/// # Errors
+/// An unreadable file, one of a kind that is not read, a header without what is needed, no usable row at all.
+pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    load_together(&[path.as_ref().to_owned()], joints, map)
 }
 
-fn load_parquet(path: &Path, joints: Option<&[String]>, rename: &Rename) -> Result<Sieved> {
-    let mut table = parquet::Table::read(path, joints, rename, true)?;
-    let count = table.columns[table.layout.time()].len();
-    let columns = std::mem::take(&mut table.columns);
-    let mut rows = Rows { header: table.header.clone(), lines: (1..=count).collect(), columns };
-    let rejected = rows.sieve(&table.layout, Vec::new());
-    table.columns = rows.columns;
-    let notes = std::mem::take(&mut table.layout.notes);
-    Ok(Sieved { recording: table.recording(), lines: rows.lines, rejected, notes })
-}
-
-#[cfg(feature = "bags")]
-fn load_bag(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+/// The same of a log whose columns are in several files: their rows are matched one by one where there are as many in each,
+/// else by their times. Lines and messages are those of the first.
+///
+/// # Errors
+/// Those of [`load`]; files of different length without time; no file at all.
+pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    let Some(path) = paths.first() else { return Err(Error::request("files", "name at least one file")) };
     // Joints under other names are found by their columns, not by the arm's names.
     let wanted = joints.filter(|_| map.q.is_none());
-    let table = super::bag::read(path, wanted, map.topic.as_deref())?;
-    let header = map.rename(path, table.header)?;
-    let mut layout = super::columns::Layout::find(path, None, &header, joints)?;
-    let unreadable = table.bad.into_iter().map(|(line, problem)| Rejected {
-        line,
-        column: "message".to_owned(),
-        cause: Cause::Unreadable,
-        problem,
-    });
-    let cut_off = table.cut_off.map(|problem| Rejected {
-        line: table.numbers.last().map_or(0, |last| last + 1),
-        column: "file".to_owned(),
-        cause: Cause::CutOff,
-        problem,
-    });
-    let unreadable = unreadable.chain(cut_off).collect();
-    let mut rows = Rows { header, lines: table.numbers, columns: table.columns };
-    let rejected = rows.sieve(&layout, unreadable);
-    let notes = std::mem::take(&mut layout.notes).into_iter().chain(table.notes).collect();
-    let mut recording = layout.recording(rows.columns);
-    recording.provenance = super::bag::provenance(table.topic, table.start_ns);
-    Ok(Sieved { recording, lines: rows.lines, rejected, notes })
-}
+    let mut sources = paths.iter().map(|path| source::open(path, wanted, map)).collect::<Result<Vec<Source>>>()?;
+    if let ([source], None, Some(problem)) = (sources.as_slice(), &map.tau, sources[0].without_effort(wanted)) {
+        return Err(Error::input(path, source.line(), "effort", problem));
+    }
+    let header = sources.iter().flat_map(Source::header).cloned().collect();
+    let mut header = map.rename(path, header)?;
+    let by_time = source::hide_times(&sources, &mut header);
+    let own = sources[0].own_joints();
+    let demand = Demand { lenient: true, timeless: map.rate_hz.is_some() };
+    let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
+    let (mut columns, lines, unreadable) = source::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
 
-/// Lines of increasing places in a file, each that of the first line with content from there on.
-fn lines(bytes: &[u8], starts: &[usize]) -> Vec<usize> {
-    let (mut line, mut seen) = (1, 0);
-    starts
-        .iter()
-        .map(|&start| {
-            let blank = bytes[start..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
-            line += bytes[seen..start + blank].iter().filter(|&&byte| byte == b'\n').count();
-            seen = start + blank;
-            line
-        })
-        .collect()
+    let empty = mend::empty_columns(&layout, &columns);
+    if let Err(joint) = layout.leave_out(&empty, joints.is_some()) {
+        let name = &layout.joints()[joint];
+        let problem = "holds no position in any row; log it, or choose joints that were logged";
+        return Err(Error::input(path, None, name.as_str(), problem));
+    }
+    if layout.torques().iter().all(|column| *column == columns::ABSENT) {
+        let problem = "the torques of all joints are empty or not a number: the driver did not report them; log them, or motor \
+                       currents";
+        return Err(Error::input(path, None, "torque", problem));
+    }
+    let mut mended = std::mem::take(&mut layout.understood);
+    let clock = stamps::clock(path, &sources[0], &mut layout, &mut columns, &mut header, lines.len(), map)?;
+    mended.extend(clock.mended);
+    let mut rows = Rows { header, lines, columns };
+    let rejected = rows.sieve(&layout, unreadable);
+    let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
+    let currents = layout.currents;
+    let mut recording = layout.recording(rows.columns);
+    sources[0].describe(&mut recording);
+    mended.extend(mend::constant_torques(&mut recording));
+    let (unwrapped, note) = mend::unwrap(&mut recording);
+    mended.extend(note);
+    let sieved =
+        Sieved { recording, lines: rows.lines, rejected, notes, mended, unwrapped, currents, spoilt: clock.spoilt };
+    match sieved.rejected.first() {
+        Some(first) if sieved.lines.is_empty() => {
+            let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);
+            Err(Error::input(path, Some(first.line), &first.column, problem))
+        }
+        _ => Ok(sieved),
+    }
 }
 
 impl ColumnMap {

@@ -8,9 +8,18 @@ pub mod parquet;
 pub mod resample;
 
 mod columns;
+mod format;
+mod labels;
+mod mend;
+mod names;
+mod numpy;
 #[cfg(test)]
 mod samples;
 mod sieve;
+mod source;
+mod stamps;
+mod text;
+mod written;
 
 use crate::channels::Channels;
 use crate::error::{Error, Result};
@@ -167,9 +176,11 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
     let mut lost = Vec::new();
     match extension.as_deref() {
         Some("csv") => {
-            csv::write(path, recording)?;
             let numbered = |(joint, name): (usize, &String)| *name == format!("joint_{}", joint + 1);
-            lost.extend((!recording.joints.iter().enumerate().all(numbered)).then_some("names of joints"));
+            match recording.joints.iter().enumerate().all(numbered) {
+                true => csv::write(path, recording)?,
+                false => csv::write_named(path, recording)?,
+            }
             let told = !recording.provenance.is_empty() || !recording.robot.is_empty();
             lost.extend(told.then_some("where the log comes from"));
         }

@@ -16,7 +16,7 @@ static CLEAN: LazyLock<Vec<Recording>> =
 
 fn screened(log: &Recording) -> (Vec<Recording>, Vec<DataFault>) {
     let lines = (2..log.samples() + 2).collect();
-    let sieved = Sieved { recording: log.clone(), lines, rejected: Vec::new(), notes: Vec::new() };
+    let sieved = Sieved { recording: log.clone(), lines, ..Sieved::default() };
     let screened = screen("log", sieved, &SETUP.known).unwrap();
     (screened.pieces, screened.faults)
 }

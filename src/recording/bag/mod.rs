@@ -47,6 +47,9 @@ pub fn is_bag(path: &Path) -> bool {
 /// The file that describes a bag of several files.
 const METADATA: &str = "metadata.yaml";
 
+/// How a file of SQLite begins.
+const SQLITE: &[u8] = b"SQLite format 3\0";
+
 /// Reads a log. `joints` are wanted where they are known, from `topic` where that is known.
 ///
 /// # Errors
@@ -58,7 +61,8 @@ pub fn read(path: &Path, joints: Option<&[String]>, topic: Option<&str>) -> Resu
     for file in files(path)? {
         let name = file.to_string_lossy().to_lowercase();
         let mut hear = |topic: &str, logged: i64, data: &[u8]| groups.add(topic, logged, data);
-        let read = if name.trim_end_matches(".zstd").ends_with(".db3") { storage::sqlite } else { storage::mcap };
+        let sqlite = name.trim_end_matches(".zstd").ends_with(".db3") || storage::begins_with(&file, SQLITE)?;
+        let read = if sqlite { storage::sqlite } else { storage::mcap };
         let Contents { topics: found, cut_off: cut } = read(&file, &mut hear)?;
         topics.extend(found);
         cut_off = cut_off.or(cut.map(|reason| match file == *path {

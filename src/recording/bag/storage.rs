@@ -157,7 +157,8 @@ fn open(path: &Path) -> Result<Box<dyn Read>> {
     }
 }
 
-fn begins_with(path: &Path, magic: &[u8]) -> Result<bool> {
+/// Whether a file begins with these bytes.
+pub fn begins_with(path: &Path, magic: &[u8]) -> Result<bool> {
     let mut start = Vec::new();
     let failed = |source| Error::io(path, "read the recording", source);
     File::open(path).map_err(failed)?.take(magic.len() as u64).read_to_end(&mut start).map_err(failed)?;

@@ -6,8 +6,12 @@ use proptest::prelude::*;
 
 fn text(recording: &Recording) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_table(&mut bytes, &columns::table(recording).unwrap()).unwrap();
+    write_table(&mut bytes, &written::table(recording, false).unwrap()).unwrap();
     bytes
+}
+
+fn parse(path: &Path, bytes: &[u8], joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
+    strictly(path, &Text::new(path, bytes.to_vec())?, joints)
 }
 
 fn parse_text(text: &str) -> Result<(Recording, Vec<String>)> {
@@ -131,7 +135,7 @@ fn faults_are_named_by_line_and_column() {
 fn a_full_disk_is_an_error() {
     let Ok(full) = File::options().write(true).open("/dev/full") else { return };
     let recording = samples::full(1, 3);
-    assert!(write_table(full, &columns::table(&recording).unwrap()).is_err());
+    assert!(write_table(full, &written::table(&recording, false).unwrap()).is_err());
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn screened(robot: &Robot, logs: Vec<Recording>) -> Result<(Vec<DataFault>, Usab
     let mut refused: Vec<DataFault> = Vec::new();
     let named = |(index, log): (usize, Recording)| {
         let lines = (2..log.samples() + 2).collect();
-        (format!("log {}", index + 1), Sieved { recording: log, lines, rejected: Vec::new(), notes: Vec::new() })
+        (format!("log {}", index + 1), Sieved { recording: log, lines, ..Sieved::default() })
     };
     let logs: Vec<(String, Sieved)> = logs.into_iter().enumerate().map(named).collect();
     for ((name, sieved), result) in logs.iter().zip(screen_all(logs.clone(), robot)?) {

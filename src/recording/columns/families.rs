@@ -1,0 +1,134 @@
+//! Columns that are called alike, and the joints that they name or number.
+
+use crate::recording::names::{self, Joint, Meaning};
+use std::collections::BTreeMap;
+
+/// A column that is the signal of a joint, as one reading of its name has it.
+#[derive(Debug)]
+pub struct Candidate<'a> {
+    /// Index of the column.
+    pub column: usize,
+    /// The reading.
+    pub meaning: &'a Meaning,
+    /// Whose signal it is.
+    pub joint: Place,
+}
+
+/// Where a joint is in the order of joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// As the file numbers it.
+    Number(usize),
+    /// Counted from 1.
+    Index(usize),
+}
+
+/// The columns of a quantity whose joint is known, each in the first reading of its name that gives one.
+pub fn candidates<'a>(
+    meanings: &'a [Vec<Meaning>],
+    names: &[String],
+    numbers: &BTreeMap<String, usize>,
+    truth: bool,
+    quantity: usize,
+) -> Vec<Candidate<'a>> {
+    let place = |meaning: &Meaning| match &meaning.joint {
+        Joint::Number(number) => Some(Place::Number(*number)),
+        Joint::Name(name) => match numbers.get(name) {
+            Some(number) => Some(Place::Index(*number)),
+            None => names.iter().position(|own| own == name).map(|index| Place::Index(index + 1)),
+        },
+    };
+    let of = |(column, readings): (usize, &'a Vec<Meaning>)| {
+        let (meaning, joint) = readings.iter().find_map(|meaning| Some((meaning, place(meaning)?)))?;
+        ((meaning.truth, meaning.quantity) == (truth, quantity)).then_some(Candidate { column, meaning, joint })
+    };
+    meanings.iter().enumerate().filter_map(of).collect()
+}
+
+/// Of columns that could be the same quantity, those that are called alike: torques before currents, those of more joints,
+/// and names that this program writes before others.
+pub fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
+    let mut families: BTreeMap<&str, Vec<Candidate>> = BTreeMap::new();
+    for candidate in candidates {
+        families.entry(&candidate.meaning.family).or_default().push(candidate);
+    }
+    let order = |family: &Vec<Candidate>| {
+        let first = family.first().map(|candidate| candidate.meaning);
+        (first.is_some_and(|m| m.current), std::cmp::Reverse(family.len()), first.map_or(0, |m| m.rank))
+    };
+    families.into_values().min_by_key(order).unwrap_or_default()
+}
+
+/// Whether the joints of a quantity are counted from 0 or from 1; None where none is numbered. A quantity without number
+/// 0 is counted as positions are, unless it has as many joints from 1 on.
+pub fn base(family: &[Candidate], of_positions: Option<usize>, positions: usize) -> Option<usize> {
+    let numbers = family.iter().filter_map(|candidate| match candidate.joint {
+        Place::Number(number) => Some(number),
+        Place::Index(_) => None,
+    });
+    let (lowest, highest) = (numbers.clone().min()?, numbers.max()?);
+    Some(if lowest == 0 || (of_positions == Some(0) && highest < positions) { 0 } else { 1 })
+}
+
+/// Whether any joint has a position.
+pub fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool {
+    !candidates(meanings, names, &BTreeMap::new(), false, names::POSITION).is_empty()
+}
+
+/// The numbers of joints that the file calls by other names than the robot does, as `joint1` to `joint6`: name -> number
+/// counted from 1. Empty unless there are `count` of them without a hole.
+pub fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<String, usize> {
+    let names = own_names(meanings);
+    let split = |name: &str| -> Option<(String, usize)> {
+        let start = name.find(|letter: char| letter.is_ascii_digit())?;
+        let length = name[start..].bytes().take_while(u8::is_ascii_digit).count();
+        let number = name[start..start + length].parse().ok()?;
+        Some((format!("{}#{}", &name[..start], &name[start + length..]), number))
+    };
+    let parts: Option<Vec<(String, usize)>> = names.iter().map(|name| split(name)).collect();
+    let Some(parts) = parts.filter(|parts| parts.len() == count && count > 0) else { return BTreeMap::new() };
+    let lowest = parts.iter().map(|(_, number)| *number).min().unwrap_or(0);
+    let mut sorted: Vec<usize> = parts.iter().map(|(_, number)| *number).collect();
+    sorted.sort_unstable();
+    let alike = parts.iter().all(|(pattern, _)| *pattern == parts[0].0);
+    if !alike || lowest > 1 || !sorted.into_iter().eq(lowest..lowest + count) {
+        return BTreeMap::new();
+    }
+    names.into_iter().zip(parts).map(|(name, (_, number))| (name, number + 1 - lowest)).collect()
+}
+
+/// The readings of positions in the family that most columns share.
+fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
+    let mut families: BTreeMap<&str, Vec<&Meaning>> = BTreeMap::new();
+    for meaning in meanings.iter().filter_map(|readings| readings.iter().find(|meaning| !meaning.exact_only)) {
+        if !meaning.truth && meaning.quantity == names::POSITION {
+            families.entry(&meaning.family).or_default().push(meaning);
+        }
+    }
+    let order = |family: &Vec<&Meaning>| (std::cmp::Reverse(family.len()), family.first().map(|meaning| meaning.rank));
+    families.into_values().min_by_key(order).unwrap_or_default()
+}
+
+/// The joints whose positions a header names or numbers.
+pub fn joint_names(header: &[String]) -> crate::recording::lenient::JointNames {
+    let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
+    let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
+    let numbered = positions(&meanings).iter().filter(numbered).count();
+    crate::recording::lenient::JointNames { names: own_names(&meanings), numbered }
+}
+
+/// Joint names in the order of their positions; none where the positions are numbered.
+pub fn own_names(meanings: &[Vec<Meaning>]) -> Vec<String> {
+    let name = |meaning: &&Meaning| match &meaning.joint {
+        Joint::Name(name) => Some(name.clone()),
+        Joint::Number(_) => None,
+    };
+    let names: Option<Vec<String>> = positions(meanings).iter().map(name).collect();
+    let mut unique: Vec<String> = Vec::new();
+    for name in names.unwrap_or_default() {
+        if !unique.contains(&name) {
+            unique.push(name);
+        }
+    }
+    unique
+}

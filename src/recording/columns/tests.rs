@@ -1,0 +1,79 @@
+//! Headers of every kind.
+
+use super::*;
+
+fn find(header: &str, joints: Option<&[&str]>) -> Result<Layout> {
+    let header: Vec<String> = header.split(',').map(str::to_owned).collect();
+    let joints: Option<Vec<String>> = joints.map(|joints| joints.iter().map(|&joint| joint.to_owned()).collect());
+    Layout::find(Path::new("log.csv"), Some(1), &header, joints.as_deref())
+}
+
+fn problem(header: &str, joints: Option<&[&str]>) -> String {
+    find(header, joints).unwrap_err().to_string()
+}
+
+#[test]
+fn numbered_columns_in_any_order() {
+    let layout = find("tau2,q1,time,q2,dq2,dq1,tau1", None).unwrap();
+    assert_eq!((layout.time, layout.q, layout.tau), (2, vec![1, 3], vec![6, 0]));
+    assert_eq!((layout.qd, layout.qdd, layout.truth), (Some(vec![5, 4]), None, None));
+    assert_eq!(layout.joints, ["joint_1", "joint_2"]);
+    assert!(layout.notes.is_empty());
+}
+
+#[test]
+fn joint_names_in_columns() {
+    for header in ["t,q_b,q_a,qd_a,qd_b,tau_a,tau_b", "t,b_position,a_position,a_velocity,b_velocity,a_effort,b_effort"]
+    {
+        let own = find(header, None).unwrap();
+        assert_eq!((own.joints, own.q, own.tau), (vec!["b".into(), "a".into()], vec![1, 2], vec![6, 5]));
+        let ordered = find(header, Some(&["a", "b"])).unwrap();
+        assert_eq!((ordered.q, ordered.qd, ordered.tau), (vec![2, 1], Some(vec![3, 4]), vec![5, 6]));
+    }
+    let layout = find("t,q_1,q_2,ddq_1,ddq_2,tau_1,tau_2", Some(&["a", "b"])).unwrap();
+    assert_eq!((layout.q, layout.qdd), (vec![1, 2], Some(vec![3, 4])));
+}
+
+#[test]
+fn other_columns_are_noted() {
+    let layout = find("t,q1,tau1,current,q_reference,,status", None).unwrap();
+    assert_eq!(layout.notes, ["columns not used: current, q_reference, (column 6), status"]);
+    let layout = find("t,q_a,tau_a,q_gripper,tau_gripper", Some(&["a"])).unwrap();
+    assert_eq!(layout.notes, ["columns not used: q_gripper, tau_gripper"]);
+}
+
+#[test]
+fn truth_is_taken_only_when_whole() {
+    let whole = find("t,q1,tau1,q1_true,qd1_true,qdd1_true,tau1_true", None).unwrap();
+    assert_eq!(whole.truth, Some([vec![3], vec![4], vec![5], vec![6]]));
+    let part = find("t,q1,tau1,q1_true,qd1_true,tau1_true", None).unwrap();
+    assert_eq!(part.truth, None);
+    assert!(part.notes[0].contains("_true"), "{:?}", part.notes);
+}
+
+#[test]
+fn wrong_headers_are_named() {
+    let six: &[&str] = &["a", "b", "c"];
+    let cases = [
+        ("q1,tau1", None, ["log.csv:1: t: missing column", "found: q1, tau1"]),
+        ("t,tau1", None, ["log.csv:1: q1: missing column", "found: t, tau1"]),
+        ("t,q1,q2,tau1", None, ["log.csv:1: tau2: missing column", "positions of 2 joints"]),
+        ("t,q1,q2,qd2,tau1,tau2", None, ["log.csv:1: qd1: missing column", "hole"]),
+        ("t,q1,q3,tau1,tau3", None, ["log.csv:1: q2: missing column", "a hole in the numbering: q3 is there"]),
+        ("t,q1,q4000000000,tau1", None, ["log.csv:1: q2:", "hole"]),
+        ("t,q1,tau1,tau2", None, ["log.csv:1: tau2:", "too many: there are positions of 1 joints"]),
+        ("t,q1,q2,tau1,tau2", Some(six), ["log.csv:1: q3:", "fewer joints than the robot"]),
+        ("t,q1,q2,q3,q4,tau1", Some(six), ["log.csv:1: q4:", "the robot has 3 joints (a, b, c)"]),
+        ("t,q_x,tau_x", Some(six), ["log.csv:1: q1:", "(q1, q_a or a_position)"]),
+        ("t,q_a,q_b,tau_a", None, ["log.csv:1: tau2:", "tau_b"]),
+        ("t,q1,tau1", Some(&[]), ["log.csv:1: q1:", "the robot has 0 joints"]),
+        ("t,q1,qd1,dq1,tau1", None, ["log.csv:1: dq1:", "the same as column qd1"]),
+        ("t,time,q1,tau1", None, ["log.csv:1: time:", "the same as column t"]),
+        ("0.0,1.5,2.5", None, ["log.csv:1: t:", "the first line must name the columns"]),
+        ("Zeit,Winkel1,tau1", None, ["log.csv:1: t:", "in a dataset ([columns])"]),
+    ];
+    for (header, joints, expected) in cases {
+        let problem = problem(header, joints);
+        assert!(expected.iter().all(|part| problem.contains(part)), "{header}: {problem}");
+    }
+}

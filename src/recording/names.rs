@@ -1,0 +1,430 @@
+//! What a column's name says: which quantity of which joint, or time. Programs that write logs have their own ways;
+//! these are theirs.
+
+/// Index of position among the quantities.
+pub const POSITION: usize = 0;
+/// Index of velocity.
+pub const VELOCITY: usize = 1;
+/// Index of acceleration.
+pub const ACCELERATION: usize = 2;
+/// Index of torque.
+pub const TORQUE: usize = 3;
+
+/// Ending of a column of the truth behind a simulated log.
+pub const TRUE: &str = "_true";
+
+/// A measured quantity and how its columns are called: `q1`, `q_elbow` or `elbow_position`.
+#[derive(Debug, Clone, Copy)]
+pub struct Quantity {
+    /// Name in messages.
+    pub name: &'static str,
+    /// What stands before the joint; the first is written.
+    pub prefixes: &'static [&'static str],
+    /// What stands behind the joint; the first is written.
+    pub suffixes: &'static [&'static str],
+    /// How other programs call it, in small letters with `_` between the words.
+    words: &'static [&'static str],
+}
+
+/// The quantities by their index.
+pub const QUANTITIES: [Quantity; 4] = [
+    Quantity {
+        name: "position",
+        prefixes: &["q"],
+        suffixes: &["_position"],
+        words: &[
+            "q",
+            "pos",
+            "position",
+            "positions",
+            "angle",
+            "angles",
+            "qpos",
+            "dof_pos",
+            "dof_position",
+            "jpos",
+            "state",
+        ],
+    },
+    Quantity {
+        name: "velocity",
+        prefixes: &["qd", "dq"],
+        suffixes: &["_velocity"],
+        words: &[
+            "qd",
+            "dq",
+            "qdot",
+            "q_dot",
+            "vel",
+            "velocity",
+            "velocities",
+            "speed",
+            "speeds",
+            "qvel",
+            "dof_vel",
+            "dof_velocity",
+            "jvel",
+        ],
+    },
+    Quantity {
+        name: "acceleration",
+        prefixes: &["qdd", "ddq"],
+        suffixes: &["_acceleration"],
+        words: &["qdd", "ddq", "qddot", "q_ddot", "acc", "accel", "acceleration", "accelerations", "qacc", "dof_acc"],
+    },
+    Quantity {
+        name: "torque",
+        prefixes: &["tau"],
+        suffixes: &["_effort", "_torque"],
+        words: &[
+            "tau",
+            "tau_j",
+            "torque",
+            "torques",
+            "trq",
+            "effort",
+            "efforts",
+            "dof_torque",
+            "dof_effort",
+            "qfrc_actuator",
+            "load",
+        ],
+    },
+];
+
+/// Words for the current of a motor, which stands in for its torque.
+const CURRENT: [&str; 5] = ["current", "currents", "motor_current", "motor_currents", "amps"];
+
+/// Words around a quantity that say it was measured; nothing depends on them.
+const MEASURED: [&str; 16] = [
+    "actual", "act", "measured", "meas", "msr", "real", "sensor", "sensed", "joint", "joints", "jnt", "robot", "arm",
+    "feedback", "raw", "true",
+];
+
+/// Those of them that say where.
+const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
+
+/// Words that say a value was wanted, computed or is that of another thing, and not measured at a joint.
+const WANTED: [&str; 19] = [
+    "target",
+    "desired",
+    "des",
+    "ref",
+    "reference",
+    "cmd",
+    "command",
+    "commanded",
+    "goal",
+    "setpoint",
+    "error",
+    "err",
+    "tcp",
+    "cartesian",
+    "temperature",
+    "temperatures",
+    "temp",
+    "voltage",
+    "action",
+];
+
+/// The same of names with a number at their end, as `tau_J_d_0` and `tau_ext_hat_filtered_0` of a Panda.
+const WANTED_NUMBERED: [&str; 4] = ["d", "ext", "hat", "filtered"];
+
+/// Parts of a path that name a message or a group and no joint.
+const GROUPS: [&str; 14] = [
+    "joint_states",
+    "joint_state",
+    "state",
+    "states",
+    "robot_state",
+    "field",
+    "msg",
+    "message",
+    "data",
+    "observation",
+    "obs",
+    "measured",
+    "feedback",
+    "header",
+];
+
+/// Whose signal a column holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Joint {
+    /// The joint's number as it stands in the name.
+    Number(usize),
+    /// The joint's name.
+    Name(String),
+}
+
+/// One way to understand a column's name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Meaning {
+    /// Of the truth behind a simulated log.
+    pub truth: bool,
+    /// Index of the quantity.
+    pub quantity: usize,
+    /// The joint.
+    pub joint: Joint,
+    /// Columns of one family are called alike but for the joint.
+    pub family: String,
+    /// 0 for the names that this program writes, more for others.
+    pub rank: u8,
+    /// A motor current in place of a torque.
+    pub current: bool,
+    /// Counts only for a joint of exactly this name: else it would be a value that was wanted.
+    pub exact_only: bool,
+}
+
+/// All ways to understand a column's name, the most likely first.
+pub fn meanings(column: &str) -> Vec<Meaning> {
+    let (column, _) = without_unit(column);
+    let (truth, name) = column.strip_suffix(TRUE).map_or((false, column), |name| (true, name));
+    let own = words(name);
+    let wanted = own.iter().any(|word| WANTED.contains(&word.as_str()))
+        || (index(name).is_some() && own.iter().any(|word| WANTED_NUMBERED.contains(&word.as_str())));
+    let mut out = Vec::new();
+    if !wanted {
+        out.extend(numbered(name));
+    }
+    out.extend(plain(name).map(|(quantity, joint)| Meaning {
+        truth: false,
+        quantity,
+        joint,
+        family: String::new(),
+        rank: 0,
+        current: false,
+        exact_only: wanted,
+    }));
+    if !wanted {
+        out.extend(named(name));
+    }
+    out.iter_mut().for_each(|meaning| meaning.truth = truth);
+    out
+}
+
+/// The names that this program writes and documents.
+fn plain(name: &str) -> Option<(usize, Joint)> {
+    (0..QUANTITIES.len()).find_map(|quantity| {
+        let Quantity { prefixes, suffixes, .. } = QUANTITIES[quantity];
+        let behind = prefixes.iter().find_map(|prefix| {
+            // Exports like to shout: Q1, TAU1.
+            let rest = name
+                .get(..prefix.len())
+                .filter(|own| own.eq_ignore_ascii_case(prefix))
+                .map(|_| &name[prefix.len()..])?;
+            let bare = rest.strip_prefix('_').unwrap_or(rest);
+            if !bare.is_empty() && bare.bytes().all(|byte| byte.is_ascii_digit()) {
+                return bare.parse().ok().map(Joint::Number);
+            }
+            (bare.len() < rest.len() && !bare.is_empty()).then(|| Joint::Name(bare.to_owned()))
+        });
+        let before = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix)).filter(|joint| !joint.is_empty());
+        behind.or(before.map(|joint| Joint::Name(joint.to_owned()))).map(|joint| (quantity, joint))
+    })
+}
+
+/// `actual_q_0`, `state.q[0]`, `position[0]`, `/joint_states/position/0`: a quantity and behind it a number.
+fn numbered(name: &str) -> Option<Meaning> {
+    let (stem, number) = index(name)?;
+    let segments: Vec<&str> = segments(stem);
+    let (last, groups) = segments.split_last()?;
+    if !groups.iter().all(|group| is_group(group)) {
+        return None;
+    }
+    let (quantity, current) = quantity(&words(last))?;
+    let written = groups.is_empty() && QUANTITIES[quantity].prefixes.iter().any(|p| last.eq_ignore_ascii_case(p));
+    // The names written have one family, in which velocity may be `qd` or `dq`.
+    let family = if written { String::new() } else { stem.to_owned() };
+    let rank = if written { 0 } else { 1 };
+    Some(Meaning { truth: false, quantity, joint: Joint::Number(number), family, rank, current, exact_only: false })
+}
+
+/// `/joint_states/position/elbow`, `position_elbow`, `elbow.pos`, `/joint_states/elbow/position`, `elbow current`.
+fn named(name: &str) -> Option<Meaning> {
+    let meaning = |(quantity, current): (usize, bool), joint: &str, family: String, rank| {
+        let joint = joint.trim_matches(SEPARATORS);
+        (!joint.is_empty()).then(|| Meaning {
+            truth: false,
+            quantity,
+            joint: Joint::Name(joint.to_owned()),
+            family,
+            rank,
+            current,
+            exact_only: false,
+        })
+    };
+    // A quantity between groups and joint, or behind the joint, as a part of a path of its own.
+    let all = segments(name);
+    let first = all.iter().position(|part| !is_group(part)).unwrap_or(all.len());
+    let parts = &all[first..];
+    if parts.len() == 2 {
+        if let Some(found) = quantity(&words(parts[0])) {
+            return meaning(found, parts[1], format!("{}/#", parts[0]), 1);
+        }
+        if let Some(found) = quantity(&words(parts[1])) {
+            return meaning(found, parts[0], format!("#/{}", parts[1]), 1);
+        }
+    }
+    let [part] = parts else { return None };
+    // One word before or behind the joint's name.
+    let (before, behind) = part.split_once(['_', ' '])?;
+    if let Some(found) = quantity(&words(before)).filter(|_| before.len() > 1) {
+        return meaning(found, behind, format!("{before}_#"), 1);
+    }
+    let (before, behind) = part.rsplit_once(['_', ' '])?;
+    let found = quantity(&words(behind))?;
+    let joint = before.strip_suffix("_actual").or(before.strip_suffix("_measured")).unwrap_or(before);
+    meaning(found, joint, format!("#_{behind}"), 2)
+}
+
+const SEPARATORS: [char; 6] = ['/', '.', '_', ' ', '[', ']'];
+
+/// Parts of a path.
+fn segments(name: &str) -> Vec<&str> {
+    name.split(['/', '.']).map(str::trim).filter(|part| !part.is_empty()).collect()
+}
+
+fn is_group(part: &str) -> bool {
+    let words = words(part).join("_");
+    GROUPS.contains(&words.as_str()) || words == "joint" || words == "joints" || words == "robot"
+}
+
+/// The words of a name in small letters, also of `jointPositions`.
+fn words(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut small = false;
+    for letter in name.chars() {
+        let separates = SEPARATORS.contains(&letter) || letter == '-';
+        if separates || (letter.is_uppercase() && small) {
+            out.push(String::new());
+        }
+        small = letter.is_lowercase();
+        if !separates {
+            out.last_mut().into_iter().for_each(|word| word.extend(letter.to_lowercase()));
+        }
+    }
+    out.retain(|word| !word.is_empty());
+    out
+}
+
+/// The quantity that words stand for, and whether it is a current; words that say only that it was measured may stand around.
+fn quantity(words: &[String]) -> Option<(usize, bool)> {
+    let measured = |word: &&String| MEASURED.contains(&word.as_str());
+    let lookup = |words: &[String]| {
+        let joined = words.join("_");
+        if CURRENT.contains(&joined.as_str()) {
+            return Some((TORQUE, true));
+        }
+        (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
+    };
+    let front = words.iter().take_while(measured).count();
+    // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
+    let of_value = |word: &&String| measured(word) && !OF_JOINT.contains(&word.as_str());
+    let back = words[front..].iter().rev().take_while(of_value).count();
+    lookup(&words[front..words.len() - back])
+}
+
+/// The number at the end of a name, as in `q0`, `q_0`, `q[0]`, `q.0`, with what stands before it.
+fn index(name: &str) -> Option<(&str, usize)> {
+    let bare = name.strip_suffix([']', ')']).unwrap_or(name);
+    let stem = bare.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let number = bare[stem.len()..].parse().ok()?;
+    let stem = stem.trim_end_matches(['[', '(', '_', '.', '/', ' ', '-']);
+    (!stem.is_empty()).then_some((stem, number))
+}
+
+/// A name without the unit in brackets or behind a blank at its end, and the unit: `q1 [rad]`, `time (ms)`.
+fn without_unit(name: &str) -> (&str, Option<&str>) {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let Some(inside) = name.strip_suffix(close) else { continue };
+        let Some((stem, unit)) = inside.rsplit_once(open) else { continue };
+        let letters = unit.chars().any(|letter| letter.is_alphabetic() || letter == '°');
+        if letters && !stem.trim().is_empty() {
+            return (stem.trim(), Some(unit.trim()));
+        }
+    }
+    (name, None)
+}
+
+/// What a column of time holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Time {
+    /// The lower, the better: the time of the message before that of the logger.
+    pub rank: u8,
+    /// Seconds per unit, where the name says it.
+    pub factor: Option<f64>,
+    /// Whole seconds, or the nanoseconds behind them, of which the other is in a column of its own.
+    pub part: Part,
+}
+
+/// Which part of a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// Whole seconds.
+    Seconds,
+    /// Nanoseconds of the second.
+    Nanoseconds,
+}
+
+/// Rank of `t` and `time`, which are in seconds.
+pub const OWN_TIME: u8 = 0;
+const OF_MESSAGE: u8 = 1;
+const STAMP: u8 = 2;
+const OF_LOGGER: u8 = 3;
+/// Rank of a first column without a name, in which programs for tables put the index of the rows.
+pub const INDEX: u8 = 9;
+
+/// What a column's name says about time.
+pub fn time(column: &str, place: usize) -> Option<Time> {
+    let time = |rank, factor, part| Some(Time { rank, factor, part });
+    if column.eq_ignore_ascii_case("t") || column.eq_ignore_ascii_case("time") {
+        return time(OWN_TIME, None, Part::Whole);
+    }
+    if place == 0 && (column.is_empty() || column.starts_with("Unnamed:") || column == "index") {
+        return time(INDEX, None, Part::Whole);
+    }
+    let (bare, unit) = without_unit(column);
+    let mut words = words(bare.trim_start_matches('%'));
+    let factor_of = |unit: &str| match unit {
+        "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
+        "ms" | "msec" | "millis" | "milliseconds" => Some(1e-3),
+        "us" | "usec" | "µs" | "micros" | "microseconds" => Some(1e-6),
+        "ns" | "nsec" | "nanos" | "nanoseconds" => Some(1e-9),
+        _ => None,
+    };
+    let whole = words.join("_");
+    let stamped = whole.ends_with("stamp_sec") || whole.ends_with("stamp_secs") || matches!(&*whole, "sec" | "secs");
+    if stamped {
+        return time(OF_MESSAGE, None, Part::Seconds);
+    }
+    let behind = ["nanosec", "nanosecs", "nsec", "nsecs"];
+    if behind.iter().any(|word| whole.ends_with(&format!("stamp_{word}")) || whole == *word) {
+        return time(OF_MESSAGE, None, Part::Nanoseconds);
+    }
+    let mut factor = unit.and_then(|unit| factor_of(&unit.to_lowercase()));
+    if factor.is_none() && words.len() > 1 {
+        factor = words.last().and_then(|word| factor_of(word));
+        if factor.is_some() {
+            words.pop();
+        }
+    }
+    let rank = match &*words.join("_") {
+        "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
+        "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,
+        "t" | "time" => STAMP,
+        "header_stamp" | "field_header_stamp" | "joint_states_header_stamp" | "msg_header_stamp" => OF_MESSAGE,
+        "timestamp" | "timestamps" | "time_stamp" | "stamp" | "times" | "robot_timestamp" | "timestamp_robot"
+        | "elapsed" | "elapsed_time" | "controller_time" | "robot_time" | "sim_time" | "state_time"
+        | "time_from_start" => STAMP,
+        "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time" | "datetime"
+        | "date_time" | "date" => OF_LOGGER,
+        _ => return None,
+    };
+    time(rank, factor, Part::Whole)
+}
+
+#[cfg(test)]
+mod tests;

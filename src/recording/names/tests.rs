@@ -1,0 +1,104 @@
+//! Names of columns as programs write them.
+
+use super::*;
+
+fn first(column: &str) -> Option<(usize, Joint)> {
+    meanings(column).into_iter().find(|meaning| !meaning.exact_only).map(|meaning| (meaning.quantity, meaning.joint))
+}
+
+#[test]
+fn numbers_behind_the_quantity() {
+    for (column, quantity, number) in [
+        ("q1", POSITION, 1),
+        ("TAU_2", TORQUE, 2),
+        ("actual_q_0", POSITION, 0),
+        ("actual_qd_5", VELOCITY, 5),
+        ("state.q[0]", POSITION, 0),
+        ("dq[6]", VELOCITY, 6),
+        ("tau_J[3]", TORQUE, 3),
+        ("tau_J_3", TORQUE, 3),
+        ("/joint_states/position[2]", POSITION, 2),
+        ("/joint_states/velocity.2", VELOCITY, 2),
+        ("field.effort4", TORQUE, 4),
+        ("observation.state[1]", POSITION, 1),
+        ("observation.effort[1]", TORQUE, 1),
+        ("jointPositions_3", POSITION, 3),
+        ("measured_torque_4", TORQUE, 4),
+        ("joint_pos_2", POSITION, 2),
+        ("q_dot_1", VELOCITY, 1),
+        ("q1 [rad]", POSITION, 1),
+        ("torques[0]", TORQUE, 0),
+    ] {
+        assert_eq!(first(column), Some((quantity, Joint::Number(number))), "{column}");
+    }
+    assert!(meanings("actual_current_2")[0].current);
+}
+
+#[test]
+fn names_before_and_behind_the_quantity() {
+    for (column, quantity, name) in [
+        ("q_elbow", POSITION, "elbow"),
+        ("elbow_joint_effort", TORQUE, "elbow_joint"),
+        ("/joint_states/position/elbow_joint", POSITION, "elbow_joint"),
+        ("/joint_states/elbow_joint/velocity", VELOCITY, "elbow_joint"),
+        ("position_elbow_joint", POSITION, "elbow_joint"),
+        ("effort_joint_1", TORQUE, "joint_1"),
+        ("elbow_flex.pos", POSITION, "elbow_flex"),
+        ("joint_1_vel", VELOCITY, "joint_1"),
+        ("q_joint_1", POSITION, "joint_1"),
+    ] {
+        assert_eq!(first(column), Some((quantity, Joint::Name(name.to_owned()))), "{column}");
+    }
+    assert!(meanings("elbow_current")[0].current);
+}
+
+#[test]
+fn what_was_not_measured_at_a_joint_is_left() {
+    for column in [
+        "target_q_0",
+        "target_moment_3",
+        "actual_TCP_pose_0",
+        "actual_TCP_speed_1",
+        "elbow_position_0",
+        "q_d[1]",
+        "tau_J_d_0",
+        "tau_ext_hat_filtered_2",
+        "O_T_EE[12]",
+        "desired_position_0",
+        "q_cmd_1",
+        "action[0]",
+        "robot_mode",
+        "status",
+        "current",
+        "actual_joint_voltage_0",
+        "joint_temperatures_0",
+        "frame_index",
+    ] {
+        assert_eq!(first(column), None, "{column}");
+    }
+    // A joint may be called like that.
+    assert!(meanings("q_tool").iter().any(|meaning| meaning.joint == Joint::Name("tool".into())));
+}
+
+#[test]
+fn columns_of_time() {
+    let factor = |column: &str| time(column, 1).map(|time| time.factor);
+    for column in
+        ["t", "Time", "timestamp", "stamp", "__time", "%time", "rosbagTimestamp", "/joint_states/header/stamp"]
+    {
+        assert_eq!(factor(column), Some(None), "{column}");
+    }
+    for (column, expected) in
+        [("time_ns", 1e-9), ("timestamp_us", 1e-6), ("Time (ms)", 1e-3), ("t[s]", 1.0), ("time_sec", 1.0)]
+    {
+        assert_eq!(factor(column), Some(Some(expected)), "{column}");
+    }
+    for column in ["header.stamp.sec", "/joint_states/header/stamp/sec", "field.header.stamp.secs", "sec"] {
+        assert_eq!(time(column, 1).unwrap().part, Part::Seconds, "{column}");
+    }
+    for column in ["header.stamp.nanosec", "stamp_nsecs", "nanosec"] {
+        assert_eq!(time(column, 1).unwrap().part, Part::Nanoseconds, "{column}");
+    }
+    assert_eq!(time("", 0).unwrap().rank, INDEX);
+    assert_eq!((time("", 3), time("dead_time_ms", 0), time("seq", 0)), (None, None, None));
+}

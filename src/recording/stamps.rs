@@ -1,0 +1,272 @@
+//! The clock of a log in seconds: units, parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
+//! two sources.
+
+use super::columns::Layout;
+use super::lenient::ColumnMap;
+use super::source::Source;
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Share of the rows with the stamp of the row before, but other values, from which on the clock is coarse.
+const COARSE: f64 = 0.05;
+
+/// Share of steps back in time from which on stamps are not what they seem.
+const BACKWARD: f64 = 0.02;
+
+/// A step this many times longer than the coarse clock's, or than rows are apart, is a gap.
+const GAP: f64 = 4.0;
+
+/// Rows that are evenly spread on their own need so many between two gaps.
+const FEWEST: usize = 10;
+
+/// A clock beyond this did not start with the log, s.
+const LONG_AGO_S: f64 = 1e6;
+
+/// Positions that come back to those of the row before last this many times closer than to the last one are of two sources.
+const ALTERNATING: f64 = 5.0;
+
+/// Smallest mean step between rows of two sources, in any unit of position: noise alternates below.
+const APART: f64 = 1e-3;
+
+/// What was done with the clock.
+#[derive(Debug, Default)]
+pub struct Clock {
+    /// How it was understood and mended.
+    pub mended: Vec<String>,
+    /// Why the rows cannot be used, and what to do.
+    pub spoilt: Option<String>,
+}
+
+/// Puts the log's time into a column in seconds.
+///
+/// # Errors
+/// A rate that is none; an index of the rows in place of time.
+pub fn clock(
+    path: &Path,
+    source: &Source,
+    layout: &mut Layout,
+    columns: &mut Vec<Vec<f64>>,
+    header: &mut Vec<String>,
+    rows: usize,
+    map: &ColumnMap,
+) -> Result<Clock> {
+    let mut clock = Clock::default();
+    if let Some(rate) = map.rate_hz {
+        if !(rate.is_finite() && rate > 0.0) {
+            return Err(Error::input(path, None, "rate_hz", format!("{rate} is no rate; give rows per second")));
+        }
+        columns.push((0..rows).map(|row| row as f64 / rate).collect());
+        header.push("t".to_owned());
+        layout.set_time(columns.len() - 1);
+        clock.mended.push(format!("rows are taken at {rate} Hz, as the dataset says"));
+        return Ok(clock);
+    }
+    let column = layout.time();
+    if let Some(nanoseconds) = layout.nanoseconds() {
+        let start = columns[column].iter().copied().find(|second| second.is_finite()).unwrap_or(0.0);
+        let joined = columns[column].iter().zip(&columns[nanoseconds]).map(|(s, ns)| (s - start) + 1e-9 * ns);
+        let joined = joined.collect();
+        columns.push(joined);
+        header.push(header[column].clone());
+        layout.set_time(columns.len() - 1);
+        clock.mended.push(format!("time is {} and {} together", header[column], header[nanoseconds]));
+    } else {
+        if let (Source::Text(text), true) = (source, backward(&columns[column]) > BACKWARD) {
+            clock.mended.extend(zeros_lost(&text.cells(column), &mut columns[column]));
+        }
+        clock.mended.extend(in_seconds(&mut columns[column], layout, map.time_factor));
+        if layout.time_is_index && columns[column].windows(2).all(|pair| pair[1] - pair[0] == 1.0) {
+            let problem = "missing column: no column of time (t or time, in s), the first counts the rows; give the sampling rate \
+                           in a dataset: rate_hz = 100 in [columns]";
+            return Err(Error::input(path, source.line(), "t", problem));
+        }
+    }
+    let positions: Vec<usize> = layout.positions().to_vec();
+    let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
+    if let Some(spoilt) = of_two_sources(&signals) {
+        clock.spoilt = Some(spoilt);
+        return Ok(clock);
+    }
+    let used = layout.used();
+    let time = layout.time();
+    let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);
+    let stamps = &columns[time];
+    let repeated: Vec<usize> = (1..stamps.len()).filter(|&row| stamps[row] == stamps[row - 1]).collect();
+    let others = repeated.iter().filter(|row| !same(**row)).count();
+    if others as f64 > COARSE * stamps.len() as f64 && 2 * others > repeated.len() && backward(stamps) == 0.0 {
+        let (spread, quantum) = spread(stamps);
+        let rate = (spread.len() - 1) as f64 / (spread[spread.len() - 1] - spread[0]);
+        clock.mended.push(format!(
+            "the clock is coarse (steps of {:.3} ms): {:.0} % of the rows have the stamp of the row before, though other values; \
+             they are spread evenly, at {rate:.1} Hz; log a finer clock if you can",
+            1e3 * quantum,
+            100.0 * repeated.len() as f64 / stamps.len() as f64
+        ));
+        columns[time] = spread;
+    }
+    Ok(clock)
+}
+
+/// Share of steps that go back.
+fn backward(time: &[f64]) -> f64 {
+    time.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64 / time.len().max(2) as f64
+}
+
+/// Brings time to seconds. A unit that is not given is that of the column's name, or the one in which the numbers are a time
+/// from 1970, or (where the name leaves it open) steps of a log.
+fn in_seconds(time: &mut [f64], layout: &Layout, given: Option<f64>) -> Option<String> {
+    if let Some(factor) = given {
+        time.iter_mut().for_each(|t| *t *= factor);
+        return None;
+    }
+    let first = time.iter().copied().find(|t| t.is_finite())?;
+    let named = layout.time_factor();
+    let of_1970 = [(1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms")];
+    let of_1970 = of_1970.into_iter().find(|(least, ..)| first.abs() >= *least);
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let step = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    let (factor, unit) = match (named, of_1970) {
+        (Some(factor), _) => (factor, "the unit that its name says"),
+        (None, Some((_, factor, unit))) => (factor, unit),
+        (None, None) if layout.open_unit => {
+            STEPS.into_iter().find(|(least, ..)| step >= *least).map(|(_, f, u)| (f, u))?
+        }
+        (None, None) => return None,
+    };
+    // Numbers from 1970 on have no digits for what is between two rows.
+    let start = if first.abs() * factor > LONG_AGO_S { first } else { 0.0 };
+    if factor == 1.0 && start == 0.0 {
+        return None;
+    }
+    time.iter_mut().for_each(|t| *t = (*t - start) * factor);
+    let from = if start == 0.0 { "" } else { " from 1970; it is taken from the first row on" };
+    Some(match named {
+        Some(_) => format!("time is in {unit}{from}"),
+        None => format!("time is taken to be in {unit}{from} (say otherwise with [units] time in a dataset)"),
+    })
+}
+
+/// Median steps between rows from which on a time of open unit is in ns, us or ms: logs come at 2 to 2000 Hz.
+const STEPS: [(f64, f64, &str); 3] = [(5e5, 1e-9, "ns"), (500.0, 1e-6, "us"), (0.5, 1e-3, "ms")];
+
+/// Stamps of which the second's fraction lost its leading zeros when it was put behind the point: 12.5000000 for 12 s and
+/// 5000000 ns. They are mended where time then goes on.
+fn zeros_lost(cells: &[String], time: &mut [f64]) -> Option<String> {
+    let parts: Option<Vec<(&str, &str)>> = cells.iter().map(|cell| cell.split_once('.')).collect();
+    let parts = parts.filter(|parts| parts.len() == time.len())?;
+    let digits = parts.iter().map(|(_, fraction)| fraction.len()).max()?;
+    let scale = 10f64.powi(-(i32::try_from(digits).ok()?));
+    let value =
+        |(whole, fraction): &(&str, &str)| Some(whole.parse::<f64>().ok()? + scale * fraction.parse::<f64>().ok()?);
+    let mended: Vec<f64> = parts.iter().map(value).collect::<Option<_>>()?;
+    if backward(&mended) > 0.0 {
+        return None;
+    }
+    let example =
+        cells.iter().find(|cell| cell.split_once('.').is_some_and(|(_, fraction)| fraction.len() < digits))?;
+    time.copy_from_slice(&mended);
+    Some(format!(
+        "seconds and their fraction were joined without leading zeros ({example}): the digits behind the point are taken as a \
+         number of {digits} digits; write them with zeros"
+    ))
+}
+
+/// Rows that belong to two sources, as of two publishers on one topic.
+fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
+    let path = |signal: &[f64], step: usize| -> f64 {
+        (step..signal.len())
+            .map(|row| (signal[row] - signal[row - step]).abs())
+            .filter(|change| change.is_finite())
+            .sum()
+    };
+    let alternates = |signal: &&&[f64]| {
+        let (one, two) = (path(signal, 1), path(signal, 2));
+        one > ALTERNATING * two && one > APART * signal.len() as f64
+    };
+    positions.iter().any(|signal| alternates(&signal)).then(|| {
+        "the rows alternate between two sources: two programs write the joints' states, as two publishers on one topic do; stop \
+         one of them, or give it a topic of its own, and record again"
+            .to_owned()
+    })
+}
+
+/// Stamps of a coarse clock spread evenly, and the clock's step: on a line where rows come at even steps, else within each
+/// group of one stamp.
+fn spread(stamps: &[f64]) -> (Vec<f64>, f64) {
+    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let quantum = steps.get(steps.len() / 20).copied().unwrap_or(0.0);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+    let mut out = Vec::with_capacity(stamps.len());
+    for run in stamps.chunk_by(|a, b| b - a < GAP * usual) {
+        let line = (run.len() >= FEWEST).then(|| on_a_line(run)).flatten();
+        let fits = |line: &Vec<f64>| line.iter().zip(run).all(|(even, stamp)| (even - stamp).abs() < 1.5 * quantum);
+        match line.filter(fits) {
+            Some(line) => out.extend(line),
+            None => {
+                let groups: Vec<&[f64]> = run.chunk_by(|a, b| a == b).collect();
+                for (index, group) in groups.iter().enumerate() {
+                    let end = groups.get(index + 1).map_or(group[0] + quantum, |next| next[0]);
+                    let width = end - group[0];
+                    out.extend((0..group.len()).map(|row| group[0] + width * row as f64 / group.len() as f64));
+                }
+            }
+        }
+    }
+    (out, quantum)
+}
+
+/// Times at even steps through stamps; None where they do not go on.
+fn on_a_line(stamps: &[f64]) -> Option<Vec<f64>> {
+    let count = stamps.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let mean = stamps.iter().map(|stamp| stamp - stamps[0]).sum::<f64>() / count;
+    let rows = || (0..stamps.len()).map(|row| row as f64 - middle);
+    let slope = rows().zip(stamps).map(|(row, stamp)| row * (stamp - stamps[0])).sum::<f64>()
+        / rows().map(|r| r * r).sum::<f64>();
+    (slope > 0.0).then(|| rows().map(|row| stamps[0] + mean + slope * row).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coarse_clock_is_spread_evenly() {
+        let truth: Vec<f64> =
+            (0..1000).map(|row| 0.004 * f64::from(row) + if row >= 600 { 0.5 } else { 0.0 }).collect();
+        let stamps: Vec<f64> = truth.iter().map(|t| (t / 0.01 + 1e-9).floor() * 0.01).collect();
+        let (spread, quantum) = spread(&stamps);
+        assert!((quantum - 0.01).abs() < 1e-9, "{quantum}");
+        for run in [0..600, 600..1000] {
+            let late: Vec<f64> = run.clone().map(|row| spread[row] - truth[row]).collect();
+            let (low, high) = late.iter().fold((1.0f64, -1.0f64), |(low, high), &v| (low.min(v), high.max(v)));
+            assert!(high - low < 2e-4, "{low} {high}");
+        }
+        // Bursts at no even rate stay within their stamps.
+        let uneven: Vec<f64> = (0..100).map(|row| 0.05 * f64::from((row * row / 120) / 2)).collect();
+        let (spread, _) = super::spread(&uneven);
+        assert!(spread.windows(2).all(|pair| pair[1] > pair[0]));
+    }
+
+    #[test]
+    fn lost_zeros_are_found() {
+        let cells: Vec<String> = (0..40).map(|row| format!("12.{}", 4_000_000 * row)).collect();
+        let mut time: Vec<f64> = cells.iter().map(|cell| cell.parse().unwrap()).collect();
+        assert!(zeros_lost(&cells, &mut time).unwrap().contains("9 digits"));
+        assert!(time.iter().enumerate().all(|(row, t)| (t - 12.0 - 0.004 * row as f64).abs() < 1e-9), "{time:?}");
+        let good: Vec<String> = (0..40).map(|row| format!("12.{:09}", 4_000_000 * ((row * 7) % 40))).collect();
+        assert_eq!(zeros_lost(&good, &mut time), None);
+    }
+
+    #[test]
+    fn two_sources_alternate() {
+        let moving: Vec<f64> = (0..200).map(|row| (0.05 * f64::from(row)).sin()).collect();
+        let resting = vec![0.2; 200];
+        let mixed: Vec<f64> = (0..200).map(|row| if row % 2 == 0 { moving[row] } else { resting[row] }).collect();
+        assert!(of_two_sources(&[&moving, &mixed]).unwrap().contains("two publishers"));
+        let noise: Vec<f64> = (0..200).map(|row| if row % 2 == 0 { 1e-5 } else { -1e-5 }).collect();
+        assert_eq!(of_two_sources(&[&moving, &resting, &noise]), None);
+    }
+}

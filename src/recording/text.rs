@@ -1,0 +1,424 @@
+//! Tables in text as programs write them: what separates the cells, what stands above the header, lists within cells, and
+//! messages without a header.
+
+use super::labels;
+use super::names;
+use crate::error::{Error, Result};
+use ::csv::{ByteRecord, ReaderBuilder};
+use std::path::Path;
+
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// What may stand between two cells, besides blanks.
+const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+
+/// A table in text, of which the header is understood.
+pub struct Text {
+    /// The file with what stands above the header taken out, line for line.
+    bytes: Vec<u8>,
+    separator: u8,
+    /// Line of the header, or of the first row where there is none.
+    pub header_line: usize,
+    has_header: bool,
+    /// Names of the columns, a list's one for each of its numbers.
+    pub header: Vec<String>,
+    /// Cells of each column as it stands in the file; more than one for lists.
+    widths: Vec<usize>,
+}
+
+/// A row that does not hold a number in every column.
+pub struct BadRow {
+    /// Where the row starts (or the blank lines before it), in bytes.
+    pub start: usize,
+    /// The column.
+    pub field: String,
+    /// What is wrong.
+    pub problem: String,
+}
+
+/// The rows that hold numbers.
+#[derive(Default)]
+pub struct Rows {
+    /// Values of the columns in use, indexed as the header.
+    pub columns: Vec<Vec<f64>>,
+    /// Where each row starts, in bytes.
+    pub starts: Vec<usize>,
+    /// Place of each among all rows, those left out counted.
+    pub ordinals: Vec<usize>,
+}
+
+impl Text {
+    /// Reads a file up to its header.
+    ///
+    /// # Errors
+    /// An unreadable or empty file, or one that is no text.
+    pub fn open(path: &Path) -> Result<Text> {
+        let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
+        Text::new(path, bytes)
+    }
+
+    /// The same of a file's content.
+    ///
+    /// # Errors
+    /// Those of [`Text::open`].
+    pub fn new(path: &Path, mut bytes: Vec<u8>) -> Result<Text> {
+        if bytes.starts_with(BYTE_ORDER_MARK) {
+            bytes.drain(..BYTE_ORDER_MARK.len());
+        }
+        blank_comments(&mut bytes);
+        if bytes.starts_with(b"\xFF\xFE")
+            || bytes.starts_with(b"\xFE\xFF")
+            || bytes.iter().take(1000).any(|&byte| byte == 0)
+        {
+            let problem = "the file is no text in UTF-8 (UTF-16, or no text at all); export it as CSV in UTF-8";
+            return Err(Error::input(path, None, "header", problem));
+        }
+        if bytes.trim_ascii().is_empty() {
+            let problem = "the file is empty; a header and one row per sample go here";
+            return Err(Error::input(path, None, "header", problem));
+        }
+        let separator = match separator(&bytes) {
+            Some(separator) => separator,
+            None => blanks_to_tabs(&mut bytes),
+        };
+        without_open_quotes(&mut bytes);
+        let mut text = Text { separator, header_line: 0, has_header: true, header: vec![], widths: vec![], bytes };
+        let mut reader = text.reader();
+        let mut record = ByteRecord::new();
+        let mut next = || -> Result<Vec<String>> {
+            reader
+                .read_byte_record(&mut record)
+                .map_err(|error| Error::io(path, "read the recording", error.into()))?;
+            Ok(record.iter().map(|cell| String::from_utf8_lossy(cell.trim_ascii()).into_owned()).collect())
+        };
+        let (names, first) = (next()?, next()?);
+        text.header_line = text.line_at(0);
+        if let Some(header) = labels::of_joint_state_message(&names) {
+            text.has_header = false;
+            text.widths = vec![1; header.len()];
+            text.header = header;
+            return Ok(text);
+        }
+        text.widths =
+            (0..names.len()).map(|column| first.get(column).map_or(1, |cell| list(cell).len().max(1))).collect();
+        let flat: Vec<String> = names
+            .iter()
+            .zip(&text.widths)
+            .flat_map(|(name, &width)| match width {
+                1 => vec![name.clone()],
+                _ => (0..width).map(|place| format!("{name}[{place}]")).collect(),
+            })
+            .collect();
+        let cells: Vec<String> = first.iter().zip(&text.widths).flat_map(|(cell, &width)| cells(cell, width)).collect();
+        text.header = labels::named(flat, &cells);
+        Ok(text)
+    }
+
+    fn reader(&self) -> ::csv::Reader<&[u8]> {
+        // Lengths of rows are checked here, to say more than the csv crate does.
+        ReaderBuilder::new()
+            .delimiter(self.separator)
+            .has_headers(false)
+            .flexible(true)
+            .from_reader(self.bytes.as_slice())
+    }
+
+    /// Reads all rows. `header` names the columns in messages; `used` are those whose cells must be numbers. An empty cell is
+    /// NaN where `lenient`, else no number. `reject` hears of rows that are left out, or turns them into the error that ends
+    /// the reading.
+    ///
+    /// # Errors
+    /// A file without rows, and what `reject` returns.
+    pub fn rows(
+        &self,
+        path: &Path,
+        header: &[String],
+        used: &[usize],
+        lenient: bool,
+        reject: &mut dyn FnMut(BadRow) -> Result<()>,
+    ) -> Result<Rows> {
+        let decimal_comma = self.separator != b',';
+        let is_time: Vec<bool> =
+            header.iter().enumerate().map(|(column, name)| names::time(name, column).is_some()).collect();
+        let places = self.places();
+        let mut rows = Rows { columns: vec![Vec::new(); header.len()], ..Rows::default() };
+        let (mut reader, mut record, mut ordinal) = (self.reader(), ByteRecord::new(), 0);
+        if self.has_header {
+            reader.read_byte_record(&mut record).map_err(|error| broken(path, error))?;
+        }
+        let mut values = vec![0.0; used.len()];
+        while reader.read_byte_record(&mut record).map_err(|error| broken(path, error))? {
+            let start = record.position().map_or(0, |position| position.byte() as usize);
+            ordinal += 1;
+            let parse = |column: usize| -> std::result::Result<f64, String> {
+                let (raw, place) = places[column];
+                let whole = &record[raw];
+                let owned;
+                let cell = if self.widths[raw] == 1 {
+                    whole
+                } else {
+                    let text = String::from_utf8_lossy(whole).into_owned();
+                    let parts = list(&text);
+                    if parts.len() != self.widths[raw] {
+                        return Err(format!("a list of {} where the first has {}", parts.len(), self.widths[raw]));
+                    }
+                    owned = parts[place].to_owned();
+                    owned.as_bytes()
+                };
+                let number = number(cell, decimal_comma).or_else(|| if is_time[column] { date(cell) } else { None });
+                match number {
+                    Some(number) => Ok(number),
+                    None if lenient && is_empty(cell) => Ok(f64::NAN),
+                    None => Err(not_a_number(cell)),
+                }
+            };
+            let fault = if record.len() != self.widths.len() {
+                let (cells, names) = (record.len(), self.widths.len());
+                let problem = format!("{cells} cells where the header names {names} columns; was the row cut off?");
+                Some((format!("column {}", cells.min(names)), problem))
+            } else {
+                used.iter().zip(&mut values).find_map(|(&column, value)| match parse(column) {
+                    Ok(number) => {
+                        *value = number;
+                        None
+                    }
+                    Err(problem) => Some((header[column].clone(), problem)),
+                })
+            };
+            match fault {
+                Some((field, problem)) => reject(BadRow { start, field, problem })?,
+                None => {
+                    used.iter().zip(&values).for_each(|(&column, value)| rows.columns[column].push(*value));
+                    rows.starts.push(start);
+                    rows.ordinals.push(ordinal - 1);
+                }
+            }
+        }
+        if ordinal == 0 {
+            return Err(Error::input(path, Some(self.header_line), "rows", "there is no row below the header"));
+        }
+        Ok(rows)
+    }
+
+    /// Cells of one column as they stand in the file.
+    pub fn cells(&self, column: usize) -> Vec<String> {
+        let (raw, _) = self.places()[column];
+        let mut reader = self.reader();
+        let mut record = ByteRecord::new();
+        let mut out = Vec::new();
+        let mut skip = self.has_header;
+        while let Ok(true) = reader.read_byte_record(&mut record) {
+            if !std::mem::take(&mut skip) {
+                out.push(record.get(raw).map_or(String::new(), |cell| String::from_utf8_lossy(cell).trim().to_owned()));
+            }
+        }
+        out
+    }
+
+    /// For each name of the header the column in the file and the place in its list.
+    fn places(&self) -> Vec<(usize, usize)> {
+        let column = |(raw, &width): (usize, &usize)| (0..width).map(move |place| (raw, place));
+        self.widths.iter().enumerate().flat_map(column).collect()
+    }
+
+    /// Number of the first line with content at or after a place in the file.
+    pub fn line_at(&self, start: usize) -> usize {
+        self.lines(&[start])[0]
+    }
+
+    /// Lines of increasing places in the file, each that of the first line with content from there on.
+    pub fn lines(&self, starts: &[usize]) -> Vec<usize> {
+        let (mut line, mut seen) = (1, 0);
+        starts
+            .iter()
+            .map(|&start| {
+                let blank = self.bytes[start..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+                line += self.bytes[seen..start + blank].iter().filter(|&&byte| byte == b'\n').count();
+                seen = start + blank;
+                line
+            })
+            .collect()
+    }
+}
+
+fn broken(path: &Path, error: ::csv::Error) -> Error {
+    Error::io(path, "read the recording", error.into())
+}
+
+/// Lines above the header that begin with `#` or `%` become blank, so that places in the file stay what they are. Where
+/// numbers follow the last of them, as numpy writes it, it is the header.
+fn blank_comments(bytes: &mut [u8]) {
+    let mut start = 0;
+    while matches!(bytes.get(start), Some(b'#' | b'%')) {
+        let line = |from: usize| from + bytes[from..].iter().take_while(|byte| **byte != b'\n').count();
+        let end = line(start);
+        let next = (end + 1).min(bytes.len());
+        let below = &bytes[next..line(next)];
+        let cells = || below.split(|byte| SEPARATORS.contains(byte) || *byte == b' ').filter(|cell| !cell.is_empty());
+        // A row of messages holds names and numbers; a comment holds hardly any cell.
+        let same = |bytes: &[u8]| bytes.iter().filter(|byte| **byte == b',').count();
+        let numbers = cells().all(|cell| number(cell, true).is_some())
+            || (same(below) > 0
+                && same(below) == same(&bytes[start..end])
+                && cells().next().is_some_and(|cell| number(cell, false).is_some()));
+        if numbers {
+            bytes[start] = b' ';
+        } else {
+            bytes[start..end].fill(b'\r');
+        }
+        start = next;
+    }
+}
+
+/// What separates the cells: the most frequent in the first line with content; None where there is none of them. Spreadsheets
+/// of countries that write numbers with a comma put semicolons between them.
+fn separator(bytes: &[u8]) -> Option<u8> {
+    let mut lines = bytes.split(|byte| matches!(byte, b'\r' | b'\n'));
+    let header = lines.find(|line| !line.trim_ascii().is_empty()).unwrap_or_default().trim_ascii();
+    let count = |separator: u8| header.iter().filter(|byte| **byte == separator).count();
+    let best = SEPARATORS.into_iter().rev().max_by_key(|&separator| count(separator))?;
+    (count(best) > 0 || !header.contains(&b' ')).then_some(if count(best) > 0 { best } else { b',' })
+}
+
+/// Turns the blanks between cells into tabs, line for line, as `numpy.savetxt` and others write tables.
+fn blanks_to_tabs(bytes: &mut Vec<u8>) -> u8 {
+    let mut out = Vec::with_capacity(bytes.len());
+    for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
+        if index > 0 {
+            out.push(b'\n');
+        }
+        let mut blank = false;
+        for &byte in line.trim_ascii() {
+            match byte {
+                b' ' | b'\t' => blank = true,
+                _ => {
+                    if std::mem::take(&mut blank) {
+                        out.push(b'\t');
+                    }
+                    out.push(byte);
+                }
+            }
+        }
+    }
+    *bytes = out;
+    b'\t'
+}
+
+/// Stands for the quotes of a line in which one is not closed.
+const OPEN_QUOTE: u8 = 0x01;
+
+/// A quote that is not closed would swallow all lines up to the next one: no cell of a log goes over several lines, so
+/// that such a line is broken, and its quotes are none.
+fn without_open_quotes(bytes: &mut [u8]) {
+    if !bytes.contains(&b'"') {
+        return;
+    }
+    for line in bytes.split_mut(|&byte| byte == b'\n') {
+        if line.iter().filter(|&&byte| byte == b'"').count() % 2 == 1 {
+            line.iter_mut().filter(|byte| **byte == b'"').for_each(|byte| *byte = OPEN_QUOTE);
+        }
+    }
+}
+
+/// The parts of a cell that is a list, `[0.1, 0.2]` or `array('d', [0.1, 0.2])`; none of another cell.
+fn list(cell: &str) -> Vec<&str> {
+    let Some(start) = cell.rfind('[').or(cell.starts_with('(').then_some(0)) else { return Vec::new() };
+    if start > 0 && !cell.starts_with("array(") {
+        return Vec::new();
+    }
+    let inside = cell[start + 1..].trim_end_matches([']', ')']);
+    inside
+        .split([',', ';', ' ', '\t'])
+        .map(|part| part.trim_matches(['\'', '"', ' ']))
+        .filter(|part| !part.is_empty())
+        .collect()
+}
+
+fn cells(cell: &str, width: usize) -> Vec<String> {
+    match width {
+        1 => vec![cell.to_owned()],
+        _ => list(cell).into_iter().map(str::to_owned).collect(),
+    }
+}
+
+/// What programs write for a value that is not there.
+fn is_empty(cell: &[u8]) -> bool {
+    let cell = cell.trim_ascii();
+    cell.is_empty()
+        || ["none", "null", "na", "n/a", "-", "--"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+}
+
+fn not_a_number(cell: &[u8]) -> String {
+    let cell = String::from_utf8_lossy(cell).replace(char::from(OPEN_QUOTE), "\"");
+    match cell.trim() {
+        "" => "the cell is empty; a number goes here".to_owned(),
+        text if text.contains('"') => format!("'{text}' has a quote that is not closed"),
+        text => format!("'{text}' is not a number"),
+    }
+}
+
+/// A cell as a number; `decimal_comma` takes 1,5 for 1.5.
+fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
+    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    let plain = cell.parse().ok();
+    if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
+        return cell.replace(',', ".").parse().ok();
+    }
+    plain
+}
+
+/// Seconds of a date with a time, from 1970, or of a time of day, from midnight: `2024-05-01 12:00:00.004`.
+fn date(cell: &[u8]) -> Option<f64> {
+    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    let (day, clock) = match cell.split_once(['T', ' ']) {
+        Some((day, clock)) => (Some(day), clock),
+        None => (None, cell),
+    };
+    // A zone shifts all rows alike.
+    let clock = clock.trim_end_matches('Z');
+    let clock = clock.split_once(['+', ' ']).map_or(clock, |(clock, _)| clock);
+    let clock = clock.rsplit_once('-').map_or(clock, |(clock, _)| clock);
+    let mut parts = clock.split(':');
+    let mut next = || parts.next()?.replace(',', ".").parse::<f64>().ok();
+    let (hours, minutes, seconds) = (next()?, next()?, next()?);
+    let days = match day {
+        None => 0.0,
+        Some(day) => {
+            let mut parts = day.split(['-', '/']);
+            let mut next = || parts.next()?.parse::<i64>().ok();
+            let (year, month, day) = (next()?, next()?, next()?);
+            days_from_1970(year, month, day) as f64
+        }
+    };
+    Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// Days of the Gregorian calendar.
+fn days_from_1970(year: i64, month: i64, day: i64) -> i64 {
+    let year = if month <= 2 { year - 1 } else { year };
+    let era = year.div_euclid(400);
+    let of_era = year - era * 400;
+    let of_year = (153 * (month + if month > 2 { -3 } else { 9 }) + 2) / 5 + day - 1;
+    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_seconds() {
+        assert_eq!(date(b"1970-01-02T00:00:01.5Z"), Some(86401.5));
+        assert_eq!(date(b"2024-02-29 12:00:00"), Some(1_709_208_000.0));
+        assert_eq!(date(b"00:01:02.25"), Some(62.25));
+        assert_eq!((date(b"1.5"), date(b"x:y:z"), date(b"")), (None, None, None));
+    }
+
+    #[test]
+    fn lists_in_cells() {
+        assert_eq!(list("[0.1, -2e3]"), ["0.1", "-2e3"]);
+        assert_eq!(list("array('d', [1.0, 2.0])"), ["1.0", "2.0"]);
+        assert_eq!(list("['a', 'b']"), ["a", "b"]);
+        assert!(list("1.5").is_empty() && list("elbow[0]").is_empty() && list("").is_empty());
+    }
+}

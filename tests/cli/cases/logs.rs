@@ -6,7 +6,7 @@ use super::case;
 fn inspected(case: &Case, arguments: &[&str]) -> String {
     let output = case.tauscope(&[&["inspect"], arguments].concat());
     assert_done(&output);
-    text(&output.stdout).to_owned()
+    text(&output.stdout)
 }
 
 #[track_caller]
@@ -117,12 +117,12 @@ fn drivers_without_effort() {
     let inspect = |bag: &str| case.tauscope(&["inspect", bag, "--robot", "ur5.urdf"]);
     let zero = inspect("bag_a");
     assert_eq!(zero.status.code(), Some(2));
-    assert_says(text(&zero.stderr), &["zero on all joints", "does not report it"]);
+    assert_says(&text(&zero.stderr), &["zero on all joints", "does not report it"]);
     assert_refusal(&inspect("bag_b"), &["torque", "driver"]);
     let velocity = inspect("bag_c");
     assert_done(&velocity);
-    assert_says(text(&velocity.stdout), &["the velocity of wrist_1_joint holds no value"]);
+    assert_says(&text(&velocity.stdout), &["the velocity of wrist_1_joint holds no value"]);
     let torque = inspect("bag_d");
     assert_done(&torque);
-    assert_says(text(&torque.stdout), &["tau6 (wrist_3_joint): there is no torque of this joint in the log"]);
+    assert_says(&text(&torque.stdout), &["tau6 (wrist_3_joint): there is no torque of this joint in the log"]);
 }

@@ -77,7 +77,7 @@ type Times = BTreeMap<String, f64>;
 fn kernels(robot: &Robot, times: &mut Times) {
     let (chain, inertial, dof) = (Chain::new(robot), robot.inertial_parameters(), robot.dof());
     let motion = states(robot, BATCH);
-    let all = Entries::new(dof, |link, joint| {
+    let all = Entries::new(&chain, |link, joint| {
         std::array::from_fn(|p| Some(block_row(dof, link, p, joint)).filter(|_| joint <= link))
     });
     let mut table = vec![0.0; dof * 10 * dof * BATCH];

@@ -21,7 +21,7 @@ fn the_identified_urdf_reproduces_the_identified_torque() {
     let runs = testbed::record(&setup, &mut |_| {}).unwrap();
     let model = Model::new(&setup.known);
     let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
-    let preparation = Preparation { smoothing, band: 0.03 };
+    let preparation = Preparation { smoothing, band: 0.03.into() };
     let (train, test) = ([&runs.training.recording], [&runs.held_out.recording]);
     let logs = Logs { train: &train, test: &test };
     let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();

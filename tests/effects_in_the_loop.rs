@@ -30,7 +30,7 @@ fn case(name: &str) -> Case {
     let trust = if hidden == Hidden::No { Trust::Structure } else { Trust::Nominal };
     let spec = &setup.scenario.identification;
     let smoothing = Smoothing::LowPass { cutoff_hz: spec.low_pass_hz.unwrap(), decimation: spec.decimation };
-    let preparation = Preparation { smoothing, band: spec.reversal_band_rad_s };
+    let preparation = Preparation { smoothing, band: spec.reversal_band_rad_s.into() };
     let (train, test) = ([&runs.training.recording], [&runs.held_out.recording]);
     let logs = Logs { train: &train, test: &test };
     let model = Model::new(&setup.known);

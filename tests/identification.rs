@@ -2,10 +2,17 @@
 
 use std::path::PathBuf;
 use std::sync::LazyLock;
+use tauscope::identification::consistent::consistent;
+use tauscope::identification::effect_model::{Preparation, Trust};
+use tauscope::identification::equations::observed;
+use tauscope::identification::fit::{Logs, fit_effects};
 use tauscope::identification::least_squares::weighted_least_squares;
 use tauscope::identification::levenberg_marquardt::{Damping, Options, minimize};
 use tauscope::identification::linear_problem::LinearProblem;
 use tauscope::identification::model::Model;
+use tauscope::identification::prepare::Smoothing;
+use tauscope::identification::reversals::Band;
+use tauscope::recording::Recording;
 use tauscope::scenario::Setup;
 use tauscope::simulation::measure;
 use tauscope::study::testbed::{self, Run, Runs, Variant, identify, prepared};
@@ -102,4 +109,52 @@ fn same_seed_same_bytes_other_seed_other_bytes() {
     assert_eq!(again.held_out.recording, runs.held_out.recording);
     let other = measure(setup, &runs.training.truth, 99).unwrap();
     assert_ne!(other.tau, runs.training.recording.tau);
+}
+
+/// What is found of the arm from `log`, under either trust: residuals of the training log, and notes. Bodies that can exist fit a
+/// log that is real as well as any parameters do.
+fn left(log: &Recording, trust: Trust, is_real: bool) -> (Vec<f64>, Vec<String>) {
+    let (setup, ..) = &*CASE;
+    let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
+    let preparation = Preparation { smoothing, band: Band::OfNoise };
+    let logs = Logs { train: &[log], test: &[log] };
+    let found = observed(&setup.plant, logs, preparation, trust).unwrap();
+    let fitted = fit_effects(&found.model, trust, logs, preparation, Vec::new()).unwrap();
+    assert!(fitted.fit.estimate.beta.iter().chain(&fitted.fit.estimate.sigma).all(|value| value.is_finite()));
+    if trust == Trust::Structure {
+        let bodies = consistent(&found.model, logs, preparation, &fitted).unwrap();
+        for (plain, own) in fitted.train_rms.iter().zip(&bodies.train_rms).filter(|(plain, _)| plain.is_finite()) {
+            assert!(!is_real || *own < 1.05 * plain, "{own} {plain}");
+        }
+        let arm = bodies.robot(&setup.plant);
+        assert!(arm.joints.iter().all(|joint| joint.inertia.physical_fault(0.0).is_none()));
+    }
+    (fitted.train_rms, found.notes)
+}
+
+#[test]
+fn a_joint_without_torque_or_motion_is_left_out_with_a_note() {
+    let (setup, _, runs) = &*CASE;
+    let log = &runs.training.recording;
+    let mut silent = log.clone();
+    silent.tau.channel_mut(3).fill(f64::NAN);
+    let name = setup.plant.joints[3].name.as_str();
+    for trust in [Trust::Structure, Trust::Nominal] {
+        let (all, notes) = left(log, trust, true);
+        assert!(notes.is_empty(), "{notes:?}");
+        let (others, notes) = left(&silent, trust, true);
+        assert!(notes.len() == 1 && notes[0].contains(name) && notes[0].contains("not logged"), "{notes:?}");
+        for joint in 0..6 {
+            match joint {
+                3 => assert!(others[joint].is_nan()),
+                _ => assert!(others[joint] < 1.05 * all[joint], "{joint}: {others:?} {all:?}"),
+            }
+        }
+    }
+    let mut held = log.clone();
+    held.q.channel_mut(3).fill(0.4);
+    held.qd.iter_mut().for_each(|qd| qd.channel_mut(3).fill(0.0));
+    let (others, notes) = left(&held, Trust::Structure, false);
+    assert!(others[3].is_nan() && notes.len() == 1, "{notes:?}");
+    assert!(notes[0].contains(name) && notes[0].contains("0 samples"), "{notes:?}");
 }

@@ -172,7 +172,7 @@ fn a_fit_shows_the_identified_arm_and_the_noise_floor() {
     let (train, test) = ([&runs.training.recording], [&runs.held_out.recording]);
     let logs = fit::Logs { train: &train, test: &test };
     let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
-    let preparation = Preparation { smoothing, band: 0.03 };
+    let preparation = Preparation { smoothing, band: 0.03.into() };
     let plain = fit::fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
     let bodies = consistent::consistent(&model, logs, preparation, &plain).unwrap().robot(&setup.known);
     let replayed = replay::replay(&bodies, &test, preparation).unwrap();

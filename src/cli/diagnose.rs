@@ -1,25 +1,30 @@
 //! `tauscope diagnose`: name what the model of an arm misses, from logs.
 
-use super::{DONE, Global, gravity, print, progress};
-use crate::dataset::Dataset;
-use crate::diagnosis::screening::{Consequence, Screened, all_faults, check_length, screen};
+use super::arm::ArmArguments;
+use super::{DONE, Global, corrected, print, progress};
+use crate::dataset::arm::LoggedArm;
+use crate::dataset::{self, Dataset, Named};
+use crate::diagnosis::equations::{self, Observed};
+use crate::diagnosis::screening::{
+    Consequence, Screened, all_faults, check_length, correct, screen_all, shared_verdict, still_joints,
+};
 use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
-use crate::identification::model::Model;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
-use crate::recording::lenient::{self, ColumnMap, Sieved};
+use crate::recording::lenient::Sieved;
 use crate::report::diagnosis::{self as report, EXTENDED_SCENARIO, EXTENDED_URDF, SCHEMA};
 use crate::report::html::{self, Provenance};
 use crate::report::viewer;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::{self, Robot};
 use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hasher};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What the written scenario says of itself.
 const EXTENDED_NOTE: &str = "\
@@ -37,9 +42,8 @@ const SHORTEST_HELD_OUT_S: f64 = 2.0;
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// URDF of the arm; that of the scenario where absent.
-    #[arg(long, value_name = "URDF", required_unless_present_any = ["scenario", "dataset"])]
-    robot: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
     /// Log to find from; repeat for more.
     #[arg(long, value_name = "LOG", required_unless_present = "dataset")]
     train: Vec<PathBuf>,
@@ -58,9 +62,6 @@ pub struct Arguments {
     /// Whether the URDF's inertias are believed, or re-identified.
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
-    /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
-    gravity: Option<nalgebra::Vector3<f64>>,
     /// Probability of naming anything where there is nothing.
     #[arg(long, default_value_t = 0.05)]
     alpha: f64,
@@ -87,17 +88,23 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         effects::find(name)?;
     }
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let Simulation { robot, effects, scenario } = simulation(arguments, dataset.as_ref())?;
+    let Simulation { arm, mut robot, scenario } = simulation(arguments, dataset.as_ref())?;
     let bar = progress::bar(global, "looking at the logs", LEAST_ROUNDS + 1);
-    let load = |paths: &[PathBuf]| paths.iter().map(|path| screened(path, &robot)).collect::<Result<Vec<Screened>>>();
-    let (train, test) = match &dataset {
-        Some(dataset) => {
-            let [train, test] = dataset.sieved(&robot)?;
-            (described(train, &robot)?, described(test, &robot)?)
-        }
-        None => (load(&arguments.train)?, load(&arguments.test)?),
+    let [train, test] = match &dataset {
+        Some(dataset) => dataset.sieved(&robot)?,
+        None => [dataset::read_all(&arguments.train, &robot)?, dataset::read_all(&arguments.test, &robot)?],
     };
-    let reference = load(&arguments.reference)?;
+    let mut logs = [train, test, dataset::read_all(&arguments.reference, &robot)?];
+    if let Some(mut arm) = arm {
+        arm.settle(dataset.as_ref(), &mut logs)?;
+        robot = arm.robot;
+    }
+    let effects = present(arguments, scenario.as_ref(), &robot)?;
+    let [train, test, reference] = logs;
+    let mut reference = screened(reference, &robot)?;
+    let trained = train.len();
+    let mut train = screened(train.into_iter().chain(test).collect(), &robot)?;
+    let mut test = train.split_off(trained);
     let (trained, judged) = match &arguments.dataset {
         Some(path) => (format!("{}: train", path.display()), format!("{}: test", path.display())),
         None => ("--train".to_owned(), "--test".to_owned()),
@@ -107,7 +114,15 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     check_length("--reference", &reference)?;
     refuse_twice([("--train", &train), ("--test", &test), ("--reference", &reference)])?;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let faults = all_faults(&train, &test, &reference, &robot);
+    let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
+    let found = shared_verdict(&all);
+    correct(&mut all, &mut robot);
+    if let Some(description) = found.map(|verdict| verdict.description) {
+        let named =
+            Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, &description, UnitChanges::default())?;
+    }
+    let mut faults = all_faults(&train, &test, &reference, &robot);
     if faults.iter().any(|fault| fault.consequence == Consequence::Stops) {
         bar.finish_and_clear();
         let result = report::stopped(&robot, arguments.alpha, &faults);
@@ -136,7 +151,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         seed: global.seed.unwrap_or_default(),
         candidates: arguments.candidates.clone(),
     };
-    let model = Model::new(&robot);
+    let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
+    let Observed { model, left_out } = equations::observed(&robot, &input, &still)?;
+    faults.extend(left_out);
     bar.set_message("testing every effect on every joint");
     let conclusion = conclude(&model, &input, &options, &mut |found| {
         bar.set_message(format!("{found} found, testing for the next"));
@@ -190,63 +207,46 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
 /// The simulation as it stands.
 struct Simulation {
+    /// The arm as the logs know it, where a file of it is named.
+    arm: Option<LoggedArm>,
     robot: Robot,
-    effects: Vec<Placed>,
     scenario: Option<Scenario>,
 }
 
 fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simulation> {
-    let arm = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
-    let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
-    let mut robot = match (&named, &arm) {
-        (Some(path), _) => loaded(path, arguments.trust)?,
-        (None, Some(arm)) => arm.known.clone(),
-        (None, None) => {
-            return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
-        }
+    let known = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
+    if let Some(file) = arguments.arm.file(dataset) {
+        let described = dataset.map(Dataset::files).unwrap_or_default();
+        let logs =
+            [&arguments.train, &arguments.test, &arguments.reference].into_iter().flatten().cloned().chain(described);
+        let arm = arguments.arm.open(&file, arguments.trust, dataset, &logs.collect::<Vec<_>>())?;
+        let robot = arm.robot.clone();
+        return Ok(Simulation { arm: Some(arm), robot, scenario: known.map(|known| known.scenario) });
+    }
+    let Some(known) = known else {
+        return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
     };
+    let mut robot = known.known;
     if let Some(dataset) = dataset {
         dataset.mount(&mut robot)?;
     }
-    robot.gravity = arguments.gravity.unwrap_or(robot.gravity);
-    let mut effects = Vec::new();
-    if let (Some(path), Some(arm)) = (&arguments.scenario, &arm) {
-        for spec in &arm.scenario.effects {
-            effects.push(spec.place(&robot).map_err(|problem| Error::input(path, None, "effect", problem))?);
-        }
-    }
-    Ok(Simulation { robot, effects, scenario: arm.map(|arm| arm.scenario) })
+    robot.gravity = arguments.arm.gravity.unwrap_or(robot.gravity);
+    Ok(Simulation { arm: None, robot, scenario: Some(known.scenario) })
 }
 
-/// The arm of a URDF. Inertias that no body has are told; their torque is well defined all the same, unless there are none.
-fn loaded(path: &Path, trust: Trust) -> Result<Robot> {
-    if trust == Trust::Structure {
-        return robot::load(path, InertiaCheck::Ignored);
-    }
-    let robot = match robot::load(path, InertiaCheck::Required) {
-        Ok(robot) => robot,
-        Err(problem) => {
-            let robot = robot::load(path, InertiaCheck::Ignored)?;
-            if robot.joints.iter().any(|joint| joint.inertia.mass() < 0.0) {
-                return Err(problem);
-            }
-            tracing::warn!("{problem}; they are taken as they are");
-            robot
-        }
+/// The effects that the simulation has.
+fn present(arguments: &Arguments, scenario: Option<&Scenario>, robot: &Robot) -> Result<Vec<Placed>> {
+    let (Some(path), Some(scenario)) = (&arguments.scenario, scenario) else { return Ok(Vec::new()) };
+    let place = |spec: &crate::scenario::EffectSpec| {
+        spec.place(robot).map_err(|problem| Error::input(path, None, "effect", problem))
     };
-    if robot.joints.iter().all(|joint| joint.inertia.mass() == 0.0) {
-        let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
-        return Err(Error::input(path, None, "inertial", problem));
-    }
-    Ok(robot)
+    scenario.effects.iter().map(place).collect()
 }
 
-fn described(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
-    logs.into_iter().map(|(path, sieved)| screen(&path.display().to_string(), sieved, robot)).collect()
-}
-
-fn screened(path: &PathBuf, robot: &Robot) -> Result<Screened> {
-    screen(&path.display().to_string(), lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot)
+/// Logs of one time, screened together.
+fn screened(logs: Vec<(PathBuf, Sieved)>, robot: &Robot) -> Result<Vec<Screened>> {
+    let named = logs.into_iter().map(|(path, sieved)| (path.display().to_string(), sieved));
+    screen_all(named.collect(), robot)?.into_iter().collect()
 }
 
 fn recordings(logs: &[Screened]) -> Vec<&Recording> {

@@ -1,19 +1,24 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::{DONE, Global, gravity, print, progress};
-use crate::dataset::{self, Dataset, Logs};
+use super::arm::ArmArguments;
+use super::{DONE, Global, corrected, print, progress};
+use crate::dataset::arm::LoggedArm;
+use crate::dataset::{self, Dataset, Logs, Named};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
 use crate::identification::consistent;
 use crate::identification::effect_model::{Preparation, Trust};
+use crate::identification::equations;
 use crate::identification::fit::{self, fit_effects};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
+use crate::identification::reversals::Band;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::{self, Robot};
 use crate::scenario::{Setup, effect_joint};
 use crate::simulation::following::Followed;
 use crate::study::{replay, testbed};
@@ -22,9 +27,8 @@ use std::path::PathBuf;
 /// Arguments of `tauscope identify`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// URDF of the arm; that of the scenario where absent.
-    #[arg(long, value_name = "URDF")]
-    robot: Option<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
     /// Log to identify from; repeat for more. Without any, the scenario's two motions are simulated.
     #[arg(long, value_name = "LOG")]
     train: Vec<PathBuf>,
@@ -43,9 +47,6 @@ pub struct Arguments {
     /// Whether the URDF's inertias are believed, or re-identified.
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
-    /// Gravity in the base frame, m/s2.
-    #[arg(long, value_name = "X,Y,Z", value_parser = gravity::parse, allow_hyphen_values = true)]
-    gravity: Option<nalgebra::Vector3<f64>>,
     /// Savitzky-Golay window, samples, odd; that of the scenario, or a tenth of a second.
     #[arg(long, value_name = "SAMPLES")]
     window: Option<usize>,
@@ -58,7 +59,8 @@ pub struct Arguments {
     /// Use every n-th sample after smoothing.
     #[arg(long)]
     decimation: Option<usize>,
-    /// Leave out samples of a joint slower than this, rad/s.
+    /// Leave out samples of a joint slower than this, rad/s or m/s, and what the smoothing mixes with them; where absent, only
+    /// those whose direction the noise of the joint's own velocity leaves uncertain.
     #[arg(long, value_name = "RAD_S")]
     band: Option<f64>,
 }
@@ -76,26 +78,40 @@ const SIMULATING: u64 = 1;
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let robot = arm(arguments, setup.as_ref(), dataset.as_ref())?;
-    let placed = place(&arguments.effect, &robot)?;
+    let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;
     let simulates = dataset.is_none() && arguments.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
-    let fits = if placed.is_empty() { FIT } else { FIT + WITH_EFFECTS };
+    let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
+    place(&arguments.effect, arm.robot(), None)?;
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let Logs { train, test, notes } = logs(arguments, setup.as_ref(), dataset.as_ref(), &robot, global)?;
+    let Logs { train, test, mut notes, correction } =
+        logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
+    let mut robot = arm.into_robot();
+    notes.extend(robot.notes.clone());
+    if let Some(description) = &correction {
+        robot.gravity = description.gravity;
+    }
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
-
-    let model = Model::new(&robot);
+    if let Some(description) = &correction {
+        let named =
+            Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
+    }
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
+    let observed = equations::observed(&robot, logs, preparation, arguments.trust)?;
+    let placed = place(&arguments.effect, &robot, Some(&observed.model))?;
+    let model = observed.model;
+    notes.extend(observed.notes);
     stages.begin("identifying");
     let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
     let extended = match placed.is_empty() {
         true => None,
         false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
     };
+    notes.extend(report::undetermined(&plain));
     stages.begin("finding bodies that can exist");
     // Believed inertias are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {
@@ -124,46 +140,65 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     Ok(DONE)
 }
 
-fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Robot> {
-    let check = match arguments.trust {
-        Trust::Nominal => InertiaCheck::Required,
-        Trust::Structure => InertiaCheck::Ignored,
-    };
-    let named = arguments.robot.clone().or_else(|| dataset.and_then(Dataset::robot));
-    let mut robot = match (named, setup) {
-        (Some(path), _) => robot::load(path, check)?,
-        (None, Some(setup)) => setup.known.clone(),
-        (None, None) => {
-            let problem = "give the arm's URDF, or a --dataset or --scenario that names one";
-            return Err(Error::request("--robot", problem));
+/// The arm that is identified.
+enum Subject {
+    /// That of logs.
+    Logged(Box<LoggedArm>),
+    /// That of a scenario.
+    Simulated(Box<Robot>),
+}
+
+impl Subject {
+    fn robot(&self) -> &Robot {
+        match self {
+            Subject::Logged(arm) => &arm.robot,
+            Subject::Simulated(robot) => robot,
         }
+    }
+
+    fn into_robot(self) -> Robot {
+        match self {
+            Subject::Logged(arm) => arm.robot,
+            Subject::Simulated(robot) => *robot,
+        }
+    }
+}
+
+fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Subject> {
+    if let Some(file) = arguments.arm.file(dataset) {
+        let described = dataset.map(Dataset::files).unwrap_or_default();
+        let logs: Vec<PathBuf> = arguments.train.iter().chain(&arguments.test).cloned().chain(described).collect();
+        return Ok(Subject::Logged(Box::new(arguments.arm.open(&file, arguments.trust, dataset, &logs)?)));
+    }
+    let Some(setup) = setup else {
+        return Err(Error::request("--robot", "give the arm's URDF, or a --dataset or --scenario that names one"));
     };
+    let mut robot = setup.known.clone();
     if let Some(dataset) = dataset {
         dataset.mount(&mut robot)?;
     }
-    robot.gravity = arguments.gravity.unwrap_or(robot.gravity);
-    Ok(robot)
+    robot.gravity = arguments.arm.gravity.unwrap_or(robot.gravity);
+    Ok(Subject::Simulated(Box::new(robot)))
 }
 
 fn logs(
     arguments: &Arguments,
     setup: Option<&Setup>,
     dataset: Option<&Dataset>,
-    robot: &Robot,
+    arm: &mut Subject,
     global: &Global,
 ) -> Result<Logs> {
-    if let Some(dataset) = dataset {
-        return dataset.logs(robot);
-    }
-    if !arguments.train.is_empty() {
-        let mut logs = Logs::default();
-        for path in &arguments.train {
-            logs.train.extend(dataset::plain(path, robot, &mut logs.notes)?);
+    if dataset.is_some() || !arguments.train.is_empty() {
+        let mut logs = match dataset {
+            Some(dataset) => dataset.sieved(arm.robot())?,
+            None => {
+                [dataset::read_all(&arguments.train, arm.robot())?, dataset::read_all(&arguments.test, arm.robot())?]
+            }
+        };
+        if let Subject::Logged(arm) = arm {
+            arm.settle(dataset, &mut logs)?;
         }
-        for path in &arguments.test {
-            logs.test.extend(dataset::plain(path, robot, &mut logs.notes)?);
-        }
-        return Ok(logs);
+        return dataset::ready(logs, arm.robot());
     }
     let Some(setup) = setup else {
         return Err(Error::request("--train", "give at least one log, a --dataset, or a --scenario to simulate"));
@@ -171,19 +206,30 @@ fn logs(
     let bar = progress::bar(global, "simulating", testbed::samples(setup));
     let runs = testbed::record(setup, &mut |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
-    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], notes: Vec::new() })
+    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() })
 }
 
-/// The effects asked for, on their joints.
-fn place(wanted: &[String], robot: &Robot) -> Result<Vec<Placed>> {
+/// The effects asked for, on their joints; those of `model` that have no equation are passed over where no joint is named.
+fn place(wanted: &[String], robot: &Robot, model: Option<&Model>) -> Result<Vec<Placed>> {
+    let is_seen = |joint: &usize| model.is_none_or(|model| model.has_equation(*joint));
     let mut placed = Vec::new();
     for text in wanted {
         let (name, joint) = text.split_once(':').map_or((text.as_str(), None), |(name, joint)| (name, Some(joint)));
         let effect = effects::find(name)?;
         let spots = match (effect.about().scope, joint) {
-            (Scope::Joint, None) => (0..robot.dof()).collect(),
-            (Scope::Pair, None) => (0..robot.dof().saturating_sub(1)).collect(),
-            _ => vec![effect_joint(effect, joint, robot).map_err(|problem| Error::request(text.as_str(), problem))?],
+            (Scope::Joint, None) => (0..robot.dof()).filter(is_seen).collect(),
+            (Scope::Pair, None) => {
+                (0..robot.dof().saturating_sub(1)).filter(|joint| is_seen(joint) && is_seen(&(joint + 1))).collect()
+            }
+            (scope, _) => {
+                let joint =
+                    effect_joint(effect, joint, robot).map_err(|problem| Error::request(text.as_str(), problem))?;
+                if matches!(scope, Scope::Joint | Scope::Pair) && !is_seen(&joint) {
+                    let problem = "the logs have no torque of this joint, or it hardly moves; leave the effect out";
+                    return Err(Error::request(text.as_str(), problem));
+                }
+                vec![joint]
+            }
         };
         placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
     }
@@ -210,7 +256,7 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
 pub(super) fn usual_preparation(log: &Recording) -> Preparation {
     let window = ((DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1).max(9);
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
-    Preparation { smoothing, band: 0.03 }
+    Preparation { smoothing, band: Band::OfNoise }
 }
 
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
@@ -222,7 +268,7 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
     if decimation == 0 {
         return Err(Error::request("--decimation", "must be 1 or more"));
     }
-    let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).unwrap_or(0.03);
+    let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).map_or(Band::OfNoise, Band::Given);
     let low_pass = arguments.low_pass_hz.or(spec.and_then(|s| s.low_pass_hz).filter(|_| arguments.window.is_none()));
     let smoothing = match low_pass {
         Some(cutoff_hz) => Smoothing::LowPass { cutoff_hz, decimation },

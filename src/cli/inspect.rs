@@ -1,23 +1,27 @@
 //! `tauscope inspect`: what a log is worth.
 
-use super::{DONE, Global, print, progress};
-use crate::dataset::Dataset;
+use super::arm::ArmArguments;
+use super::{DONE, Global, corrected, print, progress};
+use crate::dataset::{self, Dataset, Named};
 use crate::error::{Error, Result};
-use crate::quality;
+use crate::identification::effect_model::Trust;
+use crate::output::ResultFolder;
+use crate::quality::descriptions::Description;
+use crate::quality::{self, Together, UnitChanges};
 use crate::recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::report::quality as report;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag.
-    log: PathBuf,
-    /// URDF of the arm, for its limits and for checks of torque against motion.
-    #[arg(long, value_name = "URDF")]
-    robot: Option<PathBuf>,
+    /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are judged together.
+    #[arg(required = true)]
+    log: Vec<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
     /// Description of the log: columns, units, motors, payload, mounting.
     #[arg(long, value_name = "TOML")]
     dataset: Option<PathBuf>,
@@ -30,40 +34,79 @@ pub struct Arguments {
 /// Examines the log and prints what it finds; a log that cannot be used is an error behind the report.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
-    let named = arguments.robot.clone().or_else(|| dataset.as_ref().and_then(Dataset::robot));
-    let mut robot = named.map(|path| robot::load(path, InertiaCheck::Ignored)).transpose()?;
+    let file = arguments.arm.file(dataset.as_ref());
+    let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);
+    let robot = file.map(open).transpose()?.map(|arm| arm.robot);
+    let [first, others @ ..] = &arguments.log[..] else { return Err(Error::request("LOG", "give a log")) };
+    if arguments.convert.is_some() && !others.is_empty() {
+        return Err(Error::request("--convert", "takes one log; give the logs one by one"));
+    }
     let mut stages = progress::Stages::new(global, &[1, 1]);
     stages.begin("reading the log");
-    let sieved = match (&dataset, &mut robot) {
-        (None, robot) => {
-            let names = robot.as_ref().map(Robot::joint_names);
-            lenient::load(&arguments.log, names.as_deref(), &ColumnMap::default())?
-        }
-        (Some(dataset), Some(robot)) => {
-            dataset.mount(robot)?;
-            dataset.read(&arguments.log, robot)?
-        }
+    let read = |log: &PathBuf| match (&dataset, &robot) {
+        (None, Some(robot)) => dataset::read(log, robot),
+        (None, None) => lenient::load(log, None, &ColumnMap::default()),
+        (Some(dataset), Some(robot)) => dataset.read(log, robot),
         (Some(_), None) => {
             let problem = "give the arm's URDF, here or as `robot` in the dataset: it names the joints";
-            return Err(Error::request("--robot", problem));
+            Err(Error::request("--robot", problem))
         }
     };
+    let sieved = arguments.log.iter().map(read).collect::<Result<Vec<Sieved>>>()?;
     stages.begin("looking at the log");
-    let found = quality::examine(&sieved, robot.as_ref())?;
-    let converted = arguments.convert.as_ref().map(|path| convert(path, &arguments.log, &sieved)).transpose()?;
+    let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
+    let converted = arguments.convert.as_ref().map(|path| convert(path, first, &sieved[0])).transpose()?;
+    let corrected = match &robot {
+        Some(robot) => correct(arguments, global, dataset.as_ref(), robot, &together)?,
+        None => None,
+    };
     stages.finish();
-    let result = report::result(&arguments.log, robot.as_ref(), &found);
+    let each: Vec<(&Path, &quality::Report)> =
+        arguments.log.iter().map(PathBuf::as_path).zip(&together.reports).collect();
+    let result = report::together(each[0], &each[1..], robot.as_ref());
     print::result(global, report::SCHEMA, &result, || {
+        let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
-        report::text(&arguments.log, robot.as_ref(), &found) + &converted
+        let corrected =
+            corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
+        texts.join("\n\n") + &converted + &corrected
     })?;
-    match found.fatal() {
-        Some(finding) => {
+    match each.iter().find_map(|(log, found)| Some((log, found.fatal()?))) {
+        Some((log, finding)) => {
             let problem = format!("the log cannot be used: {}", finding.text);
-            Err(Error::input(&arguments.log, None, finding.place.as_str(), problem))
+            Err(Error::input(*log, None, finding.place.as_str(), problem))
         }
         None => Ok(DONE),
     }
+}
+
+/// Writes what was found wrong with the description, put right, where there is something; the path it is in.
+fn correct(
+    arguments: &Arguments,
+    global: &Global,
+    dataset: Option<&Dataset>,
+    robot: &Robot,
+    together: &Together,
+) -> Result<Option<PathBuf>> {
+    let verdict = together.verdict.as_ref();
+    // One recorder made all logs: what one shows and another denies is not put right for all.
+    let units = together.reports[0].units;
+    let shared = together.reports.iter().all(|report| {
+        report.units.degrees == units.degrees && report.units.time_factor.is_some() == units.time_factor.is_some()
+    });
+    let units = if shared { units } else { UnitChanges::default() };
+    if verdict.is_none() && units == UnitChanges::default() {
+        return Ok(None);
+    }
+    let as_given = Description::as_given(robot.dof(), robot.gravity);
+    let description = verdict.map_or(&as_given, |verdict| &verdict.description);
+    let name = arguments.log[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
+    let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
+    let named = Named { robot: arguments.arm.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
+    if !corrected::write(&folder, dataset, &named, robot, description, units)? {
+        return Ok(None);
+    }
+    Ok(Some(folder.finish()?.join(corrected::FILE)))
 }
 
 /// Writes the usable rows to `path`, whole or not at all, and says so.

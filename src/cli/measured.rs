@@ -1,17 +1,19 @@
 //! `tauscope run --dataset`: identify and score with measured logs in place of the simulation.
 
-use super::{DONE, Global, identify, print, progress};
-use crate::dataset::{Dataset, Logs};
+use super::{DONE, Global, corrected, identify, print, progress};
+use crate::dataset::arm::{Asked, LoggedArm};
+use crate::dataset::{self, Dataset, Logs, Named};
 use crate::error::{Error, Result};
 use crate::identification::consistent::consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit;
 use crate::identification::model::Model;
 use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::html::{self, Provenance};
 use crate::report::{fit as fit_report, measured as report, viewer};
-use crate::robot::{self, InertiaCheck};
+use crate::robot;
 use crate::study::measured;
 use crate::study::testbed::Variant;
 use std::path::Path;
@@ -22,13 +24,20 @@ pub fn run(path: &Path, global: &Global) -> Result<u8> {
     let named = dataset.robot().ok_or_else(|| {
         Error::input(path, None, "robot", "is missing: name the arm's URDF, which is looked for beside this file")
     })?;
-    let mut robot = robot::load(named, InertiaCheck::Ignored)?;
-    dataset.mount(&mut robot)?;
+    let mut arm = LoggedArm::open(&named, &Asked::default(), Trust::Structure, Some(&dataset), &dataset.files())?;
     let variants = [Variant::Raw, Variant::SavitzkyGolay];
     let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 1]);
     stages.begin("reading the logs");
-    let Logs { train, test, notes } = dataset.logs(&robot)?;
+    let mut logs = dataset.sieved(&arm.robot)?;
+    arm.settle(Some(&dataset), &mut logs)?;
+    let mut robot = arm.robot;
+    let Logs { train, test, mut notes, correction } = dataset::ready(logs, &robot)?;
+    notes.extend(robot.notes.clone());
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
+    if let Some(description) = &correction {
+        robot.gravity = description.gravity;
+        corrected::write(&folder, Some(&dataset), &Named::default(), &robot, description, UnitChanges::default())?;
+    }
     let model = Model::new(&robot);
     let preparation = identify::usual_preparation(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());

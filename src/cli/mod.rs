@@ -1,7 +1,9 @@
 //! The command line: one file per command, each thin: parse, call the library, print.
 
+mod arm;
 mod blind;
 mod check;
+mod corrected;
 mod diagnose;
 mod effects;
 mod excite;
@@ -14,6 +16,7 @@ mod montecarlo;
 mod paper;
 mod print;
 mod progress;
+mod robot;
 mod run;
 mod simulate;
 mod view;
@@ -95,6 +98,8 @@ enum Command {
     Montecarlo(Box<montecarlo::Arguments>),
     /// Fail if identification has got worse than a baseline by more than chance.
     Check(check::Arguments),
+    /// Show what a robot's file holds: joints under study, joints that follow or are held, notes.
+    Robot(robot::Arguments),
     /// Open the recording of a results folder in the rerun viewer.
     View(view::Arguments),
     /// List the physical effects there are, or tell all about one.
@@ -117,6 +122,7 @@ pub fn main() -> ExitCode {
         Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Montecarlo(arguments) => montecarlo::run(&arguments, &cli.global),
         Command::Check(arguments) => check::run(&arguments, &cli.global),
+        Command::Robot(arguments) => robot::run(&arguments, &cli.global),
         Command::View(arguments) => view::run(&arguments, &cli.global),
         Command::Effects(arguments) => effects::run(&arguments, &cli.global),
     };

@@ -47,6 +47,8 @@ impl Dataset {
         scale(&mut torque_factor, &sign);
         scale(&mut torque_factor, &torque_sign);
 
+        let clock = self.time_factor()?;
+        log.time.iter_mut().for_each(|t| *t *= clock);
         let moved = |unit: f64| -> Vec<f64> { (0..dof).map(|j| unit * sign[j] / motion_gear[j]).collect() };
         apply(&mut log.q, &moved(units.position.factor()));
         if let Some(qd) = &mut log.qd {
@@ -56,6 +58,9 @@ impl Dataset {
             apply(qdd, &moved(units.acceleration.factor()));
         }
         apply(&mut log.tau, &torque_factor);
+        for (joint, offset) in self.offsets(dof)?.into_iter().enumerate() {
+            log.tau.channel_mut(joint).iter_mut().for_each(|torque| *torque -= offset);
+        }
         log.truth = None;
 
         if let Some(coupling) = self.coupling(dof)? {
@@ -81,6 +86,66 @@ impl Dataset {
             Some(inverse) => Ok(Some((matrix, inverse.transpose()))),
             None => Err(self.error(key, "is singular: some motion of the motors would not move the joints")),
         }
+    }
+
+    /// True seconds per second of the log.
+    fn time_factor(&self) -> Result<f64> {
+        match self.spec.units.time_factor {
+            None => Ok(1.0),
+            Some(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
+            Some(bad) => Err(self.error("units.time_factor", format!("{bad} must be a finite number above zero"))),
+        }
+    }
+
+    /// What the torques show too much, at the joints.
+    fn offsets(&self, dof: usize) -> Result<Vec<f64>> {
+        let key = "motors.torque_offset";
+        let values = match &self.spec.motors.torque_offset {
+            None => return Ok(vec![0.0; dof]),
+            Some(PerJoint::All(value)) => vec![*value; dof],
+            Some(PerJoint::Each(values)) => values.clone(),
+        };
+        if values.len() != dof {
+            return Err(self.error(key, format!("{} values for {dof} joints", values.len())));
+        }
+        match values.iter().find(|value| !value.is_finite()) {
+            Some(bad) => Err(self.error(key, format!("{bad} must be a finite number"))),
+            None => Ok(values),
+        }
+    }
+
+    /// Exchanges the columns of pairs of joints, in a log whose joints are in the robot's order.
+    pub(super) fn exchange(&self, log: &mut Recording) -> Result<()> {
+        let motors = &self.spec.motors;
+        for (key, pairs) in
+            [("torques_exchanged", &motors.torques_exchanged), ("positions_exchanged", &motors.positions_exchanged)]
+        {
+            for pair in pairs.iter().flatten() {
+                let mut places = [0; 2];
+                for (place, name) in places.iter_mut().zip(pair) {
+                    *place = log.joints.iter().position(|joint| joint == name).ok_or_else(|| {
+                        let problem =
+                            format!("`{name}` is no joint of the arm; its joints are {}", log.joints.join(", "));
+                        self.error(&format!("motors.{key}"), problem)
+                    })?;
+                }
+                let exchanged = |table: &Channels| {
+                    let of = |joint: usize| match places.iter().position(|place| *place == joint) {
+                        Some(at) => places[1 - at],
+                        None => joint,
+                    };
+                    table.map(|joint, _| table.channel(of(joint)).to_vec())
+                };
+                if key == "torques_exchanged" {
+                    log.tau = exchanged(&log.tau);
+                } else {
+                    log.q = exchanged(&log.q);
+                    log.qd = log.qd.as_ref().map(exchanged);
+                    log.qdd = log.qdd.as_ref().map(exchanged);
+                }
+            }
+        }
+        Ok(())
     }
 
     fn list(&self, key: &str, given: &Option<PerJoint>, dof: usize) -> Result<Option<Vec<f64>>> {
@@ -129,7 +194,7 @@ fn mix(table: &mut Channels, matrix: &DMatrix<f64>) {
     }
 }
 
-/// Puts joint `order[i]` of a log at place `i`.
+/// Puts joint `order[i]` of a log at place `i`; joints without a place are left out.
 pub fn reorder(log: &mut Recording, order: &[usize]) {
     let pick = |table: &Channels| {
         Channels::from_vectors(&order.iter().map(|&joint| table.channel(joint).to_vec()).collect::<Vec<_>>())

@@ -4,7 +4,7 @@
 //! ```toml
 //! schema = "tauscope.dataset/1"
 //! robot = "arm.urdf"            # beside this file
-//! joints = ["j1", "j2"]         # order of columns and lists below, where it is not the robot's
+//! joints = ["j1", "j2"]         # joints under study, in the order of columns and lists below; without, those that the logs name
 //!
 //! [[train]]
 //! file = "a.csv"
@@ -27,15 +27,22 @@
 //! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s
 //! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
 //! torque = "A"                  # Nm, mNm, kNm, A, mA, N
+//! time_factor = 1.6             # of a clock that runs wrong: true seconds per second of the log
 //!
 //! [motors]                      # a number for all or one per joint
 //! gear_ratio = [100.0, 80.0]    # turns of the motor per turn of the joint
 //! torque_constant_nm_a = 0.12
 //! sign = [1, -1]                # of position, velocity and torque
 //! torque_sign = -1              # of torque alone
+//! torque_offset = 0.4           # N m (N) at the joint that the torque shows too much
 //! position_at = "motor"         # or "joint"
 //! torque_at = "motor"           # or "joint"; currents are at the motor
 //! coupling = [[1.0, 0.0], [0.5, 1.0]]   # joints = coupling x motors, behind their gears
+//! torques_exchanged = [["j1", "j2"]]    # pairs of joints in each other's columns of torque
+//! positions_exchanged = [["j1", "j2"]]  # the same of position, velocity and acceleration
+//!
+//! [hold]                        # joints that are not under study and that the logs do not have, rad or m
+//! finger_joint = 0.02
 //!
 //! [payload]                     # at the flange, known
 //! mass_kg = 5.0
@@ -46,18 +53,23 @@
 //! gravity_m_s2 = [0.0, 0.0, 9.81]   # in the base frame: an arm that hangs
 //! ```
 
+pub mod arm;
 mod convert;
+mod corrected;
 mod units;
 
+pub use corrected::{Named, corrected};
 pub use units::{PositionUnit, TimeUnit, TorqueUnit, VelocityUnit};
 
 use crate::error::{Error, Result};
 use crate::quality;
+use crate::quality::descriptions::Description;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::recording::{Recording, resample};
 use crate::robot::{Inertia, Robot};
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use units::AccelerationUnit;
 
@@ -81,6 +93,9 @@ struct Spec {
     schema: String,
     robot: Option<PathBuf>,
     joints: Option<Vec<String>>,
+    /// Where joints stand that are not under study, rad or m.
+    #[serde(default)]
+    hold: BTreeMap<String, f64>,
     #[serde(default)]
     train: Vec<Part>,
     #[serde(default)]
@@ -116,6 +131,7 @@ struct Units {
     velocity: VelocityUnit,
     acceleration: AccelerationUnit,
     torque: TorqueUnit,
+    time_factor: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -128,6 +144,9 @@ struct Motors {
     position_at: Option<Side>,
     torque_at: Option<Side>,
     coupling: Option<Vec<Vec<f64>>>,
+    torque_offset: Option<PerJoint>,
+    torques_exchanged: Option<Vec<[String; 2]>>,
+    positions_exchanged: Option<Vec<[String; 2]>>,
 }
 
 /// A number for all joints, or one each.
@@ -170,6 +189,9 @@ pub struct Logs {
     pub test: Vec<Recording>,
     /// Rows left out, clocks made even, and warnings of [`quality::examine`]; each begins with the file.
     pub notes: Vec<String>,
+    /// The description that the logs were taken by, where the given one is wrong beyond doubt; the arm's gravity is then the
+    /// one in it.
+    pub correction: Option<Description>,
 }
 
 impl Dataset {
@@ -235,6 +257,11 @@ impl Dataset {
         self.spec.robot.as_ref().map(|robot| self.beside(robot))
     }
 
+    /// All logs it names, those to train from first; of a log in several files the first of them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.parts().filter_map(|(_, part)| Some(self.beside(part.paths().first()?))).collect()
+    }
+
     /// Puts the mounting and the known payload on an arm.
     ///
     /// # Errors
@@ -248,14 +275,15 @@ impl Dataset {
             }
             robot.gravity = gravity;
         }
-        let (Some(payload), Some(last)) = (&self.spec.payload, robot.joints.last_mut()) else { return Ok(()) };
+        let Some(payload) = &self.spec.payload else { return Ok(()) };
+        let (tip, flange) = (robot.tip(), robot.flange);
+        let last = robot.body_mut(tip);
         let [xx, xy, yy, xz, yz, zz] = payload.inertia_kg_m2;
         let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let body = Inertia::from_center_of_mass(payload.mass_kg, Vector3::from(payload.center_m), tensor);
         if let Some(problem) = body.physical_fault(1e-3) {
             return Err(self.error("payload", problem));
         }
-        let flange = &robot.flange;
         last.inertia = last.inertia.welded_to(&body.seen_from_parent(&flange.rotation, &flange.translation));
         Ok(())
     }
@@ -270,13 +298,10 @@ impl Dataset {
 
     /// The same of a log whose columns are in several files; `rate_hz` where it is known and they have no time.
     fn read_together(&self, files: &[PathBuf], rate_hz: Option<f64>, robot: &Robot) -> Result<Sieved> {
-        let names = robot.joint_names();
-        let order = self.spec.joints.as_ref().unwrap_or(&names);
-        let mut sorted = (order.clone(), names.clone());
-        sorted.0.sort();
-        sorted.1.sort();
-        if sorted.0 != sorted.1 {
-            let problem = format!("{} are not the robot's joints {}", order.join(", "), names.join(", "));
+        let order = self.spec.joints.as_ref().unwrap_or(&robot.columns);
+        if let Some(missing) = robot.joint_names().into_iter().find(|name| !order.contains(name)) {
+            let names = robot.joint_names().join(", ");
+            let problem = format!("{} are not the robot's joints {names}: `{missing}` is missing", order.join(", "));
             return Err(self.error("joints", problem));
         }
         let mut columns = self.spec.columns.clone();
@@ -284,29 +309,9 @@ impl Dataset {
         columns.time_factor = self.spec.units.time.map(TimeUnit::factor);
         let mut sieved = lenient::load_together(files, Some(order), &columns)?;
         self.convert(&mut sieved)?;
-        if *order != names {
-            let place = |name: &String| order.iter().position(|own| own == name).unwrap_or(0);
-            let order: Vec<usize> = names.iter().map(place).collect();
-            convert::reorder(&mut sieved.recording, &order);
-            sieved.unwrapped = (0..order.len()).filter(|joint| sieved.unwrapped.contains(&order[*joint])).collect();
-        }
+        arm::select(&mut sieved, order, &robot.joint_names());
+        self.exchange(&mut sieved.recording)?;
         Ok(sieved)
-    }
-
-    /// Reads all logs and makes them ready.
-    ///
-    /// # Errors
-    /// Those of [`Dataset::read`], and a log that cannot be used, with the reason.
-    pub fn logs(&self, robot: &Robot) -> Result<Logs> {
-        let mut logs = Logs::default();
-        let [train, test] = self.sieved(robot)?;
-        for (path, sieved) in train {
-            logs.train.extend(ready(&path, sieved, robot, &mut logs.notes)?);
-        }
-        for (path, sieved) in test {
-            logs.test.extend(ready(&path, sieved, robot, &mut logs.notes)?);
-        }
-        Ok(logs)
     }
 
     /// Reads all logs, or the parts of them that are wanted, and leaves them as they are otherwise: those to train from,
@@ -381,34 +386,74 @@ impl Part {
     }
 }
 
+/// Reads a log without a description: the joints of `robot` in their order.
+///
+/// # Errors
+/// Those of [`lenient::load`].
+pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
+    let mut sieved = lenient::load(path, Some(&robot.columns), &ColumnMap::default())?;
+    arm::select(&mut sieved, &robot.columns, &robot.joint_names());
+    Ok(sieved)
+}
+
 /// A log without a description made ready: rows that cannot be used left out, clock made even, faults noted.
 ///
 /// # Errors
 /// Those of [`lenient::load`], and a log that cannot be used, with the reason.
 pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    ready(path, lenient::load(path, Some(&robot.joint_names()), &ColumnMap::default())?, robot, notes)
+    let logs = ready([read_all(&[path.to_owned()], robot)?, Vec::new()], robot)?;
+    notes.extend(logs.notes);
+    Ok(logs.train)
 }
 
-/// Examines a log, refuses it where it cannot be used, and cuts it into pieces at even steps.
-fn ready(path: &Path, sieved: Sieved, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
-    let report = quality::examine(&sieved, Some(robot))?;
-    if let Some(finding) = report.fatal() {
-        let problem = format!("the log cannot be used: {}", finding.text);
-        return Err(Error::input(path, None, finding.place.as_str(), problem));
+/// Reads logs without a description and leaves them as they are otherwise, each with its file.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_all(paths: &[PathBuf], robot: &Robot) -> Result<Vec<(PathBuf, Sieved)>> {
+    paths.iter().map(|path| Ok((path.clone(), read(path, robot)?))).collect()
+}
+
+/// Examines logs, those to train from and those to judge by, refuses those that cannot be used, corrects what is wrong with
+/// their description beyond doubt, and cuts them into pieces at even steps.
+///
+/// # Errors
+/// A log that cannot be used, with the reason.
+pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Result<Logs> {
+    let mut logs = Logs::default();
+    let trained = train.len();
+    let all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
+    let sieved: Vec<&Sieved> = all.iter().map(|(_, sieved)| sieved).collect();
+    let quality::Together { reports, verdict } = quality::examine_together(&sieved, Some(robot))?;
+    logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
+    for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
+        if let Some(finding) = report.fatal() {
+            let problem = format!("the log cannot be used: {}", finding.text);
+            return Err(Error::input(path, None, finding.place.as_str(), problem));
+        }
+        let rows = sieved.rejected.iter().take(1).map(|row| {
+            let all = sieved.rejected.len();
+            format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
+        });
+        logs.notes.extend(rows);
+        logs.notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
+        let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
+        logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
+        let mut pieces = resample::pieces(sieved.recording);
+        if pieces.is_empty() {
+            return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+        }
+        if let Some(description) = &logs.correction {
+            pieces.iter_mut().for_each(|piece| description.apply(piece));
+        }
+        if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
-    let rows = sieved.rejected.iter().take(1).map(|row| {
-        let all = sieved.rejected.len();
-        format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
-    });
-    notes.extend(rows);
-    notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
-    let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
-    notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
-    let pieces = resample::pieces(sieved.recording);
-    if pieces.is_empty() {
-        return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+    if logs.correction.is_some() {
+        logs.notes.push(
+            "the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into(),
+        );
     }
-    Ok(pieces)
+    Ok(logs)
 }
 
 #[cfg(test)]

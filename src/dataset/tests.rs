@@ -163,3 +163,60 @@ fn mistakes_are_named_by_line_and_key() {
     std::fs::write(folder.folder.path().join("d.toml"), "schema = \"x/1\"\n").unwrap();
     assert!(folder.dataset().unwrap_err().to_string().contains("d.toml:1: schema: `x/1` is not known"));
 }
+
+#[test]
+fn offsets_exchanges_and_a_wrong_clock_are_put_right() {
+    let case = Case::new(
+        "[[train]]\nfile = \"log.csv\"\n[units]\ntime_factor = 1.6\n[motors]\ntorque_offset = [0.5, 0.0]\n\
+         torques_exchanged = [[\"a\", \"b\"]]\npositions_exchanged = [[\"b\", \"a\"]]\n",
+        "t,q1,q2,tau1,tau2\n0,1,2,3.5,4\n1,5,6,7.5,8\n",
+    );
+    let log = case.read().unwrap();
+    assert_close(&Channels::from_vectors(&[log.time]), &[&[0.0, 1.6]]);
+    assert_close(&log.q, &[&[2.0, 6.0], &[1.0, 5.0]]);
+    assert_close(&log.tau, &[&[4.0, 8.0], &[3.0, 7.0]]);
+    for (key, word) in
+        [("units]\ntime_factor = 0.0", "above zero"), ("motors]\ntorques_exchanged = [[\"a\", \"x\"]]", "`x`")]
+    {
+        let case =
+            Case::new(&format!("[[train]]\nfile = \"log.csv\"\n[{key}\n"), "t,q1,q2,tau1,tau2\n0,1,2,3,4\n1,5,6,7,8\n");
+        let problem = case.read().unwrap_err().to_string();
+        assert!(problem.contains(word), "{problem}");
+    }
+}
+
+/// A dataset with changes reads as the log does that the changes are applied to, whatever the dataset does already.
+#[test]
+fn a_corrected_dataset_reads_the_corrected_log() {
+    use crate::quality::descriptions::Change;
+    let more = "[motors]\ngear_ratio = [2, 3]\nsign = [1, -1]\ntorque_at = \"motor\"\n";
+    for joints in ["", "joints = [\"b\", \"a\"]\n"] {
+        let case = Case::new(
+            &format!("robot = \"two.urdf\"\n{joints}[[train]]\nfile = \"log.csv\"\n{more}"),
+            "t,q1,q2,tau1,tau2\n0,1,2,3,4\n1,5,6,7,8\n",
+        );
+        let robot = case.robot();
+        for changes in [
+            vec![Change::TorqueSign(0)],
+            vec![Change::AxisSign(1), Change::TorqueExchange(0, 1)],
+            vec![Change::PositionSign(0), Change::JointExchange(0, 1)],
+            vec![Change::AllTorqueSigns, Change::Gravity([9.81, 0.0, 0.0])],
+        ] {
+            let start = Description::as_given(2, robot.gravity);
+            let description = changes.iter().fold(start, |description, &change| description.with(change));
+            let mut expected = case.read().unwrap();
+            description.apply(&mut expected);
+            let dataset = case.dataset().unwrap();
+            let units = quality::UnitChanges::default();
+            let text = corrected(Some(&dataset), &Named::default(), &robot.joint_names(), &description, units).unwrap();
+            let path = case.folder.path().join("corrected.toml");
+            std::fs::write(&path, &text).unwrap();
+            let again = Dataset::load(&path).unwrap();
+            let mut mounted = robot.clone();
+            again.mount(&mut mounted).unwrap();
+            assert_eq!(mounted.gravity, description.gravity);
+            let found = again.read(&case.folder.path().join("log.csv"), &robot).unwrap().recording;
+            assert_eq!((found.q, found.tau), (expected.q, expected.tau), "{changes:?}\n{text}");
+        }
+    }
+}

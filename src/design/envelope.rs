@@ -170,7 +170,7 @@ impl Envelope {
     }
 
     fn watched<'a, T>(&self, frames: &'a [T]) -> &'a [T] {
-        &frames[FIRST_WATCHED.min(self.robot.dof())..]
+        &frames[FIRST_WATCHED.min(self.robot.bodies())..]
     }
 
     /// Checks that `motion` keeps every limit in samples at [`CHECK_RATE_HZ`]; those of the joints at all times where the
@@ -219,7 +219,11 @@ impl Envelope {
             if !kept {
                 return Err(Passed {
                     subject: joint.name.clone(),
-                    what: format!("takes {tau:.2} N m, more than its torque limit of {:.2} N m,", joint.limits.effort),
+                    what: format!(
+                        "takes {tau:.2} {unit}, more than its torque limit of {:.2} {unit},",
+                        joint.limits.effort,
+                        unit = joint.effort_unit()
+                    ),
                     advice: "raise the effort limit or lower the load",
                 });
             }
@@ -278,8 +282,8 @@ impl Envelope {
 
 /// Origins of the frames of the joints watched, and the flange.
 fn points(robot: &Robot) -> Vec<Point> {
-    let origins = (FIRST_WATCHED..robot.dof()).map(|link| Point { link, place: [0.0; 3] });
-    let flange = Point { link: robot.dof() - 1, place: robot.flange.translation.into() };
+    let origins = (FIRST_WATCHED..robot.bodies()).map(|link| Point { link, place: [0.0; 3] });
+    let flange = Point { link: robot.tip(), place: robot.flange.translation.into() };
     origins.chain([flange]).collect()
 }
 

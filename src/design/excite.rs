@@ -124,10 +124,13 @@ fn require_long_enough(problem: &Problem, request: &Request, size: usize) -> Res
         let speed = acceleration * move_s * PEAK_VELOCITY / PEAK_ACCELERATION;
         if speed <= request.still_band {
             let problem = format!(
-                "in a move of {move_s:.4} s the acceleration limit of {}, {acceleration} rad/s^2, allows {speed:.4} rad/s, \
-                 which is inside the reversal band of {} rad/s, where rows do not count: lengthen the motion, ask for \
+                "in a move of {move_s:.4} s the acceleration limit of {}, {acceleration} {}, allows {speed:.4} {unit}, \
+                 which is inside the reversal band of {} {unit}, where rows do not count: lengthen the motion, ask for \
                  fewer moves or raise the limit",
-                joint.name, request.still_band
+                joint.name,
+                joint.kind.unit("rad/s^2"),
+                request.still_band,
+                unit = joint.velocity_unit()
             );
             return Err(Error::request("duration", problem));
         }

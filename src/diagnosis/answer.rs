@@ -14,7 +14,7 @@ use super::residual_structure::ResidualStructure;
 use super::session::{Member, Session};
 use super::structure::Unexplained;
 use super::verdict::Verdict;
-use crate::effects::{LIBRARY, Nature, Parameter};
+use crate::effects::{LIBRARY, Nature, Parameter, Placed};
 use crate::error::Result;
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -75,6 +75,9 @@ pub struct Diagnosis {
     pub rates_hz: Vec<f64>,
     /// Whether the last part of the training logs was held out for want of test logs.
     pub held_out_from_training: bool,
+    /// Whether each joint has an equation: its torque is logged, and it surely moves. The numbers of a joint without one
+    /// mean nothing.
+    pub equations: Vec<bool>,
     /// Number of independent tests that the scan is worth.
     pub effective_tests: f64,
     /// Noise of the torque.
@@ -226,7 +229,9 @@ pub fn not_found(
         .filter(|(_, family)| !taken.contains(family))
         .map(|(effect, family)| {
             let seen = sensitivity.get(&family);
-            let Parameter { unit, lower, upper, .. } = effect.parameters()[seen.map_or(0, |(index, _)| *index)];
+            let index = seen.map_or(0, |(index, _)| *index);
+            let Parameter { lower, upper, .. } = effect.parameters()[index];
+            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.robot());
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable =

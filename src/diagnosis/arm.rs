@@ -1,7 +1,7 @@
 //! The arm as identified so far: what effects in gears and sensors, and friction under load, act upon.
 
 use super::column::Column;
-use super::cutoffs::WIDEST_HZ;
+use super::cutoffs::passes_all;
 use super::log::Log;
 use super::roles::is_shift;
 use super::rows::Rows;
@@ -102,6 +102,7 @@ impl Arm {
         if self.trust == Trust::Nominal {
             columns.extend(
                 (0..rows.dof())
+                    .filter(|&joint| model.has_equation(joint))
                     .map(|joint| Column::on(joint, rows.signal(|log| log.motion.qdd.channel(joint).to_vec()))),
             );
         }
@@ -137,7 +138,8 @@ impl Arm {
             }
             Trust::Nominal => {
                 let friction = (0..model.base().len()).filter(|&b| model.is_friction(b));
-                let rotors = (0..model.dof()).map(|joint| joint * STANDARD + ROTOR);
+                let rotors = (0..model.dof()).filter(|&joint| model.has_equation(joint));
+                let rotors = rotors.map(|joint| joint * STANDARD + ROTOR);
                 let places = friction.map(|b| model.base().kept()[b]).chain(rotors);
                 for (place, &value) in places.zip(values) {
                     standard[place] = value;
@@ -417,7 +419,8 @@ impl Arm {
         let largest = inertia.fold(0.0, f64::max);
         let swing_hz = 1.0 / (std::f64::consts::TAU * (compliance * largest).sqrt());
         let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
-        (hz < WIDEST_HZ).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, 1.0 / log.period)).transpose()
+        let rate_hz = 1.0 / log.period;
+        (hz < passes_all(rate_hz)).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, rate_hz)).transpose()
     }
 }
 

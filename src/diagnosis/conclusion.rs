@@ -6,6 +6,7 @@ use super::arm::Arm;
 use super::column::{Column, combined, rms};
 use super::derived::derived;
 use super::disagreement::disagreement;
+use super::equations::{Observed, observed};
 use super::evidence::Evidence;
 use super::extended::ExtendedModel;
 use super::found::Found;
@@ -34,11 +35,9 @@ use crate::simulation::engine::EngineKind;
 /// Share of a log that is held out where there is no other to judge by.
 const HELD_OUT: f64 = 0.3;
 
-/// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz.
+/// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz; and by how much of itself a clock may go slow.
 const SLOWEST_RATE_HZ: f64 = 50.0;
-
-/// A log at that rate has stamps of few digits, or a clock that is not exact.
-const RATE_TOLERANCE: f64 = 0.01;
+const SLOW_CLOCK: f64 = 0.01;
 
 /// Rates closer than this factor are one.
 const SAME_RATE: f64 = 1.2;
@@ -75,7 +74,7 @@ pub struct Conclusion<'a> {
     seed: u64,
 }
 
-/// Diagnoses `robot` from logs. Without `test` logs the last part of every training log is held out. `progress` is told
+/// Diagnoses `robot` from logs; joints without torque, or that hardly move, are left out. Without `test` logs the last part of every training log is held out. `progress` is told
 /// the number of effects found so far.
 ///
 /// # Errors
@@ -88,7 +87,8 @@ pub fn diagnose(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Diagnosis> {
     let input = Input { train: train.to_vec(), test: test.to_vec(), ..Input::default() };
-    Ok(conclude(&Model::new(robot), &input, options, progress)?.diagnosis)
+    let Observed { model, .. } = observed(robot, &input, &[])?;
+    Ok(conclude(&model, &input, options, progress)?.diagnosis)
 }
 
 /// Diagnoses the arm of `model`; `progress` is told the number of effects found so far.
@@ -108,9 +108,11 @@ pub fn conclude<'a>(
         return Err(Error::request("log", problem));
     }
     let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
-    if let Some(log) = logs.find(|log| log.rate_hz() < SLOWEST_RATE_HZ * (1.0 - RATE_TOLERANCE)) {
+    if let Some(log) = logs.find(|log| log.rate_hz() < (1.0 - SLOW_CLOCK) * SLOWEST_RATE_HZ) {
         let problem = format!(
-            "is sampled at {:.3} Hz, and a diagnosis needs {SLOWEST_RATE_HZ} Hz or more; log faster",
+            "is sampled at {:.3} Hz, and a diagnosis needs {SLOWEST_RATE_HZ} Hz or more: it follows torque in steps of a \
+             fiftieth of a second, and could not tell starts, stops and reversals, impacts, ripple or delays apart from \
+             each other; log faster, or use `tauscope identify`, which takes any rate",
             log.rate_hz()
         );
         return Err(Error::request("log", problem));
@@ -164,7 +166,7 @@ fn identified<'a>(
 }
 
 /// The first and the last part of every log.
-fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
+pub(super) fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
     let end = |log: &Recording| ((1.0 - HELD_OUT) * log.samples() as f64) as usize;
     logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
 }
@@ -192,7 +194,8 @@ fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
 fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
     let standard = Model::standard_values(robot);
     let friction = (0..model.base().len()).filter(|&b| model.is_friction(b)).map(|b| standard[model.base().kept()[b]]);
-    friction.chain(robot.joints.iter().map(|joint| joint.drive.armature)).collect()
+    let rotors = robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint));
+    friction.chain(rotors.map(|(_, joint)| joint.drive.armature)).collect()
 }
 
 /// What is known beside the search itself.
@@ -258,6 +261,7 @@ fn answer<'a>(
         passband: session.passband,
         rates_hz: rates_hz(&session),
         held_out_from_training,
+        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
         effective_tests: multiplicity.all(),
         gap_closed: closed.value,
         gap_closed_interval: closed.interval,

@@ -5,6 +5,7 @@
 //! | faults of the data, before any physics | [`screening`] |
 //! | what the simulation has already, logs from before a change | [`known`] |
 //! | logs to rows: smooth positions, block means, reversals left out | [`cutoffs`], [`log`], [`rows`], [`smoothing`] |
+//! | joints without torque, or that hardly move | [`equations`] |
 //! | the low-pass that torque went through before it was logged | [`passband`], [`low_pass`] |
 //! | which low-passes serve the logs best, and how sharply friction turns | [`opening`], [`preparation`], [`sign_width`] |
 //! | the arm's baseline and what effects add to it | [`arm`], [`column`](mod@column) |
@@ -43,6 +44,7 @@ pub mod cutoffs;
 pub mod derived;
 pub mod disagreement;
 pub mod eligible;
+pub mod equations;
 pub mod errors_of_motion;
 pub mod evidence;
 pub mod extended;

@@ -49,7 +49,9 @@ const CLEARLY: f64 = 0.05;
 pub fn edge(recordings: &[&Recording]) -> Result<Option<f64>> {
     let mut edges = Vec::new();
     for recording in recordings {
-        for joint in 0..recording.joints() {
+        // A joint without torque says nothing of what the others went through.
+        let logged = |joint: &usize| recording.tau.channel(*joint).iter().any(|torque| torque.is_finite());
+        for joint in (0..recording.joints()).filter(logged) {
             match edge_of(recording.tau.channel(joint), recording.rate_hz())? {
                 Some(hz) => edges.push(hz),
                 None => return Ok(None),

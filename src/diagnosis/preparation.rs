@@ -2,7 +2,7 @@
 
 use super::arm::Arm;
 use super::column::Column;
-use super::cutoffs::{WIDEST_HZ, cutoff, cutoffs_up_to};
+use super::cutoffs::{cutoff, cutoffs_up_to, widest};
 use super::known::Known;
 use super::low_pass::LowPass;
 use super::passband;
@@ -73,6 +73,11 @@ impl<'a> Preparation<'a> {
         vec![hz; self.model.dof()]
     }
 
+    /// A number for every joint that has an equation.
+    fn on_equations(&self, rows: usize) -> Vec<Option<usize>> {
+        (0..self.model.dof()).map(|joint| self.model.has_equation(joint).then_some(rows)).collect()
+    }
+
     /// The logs with the low-passes under which the torque has the least that is new in a row.
     ///
     /// # Errors
@@ -82,8 +87,9 @@ impl<'a> Preparation<'a> {
             Some(best) => best,
             // No cut-off leaves enough rows; the widest tells best why.
             None => {
-                let sides = self.sides(None, &self.alike(WIDEST_HZ))?;
-                Prepared { sides, cutoff_hz: WIDEST_HZ, passband: None }
+                let rates_hz = self.train.iter().chain(self.test).map(|log| log.rate_hz());
+                let cutoff_hz = rates_hz.map(widest).fold(f64::INFINITY, f64::min);
+                Prepared { sides: self.sides(None, &self.alike(cutoff_hz))?, cutoff_hz, passband: None }
             }
         };
         Ok(self.through_passband(prepared.cutoff_hz)?.unwrap_or(prepared))
@@ -112,13 +118,15 @@ impl<'a> Preparation<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn sides(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[Side; 2]> {
-        let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), FEWEST_TEST_ROWS);
+        let fewest = self.on_equations(FEWEST_TEST_ROWS);
+        let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), &fewest);
         let rows = rows.map_err(of_held_out)?;
         Ok([self.training(through, cutoffs_hz)?, Side::new(self.model, self.known, rows, false)?])
     }
 
     fn training(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<Side> {
-        let mut rows = Rows::logged_through(through, &self.train, (cutoffs_hz, self.whole_hz), FEWEST_ROWS)?;
+        let fewest = self.on_equations(FEWEST_ROWS);
+        let mut rows = Rows::logged_through(through, &self.train, (cutoffs_hz, self.whole_hz), &fewest)?;
         rows.before = self.known.reference.len();
         Side::new(self.model, self.known, rows, true)
     }

@@ -62,12 +62,13 @@ impl Rows {
     /// If a log is too short, or a joint hardly moves; named.
     pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
         let joints = recordings.first().map_or(0, |recording| recording.joints());
-        Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), fewest)
+        Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), &vec![Some(fewest); joints])
     }
 
     /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row
     /// counts only where the joint also moves surely with positions smoothed at `whole_hz`, above which they hold nothing but
-    /// noise: where friction holds a joint for a moment, smoother positions move on.
+    /// noise: where friction holds a joint for a moment, smoother positions move on. So many rows as `fewest` says must count on each
+    /// joint; one for which it says nothing has no equation.
     ///
     /// # Errors
     /// If a log is too short, or a joint hardly moves; named.
@@ -75,7 +76,7 @@ impl Rows {
         through: Option<LowPass>,
         recordings: &[&Recording],
         (cutoffs_hz, whole_hz): (&[f64], f64),
-        fewest: usize,
+        fewest: &[Option<usize>],
     ) -> Result<Self> {
         let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
         let dof = first.joints();
@@ -110,7 +111,11 @@ impl Rows {
             rows.starts.push(rows.torque[0].len());
             rows.logs.push(log);
         }
-        for (joint, valid) in rows.valid.iter().enumerate() {
+        for (joint, (valid, &fewest)) in rows.valid.iter_mut().zip(fewest).enumerate() {
+            let Some(fewest) = fewest else {
+                valid.fill(false);
+                continue;
+            };
             let count = valid.iter().filter(|&&ok| ok).count();
             if count < fewest {
                 let problem = format!(
@@ -305,7 +310,7 @@ mod tests {
         let tau = Channels::zeros(1, 10_000);
         let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
         let counts = |whole_hz: f64| {
-            let rows = Rows::logged_through(None, &[&log], (&[3.0], whole_hz), FEWEST_ROWS).unwrap();
+            let rows = Rows::logged_through(None, &[&log], (&[3.0], whole_hz), &[Some(FEWEST_ROWS)]).unwrap();
             rows.valid[0][250..253].iter().filter(|&&ok| ok).count()
         };
         assert_eq!([counts(3.0), counts(20.0)], [3, 0]);

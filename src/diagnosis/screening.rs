@@ -5,6 +5,7 @@
 //! cause named from them would be wrong.
 
 use crate::error::{Error, Result};
+use crate::quality::descriptions::{self, Verdict};
 use crate::quality::{self, Kind, Severity};
 use crate::recording::lenient::Sieved;
 use crate::recording::{Recording, resample};
@@ -26,6 +27,8 @@ pub enum Consequence {
     LeftOut,
     /// Worth knowing; it does not touch what the diagnosis uses.
     Told,
+    /// The description of the logs was wrong beyond doubt; the diagnosis goes on with the right one.
+    Corrected,
 }
 
 /// A fault of one log.
@@ -52,6 +55,8 @@ pub struct Screened {
     pub pieces: Vec<Recording>,
     /// What is wrong with it.
     pub faults: Vec<DataFault>,
+    /// What is wrong with its description.
+    pub verdict: Option<Verdict>,
 }
 
 /// Examines a log called `name` and makes it ready.
@@ -59,7 +64,21 @@ pub struct Screened {
 /// # Errors
 /// If nothing can be learnt from the log: too few samples, no motion, no torque, most rows unusable.
 pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
-    let report = quality::examine(&sieved, Some(robot))?;
+    screen_all(vec![(name.to_owned(), sieved)], robot)?.remove(0)
+}
+
+/// Examines logs of one arm together, each with its name, and makes them ready.
+///
+/// # Errors
+/// Those of the filters; each log has those of [`screen`] for itself.
+pub fn screen_all(logs: Vec<(String, Sieved)>, robot: &Robot) -> Result<Vec<Result<Screened>>> {
+    let sieved: Vec<&Sieved> = logs.iter().map(|(_, sieved)| sieved).collect();
+    let reports = quality::examine_together(&sieved, Some(robot))?.reports;
+    let ready = |((name, sieved), report): ((String, Sieved), quality::Report)| ready(name, sieved, report);
+    Ok(logs.into_iter().zip(reports).map(ready).collect())
+}
+
+fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screened> {
     if let Some(finding) = report.fatal() {
         let problem = format!("{}: the log cannot be used: {}", finding.place, finding.text);
         return Err(Error::request(name, problem));
@@ -70,9 +89,16 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
         .filter_map(|finding| {
             let consequence = consequence(finding.kind, finding.severity)?;
             let quality::Finding { kind, place, text, .. } = finding;
-            Some(DataFault { kind, log: name.to_owned(), place, text, consequence })
+            Some(DataFault { kind, log: name.clone(), place, text, consequence })
         })
         .collect();
+    let mut sieved = sieved;
+    let rate = sieved.recording.rate_hz();
+    for joint in 0..sieved.recording.joints() {
+        let Recording { q, tau, .. } = &mut sieved.recording;
+        let off = quality::motor_off(q.channel(joint), tau.channel(joint), rate);
+        off.into_iter().for_each(|samples| tau.channel_mut(joint)[samples].fill(f64::NAN));
+    }
     let levels: Vec<Vec<f64>> = sieved.recording.tau.iter().map(clipping_levels).collect();
     let mut pieces = resample::pieces(sieved.recording);
     if pieces.is_empty() {
@@ -84,13 +110,37 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
             leave_out(piece.tau.channel_mut(joint), levels, beside);
         }
     }
-    Ok(Screened { name: name.to_owned(), pieces, faults })
+    Ok(Screened { name, pieces, faults, verdict: report.description })
 }
 
-/// All faults, those that stop first; a joint that moves in no training log stops the diagnosis too.
+/// What is wrong with the description of all logs alike; none where one log denies it.
+pub fn shared_verdict(logs: &[&mut Screened]) -> Option<Verdict> {
+    let verdict = logs.first()?.verdict.clone()?;
+    let agrees = |other: &Verdict| other.description.same_as(&verdict.description);
+    logs.iter().all(|log| log.verdict.as_ref().is_some_and(agrees)).then_some(verdict)
+}
+
+/// Puts right what is wrong beyond doubt with the description of all `logs`, in the logs and in the gravity of `robot`.
+/// Nothing is touched where there is nothing to put right, or a doubt.
+pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) {
+    let beyond_doubt = logs.iter().all(|log| log.verdict.as_ref().is_some_and(|verdict| verdict.beyond_doubt));
+    let Some(verdict) = shared_verdict(logs).filter(|_| beyond_doubt) else { return };
+    for log in logs.iter_mut() {
+        log.pieces.iter_mut().for_each(|piece| verdict.description.apply(piece));
+        for fault in log.faults.iter_mut().filter(|fault| descriptions::is_description(fault.kind)) {
+            fault.consequence = Consequence::Corrected;
+        }
+    }
+    robot.gravity = verdict.description.gravity;
+}
+
+/// All faults, those that stop first. A joint that moves in the logs that judge and in none to identify from stops the
+/// diagnosis too.
 pub fn all_faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
-    let still = still_joints(train, robot);
-    let stills = still.into_iter().map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
+    let others = [test, reference].concat();
+    let moves_elsewhere = |joint: usize| others.iter().any(|log| hardly_moves(log, joint).is_none());
+    let still = still_joints(train, robot).into_iter().filter(|(joint, _)| moves_elsewhere(*joint));
+    let stills = still.map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
     let logs = train.iter().chain(test).chain(reference);
     let mut all: Vec<DataFault> = stills.collect();
     let told = logs.flat_map(|log| log.faults.iter().cloned());
@@ -130,16 +180,17 @@ pub fn check_length(option: &str, logs: &[Screened]) -> Result<()> {
     Err(Error::request(option, problem))
 }
 
+/// What is said of a joint of a log if it hardly moves there.
+fn hardly_moves(log: &Screened, joint: usize) -> Option<&DataFault> {
+    let column = format!("q{} (", joint + 1);
+    log.faults.iter().find(|fault| fault.kind == Kind::HardlyMoves && fault.place.starts_with(&column))
+}
+
 /// Joints that hardly move in any of the logs, with what is said of them.
-fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
-    let of = |screened: &Screened, joint: usize| {
-        let column = format!("q{} (", joint + 1);
-        let mut faults = screened.faults.iter();
-        faults.find(|fault| fault.kind == Kind::HardlyMoves && fault.place.starts_with(&column)).cloned()
-    };
+pub fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
     (0..robot.dof())
         .filter_map(|joint| {
-            let each: Vec<DataFault> = logs.iter().filter_map(|log| of(log, joint)).collect();
+            let each: Vec<DataFault> = logs.iter().filter_map(|log| hardly_moves(log, joint).cloned()).collect();
             (each.len() == logs.len()).then(|| Some((joint, each.into_iter().next()?))).flatten()
         })
         .collect()
@@ -174,6 +225,9 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::PositionUnit
         | Kind::TorqueUnit
         | Kind::TorqueSign
+        | Kind::PositionSign
+        | Kind::Mounting
+        | Kind::GravityCompensated
         | Kind::UnsignedTorque
         | Kind::TwoSources
         | Kind::Frozen
@@ -184,15 +238,20 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         Kind::CutOff
         | Kind::NoTorque
         | Kind::Clipped
+        | Kind::MotorOff
         | Kind::Gap
         | Kind::Jitter
         | Kind::DuplicateTime
         | Kind::BackwardTime
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
-        Kind::Mended | Kind::HeldSamples | Kind::HardlyMoves | Kind::OutsideLimits | Kind::DeadTime => {
-            Some(Consequence::Told)
-        }
+        Kind::Mended
+        | Kind::HeldSamples
+        | Kind::HardlyMoves
+        | Kind::OutsideLimits
+        | Kind::DeadTime
+        | Kind::ClockFactor
+        | Kind::ModelTorque => Some(Consequence::Told),
         Kind::VelocitySign | Kind::VelocityUnit | Kind::VelocityMismatch | Kind::VelocityDelay => {
             (severity > Severity::Note).then_some(Consequence::Told)
         }

@@ -151,7 +151,16 @@ impl JointWhitener {
         columns.extend_from_slice(&rich[joint]);
         let signal = torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
         let (valid, share) = (&rows.valid[joint], rows.share_as_logged());
+        if !valid.contains(&true) {
+            return JointWhitener::without_rows(valid, &rows.starts);
+        }
         JointWhitener::new(valid, &rows.starts, &signal, rows.apart(columns), share)
+    }
+
+    /// Of a joint without an equation: there is nothing to make white.
+    fn without_rows(valid: &[bool], starts: &[usize]) -> Self {
+        let noise = AutoregressiveNoise { coefficients: Vec::new(), innovation_std: 1.0 };
+        JointWhitener { filter: InnovationsFilter::new(noise, valid, starts), misfit: 1.0 }
     }
 
     fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, share: f64) -> Self {

@@ -1,9 +1,12 @@
 //! The geometry of an arm as the kernels read it, and the forward recursion they share.
+//!
+//! A serial arm is the case that the kernels are specialised for: each link follows the one before it. A tree, and joints
+//! that follow coordinates, take the general recursions of [`super::branched`].
 
 use super::rotation::{Rotation, Turn};
 use super::spatial::{Vec3, add, add_cross, cross, dot, scale, splat3};
 use crate::lane::Lane;
-use crate::robot::{JointKind, Robot};
+use crate::robot::{Coupling, JointKind, Robot};
 
 /// Geometry of one joint.
 #[derive(Debug, Clone)]
@@ -18,11 +21,28 @@ struct JointGeometry {
     coordinate_axis: Option<usize>,
 }
 
-/// Geometry and gravity of a serial chain, prepared for the batched kernels.
+/// Geometry and gravity of an arm, prepared for the batched kernels.
 #[derive(Debug, Clone)]
 pub struct Chain {
     joints: Vec<JointGeometry>,
     gravity: [f64; 3],
+    /// What a serial arm does not have.
+    pub(super) branches: Option<Branches>,
+}
+
+/// How the bodies of a tree hang together.
+#[derive(Debug, Clone)]
+pub(super) struct Branches {
+    /// Number of coordinates.
+    pub coordinates: usize,
+    /// Bodies, each behind the one that carries it.
+    pub order: Vec<usize>,
+    /// The body that carries each body.
+    pub parents: Vec<Option<usize>>,
+    /// How the joint of each body follows the coordinates.
+    pub couplings: Vec<Coupling>,
+    /// Whether a coordinate moves a body, by body and coordinate.
+    pub moves: Vec<bool>,
 }
 
 /// What the forward recursion knows of one link, in the link's own frame.
@@ -43,10 +63,10 @@ pub(super) struct LinkState<L> {
 impl Chain {
     /// Prepares the geometry of `robot`.
     pub fn new(robot: &Robot) -> Self {
-        let joints = robot
-            .joints
-            .iter()
-            .map(|joint| {
+        let bodies = robot.bodies();
+        let joints = (0..bodies)
+            .map(|body| {
+                let joint = robot.body(body);
                 let origin = joint.origin.rotation;
                 let (rotation, slide) = match joint.kind {
                     JointKind::Revolute => (Rotation::about(joint.axis, origin), nalgebra::Vector3::zeros()),
@@ -62,12 +82,44 @@ impl Chain {
                 }
             })
             .collect();
-        Chain { joints, gravity: robot.gravity.into() }
+        let branches = robot.tree.as_ref().map(|tree| Branches {
+            coordinates: robot.dof(),
+            order: robot.outwards(),
+            parents: tree.parents.clone(),
+            couplings: (0..bodies).map(|body| robot.coupling(body)).collect(),
+            moves: (0..bodies)
+                .flat_map(|b| (0..robot.dof()).map(move |c| (c, b)))
+                .map(|(c, b)| robot.moves(c, b))
+                .collect(),
+        });
+        Chain { joints, gravity: robot.gravity.into(), branches }
     }
 
-    /// Number of joints.
+    /// Number of coordinates.
     pub fn dof(&self) -> usize {
+        self.branches.as_ref().map_or(self.joints.len(), |branches| branches.coordinates)
+    }
+
+    /// Number of moving bodies: one per coordinate, and one per joint that follows a coordinate.
+    pub fn bodies(&self) -> usize {
         self.joints.len()
+    }
+
+    /// Whether `coordinate` moves `body`, so that the body's parameters act on it.
+    pub fn moves(&self, coordinate: usize, body: usize) -> bool {
+        match &self.branches {
+            None => coordinate <= body,
+            Some(branches) => branches.moves[body * branches.coordinates + coordinate],
+        }
+    }
+
+    /// The body that carries a body, and how the body's joint follows the coordinates.
+    #[inline(always)]
+    pub(super) fn hangs(&self, body: usize) -> (Option<usize>, Coupling) {
+        match &self.branches {
+            None => (body.checked_sub(1), Coupling { coordinate: body, multiplier: 1.0, offset: 0.0 }),
+            Some(branches) => (branches.parents[body], branches.couplings[body]),
+        }
     }
 
     /// The same chain under another gravity vector (base frame, m/s2).

@@ -1,6 +1,7 @@
 //! Forward dynamics: joint accelerations under given torques, from the composite-rigid-body mass matrix (Walker and Orin
 //! 1982, method 3; Featherstone 2008, chapter 6) and the recursive Newton-Euler bias.
 
+use super::branched;
 use super::chain::{Chain, LinkState};
 use super::rnea::wrench;
 use super::rotation::Rotation;
@@ -13,6 +14,8 @@ use crate::robot::PARAMETERS;
 #[derive(Debug, Clone)]
 pub struct EquationsOfMotion<L = f64> {
     links: Vec<LinkState<L>>,
+    /// Positions, velocities and, at zero, accelerations of the coordinates.
+    states: Vec<(L, L, L)>,
     /// L below and D on the diagonal, row by row.
     factor: Vec<L>,
     /// Torque at zero acceleration: velocity terms and gravity.
@@ -20,7 +23,7 @@ pub struct EquationsOfMotion<L = f64> {
 }
 
 impl EquationsOfMotion {
-    /// The equations at position `q` and velocity `qd`. `inertial` holds ten parameters per link, base to flange, and
+    /// The equations at position `q` and velocity `qd`. `inertial` holds ten parameters per moving body, base to flange, and
     /// `armature` the reflected rotor inertia of each joint. The bodies need not be possible ones, as base parameters on
     /// the columns that carry them are not; what matters is that M is positive definite: see
     /// [`EquationsOfMotion::smallest_pivot`].
@@ -28,7 +31,7 @@ impl EquationsOfMotion {
     /// # Panics
     /// If the parameters or the state do not fit the chain.
     pub fn new(chain: &Chain, inertial: &[f64], armature: &[f64], q: &[f64], qd: &[f64]) -> Self {
-        let mut equations = EquationsOfMotion { links: Vec::new(), factor: Vec::new(), bias: Vec::new() };
+        let mut equations = Self::empty(chain);
         equations.update(chain, inertial, armature, q, qd);
         equations
     }
@@ -40,7 +43,10 @@ impl EquationsOfMotion {
     pub fn update(&mut self, chain: &Chain, inertial: &[f64], armature: &[f64], q: &[f64], qd: &[f64]) {
         check(chain, inertial, armature);
         assert_eq!([q.len(), qd.len()], [chain.dof(); 2], "one value per joint is wanted");
-        self.set(chain, inertial, armature, |joint| (q[joint], qd[joint]));
+        for (state, (&q, &qd)) in self.states.iter_mut().zip(q.iter().zip(qd)) {
+            *state = (q, qd, 0.0);
+        }
+        self.set(chain, inertial, armature);
     }
 
     /// Accelerations under the joint torques `tau`.
@@ -66,7 +72,7 @@ impl EquationsOfMotion {
 }
 
 fn check(chain: &Chain, inertial: &[f64], armature: &[f64]) {
-    assert_eq!(inertial.len(), chain.dof() * PARAMETERS, "ten inertial parameters a link are wanted");
+    assert_eq!(inertial.len(), chain.bodies() * PARAMETERS, "ten inertial parameters a link are wanted");
     assert_eq!(armature.len(), chain.dof(), "one rotor inertia per joint is wanted");
 }
 
@@ -106,14 +112,15 @@ impl Kernel for Batch<'_> {
     fn run<L: Lane>(self) {
         let (dof, samples) = (self.chain.dof(), self.state[0].samples());
         let [q, qd, tau] = self.state;
-        let mut equations = EquationsOfMotion::<L> { links: Vec::new(), factor: Vec::new(), bias: Vec::new() };
+        let mut equations = EquationsOfMotion::<L>::empty(self.chain);
         let mut net = vec![L::splat(0.0); dof];
         for sample in (0..samples).step_by(L::WIDTH) {
             let here = sample..samples.min(sample + L::WIDTH);
-            let state = |joint: usize| {
-                (L::load_part(&q.channel(joint)[here.clone()]), L::load_part(&qd.channel(joint)[here.clone()]))
-            };
-            equations.set(self.chain, self.inertial, self.armature, state);
+            for (joint, state) in equations.states.iter_mut().enumerate() {
+                let part = |table: &Channels| L::load_part(&table.channel(joint)[here.clone()]);
+                *state = (part(q), part(qd), L::splat(0.0));
+            }
+            equations.set(self.chain, self.inertial, self.armature);
             for (joint, value) in net.iter_mut().enumerate() {
                 *value = L::load_part(&tau.channel(joint)[here.clone()]) - equations.bias[joint];
             }
@@ -126,22 +133,35 @@ impl Kernel for Batch<'_> {
 }
 
 impl<L: Lane> EquationsOfMotion<L> {
+    /// The memory for the equations of an arm.
     #[inline(always)]
-    fn set(&mut self, chain: &Chain, inertial: &[f64], armature: &[f64], state: impl Fn(usize) -> (L, L)) {
+    fn empty(chain: &Chain) -> Self {
+        let (dof, zero) = (chain.dof(), L::splat(0.0));
+        EquationsOfMotion {
+            links: vec![chain.base(); chain.bodies()],
+            states: vec![(zero, zero, zero); dof],
+            factor: vec![zero; dof * dof],
+            bias: vec![zero; dof],
+        }
+    }
+
+    /// Makes these the equations at `states`.
+    #[inline(always)]
+    fn set(&mut self, chain: &Chain, inertial: &[f64], armature: &[f64]) {
         let dof = chain.dof();
-        let (links, factor, bias) = (&mut self.links, &mut self.factor, &mut self.bias);
-        factor.resize(dof * dof, L::splat(0.0));
-        bias.resize(dof, L::splat(0.0));
+        let EquationsOfMotion { links, states, factor, bias } = self;
+        if let Some(tree) = &chain.branches {
+            branched::equations(chain, tree, [inertial, armature], states, [factor, bias], links);
+            return self.factorise();
+        }
         let mut link = chain.base();
-        links.resize(dof, link);
-        for (joint, place) in links.iter_mut().enumerate() {
-            let (q, qd) = state(joint);
+        for (joint, (place, &(q, qd, _))) in links.iter_mut().zip(&*states).enumerate() {
             link = chain.next(joint, &link, q, qd, L::splat(0.0));
             *place = link;
         }
         let zero: Vec3<L> = [L::splat(0.0); 3];
         let (mut force, mut moment) = (zero, zero);
-        let mut composite = Composite { mass: L::splat(0.0), first: zero, tensor: [zero; 3] };
+        let mut composite = Composite::none();
         for joint in (0..dof).rev() {
             let link = &links[joint];
             let body = &inertial[joint * PARAMETERS..][..PARAMETERS];
@@ -206,16 +226,34 @@ impl<L: Lane> EquationsOfMotion<L> {
 }
 
 /// All bodies from a link outwards as one: mass, first moment and inertia tensor about the link's origin.
-struct Composite<L> {
+#[derive(Clone, Copy)]
+pub(super) struct Composite<L> {
     mass: L,
     first: Vec3<L>,
     tensor: Mat3<L>,
 }
 
 impl<L: Lane> Composite<L> {
+    /// Nothing.
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        let zero = L::splat(0.0);
+        Composite { mass: zero, first: [zero; 3], tensor: [[zero; 3]; 3] }
+    }
+
+    /// Adds bodies given about the same origin.
+    #[inline(always)]
+    pub(super) fn join(&mut self, other: &Composite<L>) {
+        self.mass += other.mass;
+        self.first = add(self.first, other.first);
+        for (row, extra) in self.tensor.iter_mut().zip(other.tensor) {
+            *row = add(*row, extra);
+        }
+    }
+
     /// Adds a body given about the same origin.
     #[inline(always)]
-    fn weld(&mut self, body: &[f64]) {
+    pub(super) fn weld(&mut self, body: &[f64]) {
         self.mass += L::splat(body[0]);
         self.first = add(self.first, splat3(&[body[1], body[2], body[3]]));
         let own: Mat3<L> = [
@@ -230,7 +268,7 @@ impl<L: Lane> Composite<L> {
 
     /// Force and moment of a unit acceleration about or along `axis`.
     #[inline(always)]
-    fn unit_wrench(&self, axis: Vec3<L>, revolute: bool) -> (Vec3<L>, Vec3<L>) {
+    pub(super) fn unit_wrench(&self, axis: Vec3<L>, revolute: bool) -> (Vec3<L>, Vec3<L>) {
         if revolute {
             (cross(axis, self.first), times(&self.tensor, axis))
         } else {
@@ -240,7 +278,7 @@ impl<L: Lane> Composite<L> {
 
     /// The same about the origin and in the axes of the link before.
     #[inline(always)]
-    fn seen_from_parent(&self, rotation: &Rotation, link: &LinkState<L>) -> Self {
+    pub(super) fn seen_from_parent(&self, rotation: &Rotation, link: &LinkState<L>) -> Self {
         let p = link.translation;
         let [first] = rotation.to_parent(link.turn, [self.first]);
         // R I R', by the symmetry of I.

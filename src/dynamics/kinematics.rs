@@ -8,29 +8,31 @@ use crate::lane::{Kernel, Lane, Lanes};
 /// A point that moves with a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// The link, counted from 0; its frame is that of the joint before it.
+    /// The body, counted from 0 in the order of [`crate::robot::Robot::body`]; its frame is that of the joint that carries it.
     pub link: usize,
     /// Place in the link's frame, m.
     pub place: [f64; 3],
 }
 
 /// Coordinates of points in the base frame at positions `q`, `[joint][time]`: x, y and z of one point after the other,
-/// `[3 * point + axis][time]`, m. The points are given from the base outwards.
+/// `[3 * point + axis][time]`, m.
 ///
 /// # Panics
-/// If the positions do not fit the chain, a link does not exist, or the points are not in the order of their links.
+/// If the positions do not fit the chain or a body does not exist.
 pub fn coordinates(chain: &Chain, q: &Channels, points: &[Point]) -> Channels {
     coordinates_in(Lanes::best(), chain, q, points)
 }
 
 fn coordinates_in(lanes: Lanes, chain: &Chain, q: &Channels, points: &[Point]) -> Channels {
     assert_eq!(q.channels(), chain.dof(), "the motion has another number of joints than the arm");
-    assert!(points.is_sorted_by_key(|point| point.link), "points are wanted from the base outwards");
-    assert!(points.last().is_none_or(|point| point.link < chain.dof()), "a point is on a link that does not exist");
+    assert!(points.iter().all(|point| point.link < chain.bodies()), "a point is on a body that does not exist");
     let mut out = Channels::zeros(3 * points.len(), q.samples());
     lanes.for_positions(q, 0..q.samples()).run(Placing { chain, q, points, out: &mut out });
     out
 }
+
+/// Origin and attitude of a link.
+type Frame<L> = (Vec3<L>, Mat3<L>);
 
 struct Placing<'a> {
     chain: &'a Chain,
@@ -46,24 +48,28 @@ impl Kernel for Placing<'_> {
     fn run<L: Lane>(self) {
         let samples = self.q.samples();
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let mut frames: Vec<Frame<L>> = Vec::with_capacity(self.chain.bodies());
         let mut first = 0;
         while first < samples {
             let here = first..samples.min(first + L::WIDTH);
-            let mut origin: Vec3<L> = [zero; 3];
-            let mut attitude: Mat3<L> = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-            let mut next = 0;
-            for link in 0..self.chain.dof() {
-                let q = L::load_part(&self.q.channel(link)[here.clone()]);
+            let base: Frame<L> = ([zero; 3], [[one, zero, zero], [zero, one, zero], [zero, zero, one]]);
+            frames.resize(self.chain.bodies(), base);
+            for place in 0..self.chain.bodies() {
+                let link = self.chain.branches.as_ref().map_or(place, |tree| tree.order[place]);
+                let (parent, coupling) = self.chain.hangs(link);
+                let x = L::load_part(&self.q.channel(coupling.coordinate)[here.clone()]);
+                let q = x * L::splat(coupling.multiplier) + L::splat(coupling.offset);
+                let (origin, attitude) = parent.map_or(base, |parent| frames[parent]);
                 let (rotation, translation) = (self.chain.rotation(link), self.chain.translation(link, q));
-                origin = add(origin, times(&attitude, translation));
                 // Row by row: R R_k = (R_k' R')'.
-                attitude = rotation.to_link(rotation.turn(q), attitude);
-                while next < self.points.len() && self.points[next].link == link {
-                    let place = add(origin, times(&attitude, splat3(&self.points[next].place)));
-                    for (axis, value) in place.into_iter().enumerate() {
-                        value.store_part(&mut self.out.channel_mut(3 * next + axis)[here.clone()]);
-                    }
-                    next += 1;
+                frames[link] =
+                    (add(origin, times(&attitude, translation)), rotation.to_link(rotation.turn(q), attitude));
+            }
+            for (index, point) in self.points.iter().enumerate() {
+                let (origin, attitude) = &frames[point.link];
+                let place = add(*origin, times(attitude, splat3(&point.place)));
+                for (axis, value) in place.into_iter().enumerate() {
+                    value.store_part(&mut self.out.channel_mut(3 * index + axis)[here.clone()]);
                 }
             }
             first = here.end;

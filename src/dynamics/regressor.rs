@@ -1,9 +1,11 @@
 //! Torque regressor: tau = Y(q, qd, qdd) phi, with phi ten inertial parameters per link.
 //!
 //! The screws of all joints are carried forward into each link frame and contracted there with the body's regressor,
-//! so no 6x10 block is projected back along the chain. Row i has entries for links k >= i only.
+//! so no 6x10 block is projected back along the chain. Row i has entries for links k >= i only; on a tree for the bodies that
+//! coordinate i moves.
 
 use super::Motion;
+use super::branched::{self, Screw};
 use super::chain::{Chain, LinkState};
 use super::spatial::{Vec3, add_cross, dot};
 use crate::channels::Channels;
@@ -30,9 +32,11 @@ pub fn regressor(chain: &Chain, motion: &Motion) -> Channels {
 /// As [`regressor`].
 pub fn regressor_in(lanes: Lanes, chain: &Chain, motion: &Motion) -> Channels {
     let (dof, samples) = (chain.dof(), motion.samples());
-    let mut out = Channels::zeros(dof * PARAMETERS * dof, samples);
-    let places = |link, joint| std::array::from_fn(|p| Some(block_row(dof, link, p, joint)).filter(|_| joint <= link));
-    Entries::new(dof, places).write(lanes, chain, motion, 0..samples, out.as_mut_slice());
+    let mut out = Channels::zeros(chain.bodies() * PARAMETERS * dof, samples);
+    let places = |link, joint| {
+        std::array::from_fn(|p| Some(block_row(dof, link, p, joint)).filter(|_| chain.moves(joint, link)))
+    };
+    Entries::new(chain, places).write(lanes, chain, motion, 0..samples, out.as_mut_slice());
     out
 }
 
@@ -52,9 +56,11 @@ pub struct Entries {
 const NOWHERE: usize = usize::MAX;
 
 impl Entries {
-    /// The entries for which `place`, given link and joint, says a row. A joint behind the link has none.
-    pub fn new(dof: usize, place: impl Fn(usize, usize) -> [Option<usize>; PARAMETERS]) -> Self {
-        let pairs = (0..dof).flat_map(|link| (0..dof).map(move |joint| (link, joint)));
+    /// The entries for which `place`, given a body and a coordinate, returns a row. It must not where the coordinate does not
+    /// move the body.
+    pub fn new(chain: &Chain, place: impl Fn(usize, usize) -> [Option<usize>; PARAMETERS]) -> Self {
+        let dof = chain.dof();
+        let pairs = (0..chain.bodies()).flat_map(|link| (0..dof).map(move |joint| (link, joint)));
         let places: Vec<[usize; PARAMETERS]> =
             pairs.map(|(link, joint)| place(link, joint).map(|row| row.unwrap_or(NOWHERE))).collect();
         let wanted = places.iter().map(|ten| ten.iter().any(|&place| place != NOWHERE)).collect();
@@ -100,7 +106,20 @@ impl Kernel for Writing<'_> {
         for (samples, table, stride) in
             [(samples.start..middle, &mut *table, rows), (middle..past, &mut rest, L::WIDTH)]
         {
-            entries.write_lanes::<L>(chain, motion, samples, table, stride);
+            match &chain.branches {
+                None => entries.write_lanes::<L>(chain, motion, samples, table, stride),
+                Some(tree) => {
+                    let offset = |place: usize| if place == NOWHERE { NOWHERE } else { place * stride };
+                    let offsets: Vec<[usize; PARAMETERS]> = entries.places.iter().map(|ten| ten.map(offset)).collect();
+                    let first = samples.start;
+                    branched::screws::<L>(chain, tree, motion, samples, |sample, link, body, coordinate, screw| {
+                        let own = body * entries.dof + coordinate;
+                        if entries.wanted[own] {
+                            store(&Body::new(link).contract(screw), &offsets[own], &mut table[sample - first..]);
+                        }
+                    });
+                }
+            }
         }
         if past > middle {
             for &place in entries.places.iter().flatten().filter(|&&place| place != NOWHERE) {
@@ -173,9 +192,6 @@ fn store<L: Lane>(entries: &[L; PARAMETERS], offsets: &[usize; PARAMETERS], tabl
         }
     }
 }
-
-/// A joint's unit screw in a link frame: angular part, and velocity of the link origin.
-type Screw<L> = (Vec3<L>, Vec3<L>);
 
 /// What a link's motion makes of its parameters.
 struct Body<L> {

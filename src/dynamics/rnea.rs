@@ -1,13 +1,14 @@
 //! Inverse dynamics by the recursive Newton-Euler algorithm (Luh, Walker and Paul 1980), batched over samples.
 
 use super::Motion;
+use super::branched;
 use super::chain::{Chain, LinkState};
 use super::spatial::{Vec3, add, cross, scale, times};
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 
-/// Rigid-body joint torques, `[joint][time]`, of a motion. `inertial` holds ten parameters per link, base to flange.
+/// Rigid-body joint torques, `[joint][time]`, of a motion. `inertial` holds ten parameters per moving body, base to flange.
 /// Friction and rotor inertia are not included.
 ///
 /// # Panics
@@ -33,7 +34,7 @@ pub fn inverse_dynamics_in(lanes: Lanes, chain: &Chain, inertial: &[f64], motion
 pub fn inverse_dynamics_into(lanes: Lanes, chain: &Chain, inertial: &[f64], motion: &Motion, torque: &mut Channels) {
     let (dof, samples) = (chain.dof(), motion.samples());
     assert_eq!(motion.joints(), dof, "the motion has another number of joints than the arm");
-    assert_eq!(inertial.len(), dof * PARAMETERS, "ten inertial parameters a link are wanted");
+    assert_eq!(inertial.len(), chain.bodies() * PARAMETERS, "ten inertial parameters a link are wanted");
     assert_eq!([torque.channels(), torque.samples()], [dof, samples], "the torque has another size than the motion");
     lanes.for_positions(&motion.q, 0..samples).run(Batch { chain, inertial, motion, torque });
 }
@@ -52,16 +53,17 @@ impl Kernel for Batch<'_> {
     fn run<L: Lane>(self) {
         let samples = self.motion.samples();
         let torque = self.torque.as_mut_slice();
-        let mut scratch = Vec::with_capacity(self.chain.dof());
+        let (mut scratch, zero) = (Vec::with_capacity(self.chain.bodies()), L::splat(0.0));
+        let (mut states, mut efforts) = (vec![(zero, zero, zero); self.chain.dof()], vec![zero; self.chain.dof()]);
         for sample in (0..samples).step_by(L::WIDTH) {
             let here = sample..samples.min(sample + L::WIDTH);
-            recursion::<L>(
-                self.chain,
-                self.inertial,
-                |joint| self.motion.lanes(joint, here.clone()),
-                &mut scratch,
-                |joint, effort| effort.store_part(&mut torque[joint * samples + sample..][..here.len()]),
-            );
+            for (joint, state) in states.iter_mut().enumerate() {
+                *state = self.motion.lanes(joint, here.clone());
+            }
+            recursion::<L>(self.chain, self.inertial, &states, &mut scratch, &mut efforts);
+            for (joint, effort) in efforts.iter().enumerate() {
+                effort.store_part(&mut torque[joint * samples + sample..][..here.len()]);
+            }
         }
     }
 }
@@ -69,16 +71,9 @@ impl Kernel for Batch<'_> {
 /// Rigid-body joint torques at one state.
 pub fn inverse_dynamics_at(chain: &Chain, inertial: &[f64], q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
     let mut tau = vec![0.0; chain.dof()];
-    let mut scratch = Vec::with_capacity(chain.dof());
-    recursion::<f64>(
-        chain,
-        inertial,
-        |joint| (q[joint], qd[joint], qdd[joint]),
-        &mut scratch,
-        |joint, effort| {
-            tau[joint] = effort;
-        },
-    );
+    let mut scratch = Vec::with_capacity(chain.bodies());
+    let states: Vec<(f64, f64, f64)> = (0..chain.dof()).map(|joint| (q[joint], qd[joint], qdd[joint])).collect();
+    recursion::<f64>(chain, inertial, &states, &mut scratch, &mut tau);
     tau
 }
 
@@ -101,15 +96,17 @@ pub fn mass_matrix(chain: &Chain, inertial: &[f64], q: &[f64]) -> nalgebra::DMat
 fn recursion<L: Lane>(
     chain: &Chain,
     inertial: &[f64],
-    state: impl Fn(usize) -> (L, L, L),
+    states: &[(L, L, L)],
     scratch: &mut Vec<LinkState<L>>,
-    mut write: impl FnMut(usize, L),
+    efforts: &mut [L],
 ) {
+    if let Some(tree) = &chain.branches {
+        return branched::inverse(chain, tree, inertial, states, scratch, efforts);
+    }
     let mut link = chain.base();
     scratch.resize(chain.dof(), link);
     let links = &mut scratch[..chain.dof()];
-    for (joint, place) in links.iter_mut().enumerate() {
-        let (q, qd, qdd) = state(joint);
+    for (joint, (place, &(q, qd, qdd))) in links.iter_mut().zip(states).enumerate() {
         link = chain.next(joint, &link, q, qd, qdd);
         *place = link;
     }
@@ -120,7 +117,7 @@ fn recursion<L: Lane>(
         let (own_force, own_moment) = wrench(&inertial[joint * PARAMETERS..][..PARAMETERS], link);
         force = add(force, own_force);
         moment = add(moment, own_moment);
-        write(joint, chain.along(joint, force, moment));
+        efforts[joint] = chain.along(joint, force, moment);
         (force, moment) = chain.carried(joint, link, force, moment);
     }
 }

@@ -84,14 +84,17 @@ impl Effect for ExternalContact {
         }
         let own = if x.frames.is_none() { x.robot.frames(x.q) } else { Vec::new() };
         let frames = x.frames.unwrap_or(&own);
-        let tool = frames[x.q.len()].translation;
-        for ((joint, frame), torque) in x.robot.joints.iter().zip(frames).zip(out) {
+        let tool = frames[x.robot.bodies()].translation;
+        let mut at = Some(x.robot.tip());
+        while let Some(body) = at {
+            let (joint, frame, coupling) = (x.robot.body(body), &frames[body], x.robot.coupling(body));
+            at = x.robot.parent(body);
             let axis = frame.rotation * joint.axis;
             let column = match joint.kind {
                 JointKind::Revolute => axis.cross(&(tool - frame.translation)),
                 JointKind::Prismatic => axis,
             };
-            *torque -= column.dot(&force);
+            out[coupling.coordinate] -= coupling.multiplier * column.dot(&force);
         }
     }
 }

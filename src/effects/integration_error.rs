@@ -91,9 +91,16 @@ fn misplaced(robot: &Robot, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
     let frames = robot.frames(q);
     let axes: Vec<Vector3<f64>> = robot.joints.iter().zip(&frames).map(|(j, f)| f.rotation * j.axis).collect();
     let mut torque = vec![0.0; robot.dof()];
-    let (mut alpha, mut extra, mut parent_center) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-    for (link, joint) in robot.joints.iter().enumerate() {
-        let frame = &frames[link];
+    // Rapier has no joints that follow others, and so no error with them.
+    if !robot.followers().is_empty() {
+        return torque;
+    }
+    // Angular acceleration, acceleration too many and centre of mass of every body.
+    let mut carried = vec![[Vector3::zeros(); 3]; robot.dof()];
+    for link in robot.outwards() {
+        let (joint, frame) = (&robot.joints[link], &frames[link]);
+        let [mut alpha, mut extra, parent_center] =
+            robot.parent(link).map_or_else(Default::default, |parent| carried[parent]);
         let turn = axes[link] * qd[link];
         // The first link hangs on the fixed base, whose alpha is zero.
         match joint.kind {
@@ -105,14 +112,16 @@ fn misplaced(robot: &Robot, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         }
         let center = frame.rotation * joint.inertia.center_of_mass() + frame.translation;
         let force = joint.inertia.mass() * extra;
-        for (before, value) in torque[..=link].iter_mut().enumerate() {
+        let mut at = Some(link);
+        while let Some(before) = at {
             let column = match robot.joints[before].kind {
                 JointKind::Revolute => axes[before].cross(&(center - frames[before].translation)),
                 JointKind::Prismatic => axes[before],
             };
-            *value += column.dot(&force);
+            torque[before] += column.dot(&force);
+            at = robot.parent(before);
         }
-        parent_center = center;
+        carried[link] = [alpha, extra, center];
     }
     torque
 }

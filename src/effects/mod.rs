@@ -323,6 +323,17 @@ impl Placed {
         Placed { parameters, ..self.clone() }
     }
 
+    /// Unit of its parameter `index` on the joint of `robot` that it is placed on. What belongs to a body or to the whole arm
+    /// has the same unit on every joint.
+    pub fn unit(&self, index: usize, robot: &Robot) -> &'static str {
+        let unit = self.effect.parameters()[index].unit;
+        let about = self.effect.about();
+        match about.site == Site::Body || about.scope == Scope::Arm {
+            true => unit,
+            false => robot.joints[self.joint].kind.unit(unit),
+        }
+    }
+
     /// The joints it is placed on; none for the whole arm.
     pub fn joints(&self) -> Vec<usize> {
         match self.effect.about().scope {

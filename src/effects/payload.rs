@@ -68,7 +68,9 @@ impl Effect for Payload {
 
     fn alter(&self, p: &[f64], _: usize, robot: &mut Robot) {
         let flange = robot.flange;
-        if let (Ok(body), Some(last)) = (p.try_into(), robot.joints.last_mut()) {
+        let tip = robot.tip();
+        if let Ok(body) = p.try_into() {
+            let last = robot.body_mut(tip);
             last.inertia = last.inertia.welded_to(&seen_from_parent(&Inertia(body), &flange));
         }
     }

@@ -22,6 +22,10 @@ pub fn pendulum() -> Robot {
             drive: Drive::default(),
         }],
         flange: Pose { rotation: nalgebra::Matrix3::identity(), translation: Vector3::x() },
+        tree: None,
+        columns: vec!["joint_1".to_owned()],
+        held: Vec::new(),
+        notes: Vec::new(),
     }
 }
 

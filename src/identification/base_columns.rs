@@ -46,22 +46,23 @@ pub struct BaseColumns {
 }
 
 impl BaseColumns {
-    /// For an arm of `dof` joints whose base parameters stand on the standard parameters `kept` (13 a joint: ten inertial
-    /// ones, rotor inertia, viscous and Coulomb friction).
-    pub fn new(dof: usize, kept: &[usize]) -> Self {
+    /// For an arm whose base parameters stand on the standard parameters `kept` (13 a body: ten inertial ones, rotor inertia,
+    /// viscous and Coulomb friction of its joint). A joint without an equation, whose torque is not known, has no columns.
+    pub fn new(chain: &Chain, equations: &[bool], kept: &[usize]) -> Self {
+        let dof = chain.dof();
         let mut shares: Vec<Share> = Vec::with_capacity(dof);
         let mut places = 0;
-        for joint in 0..dof {
+        for (joint, &has_equation) in equations.iter().enumerate() {
             let acts = |&(_, &standard): &(usize, &usize)| {
                 let (link, which) = (standard / STANDARD, standard % STANDARD);
-                if which < PARAMETERS { link >= joint } else { link == joint }
+                has_equation && if which < PARAMETERS { chain.moves(joint, link) } else { link == joint }
             };
             let (parameters, kinds) = kept.iter().enumerate().filter(acts).map(|(b, &s)| (b, kind(s))).unzip();
             let share = Share { parameters, kinds, first: places };
             places += share.parameters.len() + 1;
             shares.push(share);
         }
-        let entries = Entries::new(dof, |link, joint| {
+        let entries = Entries::new(chain, |link, joint| {
             std::array::from_fn(|parameter| {
                 let share = &shares[joint];
                 let standard = link * STANDARD + parameter;

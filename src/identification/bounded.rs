@@ -22,7 +22,8 @@ const TURNS: usize = 10;
 /// Parameters that stay at a bound, with their values.
 pub type Held = Vec<(usize, f64)>;
 
-/// Minimises x'Nx/2 - b'x within bounds. Returns x and the parameters that stay at a bound, with their values.
+/// Minimises x'Nx/2 - b'x within bounds, some parameters `fixed` at their values. Returns x and the parameters that are fixed
+/// or stay at a bound, with their values.
 ///
 /// # Errors
 /// Names the parameters that the motion cannot tell apart.
@@ -30,9 +31,11 @@ pub fn solve(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,
     bounds: &[Bound],
+    fixed: &[(usize, f64)],
     names: &[String],
 ) -> Result<(Vec<f64>, Held)> {
-    let mut held: Held = Vec::new();
+    let is_fixed = |k: usize| fixed.iter().any(|(own, _)| *own == k);
+    let mut held: Held = fixed.to_vec();
     let mut x = free(normal, right, &held, names)?;
     for _ in 0..=TURNS * bounds.len() {
         let over = |bound: &Bound| (bound.lower - x[bound.parameter]).max(x[bound.parameter] - bound.upper);
@@ -54,7 +57,8 @@ pub fn solve(
                 inward / normal[(k, k)].sqrt().max(f64::MIN_POSITIVE)
             };
             let rounding = 1e-10 * right.amax();
-            let strongest = (0..held.len()).max_by(|&a, &b| pulls(&held[a]).total_cmp(&pulls(&held[b])));
+            let freed = (0..held.len()).filter(|&k| !is_fixed(held[k].0));
+            let strongest = freed.max_by(|&a, &b| pulls(&held[a]).total_cmp(&pulls(&held[b])));
             match strongest.filter(|&k| pulls(&held[k]) > rounding) {
                 Some(k) => {
                     held.swap_remove(k);
@@ -101,11 +105,16 @@ mod tests {
         let normal = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
         let right = DVector::from_vec(vec![2.0, -4.0]);
         let bound = Bound { parameter: 1, lower: 0.0, upper: f64::INFINITY };
-        let (x, held) = solve(&normal, &right, &[bound], &names(2)).unwrap();
+        let (x, held) = solve(&normal, &right, &[bound], &[], &names(2)).unwrap();
         assert!((x[0] - 1.0).abs() < 1e-12 && x[1] == 0.0, "{x:?}");
         assert_eq!(held, [(1, 0.0)]);
-        let (x, held) = solve(&normal, &right, &[], &names(2)).unwrap();
+        let (x, held) = solve(&normal, &right, &[], &[], &names(2)).unwrap();
         assert!((x[1] + 10.0 / 3.0).abs() < 1e-12 && held.is_empty(), "{x:?}");
+        // x fixed at 2: y = (-4 - 2) / 2, above a bound of -1 that then holds it.
+        let (x, held) = solve(&normal, &right, &[], &[(0, 2.0)], &names(2)).unwrap();
+        assert!(x[0] == 2.0 && (x[1] + 3.0).abs() < 1e-12 && held == [(0, 2.0)], "{x:?}");
+        let bound = Bound { lower: -1.0, ..bound };
+        assert_eq!(solve(&normal, &right, &[bound], &[(0, 2.0)], &names(2)).unwrap().0, [2.0, -1.0]);
     }
 
     proptest! {
@@ -118,7 +127,7 @@ mod tests {
             let bounds: Vec<Bound> = (0..4)
                 .map(|parameter| Bound { parameter, lower: 0.0, upper: if parameter < 2 { 0.3 } else { f64::INFINITY } })
                 .collect();
-            let (x, held) = solve(&normal, &right, &bounds, &names(4)).unwrap();
+            let (x, held) = solve(&normal, &right, &bounds, &[], &names(4)).unwrap();
             let gradient = &normal * DVector::from_column_slice(&x) - right;
             for (k, bound) in bounds.iter().enumerate() {
                 prop_assert!(x[k] >= bound.lower - 1e-12 && x[k] <= bound.upper + 1e-12);

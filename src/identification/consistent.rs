@@ -11,10 +11,11 @@ use super::effect_model::{EffectModel, Preparation, Trust};
 use super::fit::{Fitted, Logs};
 use super::linear_problem::LinearProblem;
 use super::model::Model;
+use super::plausible::Plausible;
 use super::standard::STANDARD;
 use crate::error::{Error, Result};
-use crate::robot::{Inertia, PARAMETERS, Robot};
-use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
+use crate::robot::{PARAMETERS, Robot};
+use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Weight of the distance from the URDF's parameters, in their own size. It settles what torque does not see; where
 /// torque sees anything, it counts for less than a thousandth of a standard deviation.
@@ -28,9 +29,6 @@ const DECREASE: f64 = 0.2;
 
 /// Newton steps for one barrier weight.
 const STEPS: usize = 60;
-
-/// Length that makes first moments and inertias comparable with masses, m.
-const LENGTH: f64 = 0.3;
 
 /// Conditions per joint that the barrier guards: four eigenvalues, rotor inertia, two kinds of friction.
 const CONDITIONS: usize = 7;
@@ -69,7 +67,12 @@ pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &
     let estimate = &fitted.fit.estimate;
     let regression = |recordings| EffectModel::new(model, Trust::Structure, recordings, preparation, Vec::new());
     let training = regression(logs.train)?.regression()?;
-    let normal = LinearProblem::new(&training, &estimate.sigma, estimate.beta.len()).normal().clone();
+    let mut normal = LinearProblem::new(&training, &estimate.sigma, estimate.beta.len()).normal().clone();
+    // What the logs do not determine is as large as in any body of the arm's size.
+    let sizes = Plausible::new(model, &normal, &estimate.beta).scale;
+    for k in (0..estimate.beta.len()).filter(|&k| fitted.fit.undetermined[k]) {
+        normal[(k, k)] += sizes[model.base().kept()[k]].powi(-2);
+    }
     let solution = solve(model, &normal, &estimate.beta)?;
     let rms = |joints: &[super::joint_regression::JointRegression]| {
         joints.iter().map(|joint| joint.residual_rms(&solution.beta)).collect::<Vec<f64>>()
@@ -104,15 +107,16 @@ struct Program {
     map: DMatrix<f64>,
     offset: DVector<f64>,
     scale: DVector<f64>,
-    /// Parameters of the URDF, or of balls where no body has them.
+    /// Parameters from which the search starts and to which what torque does not see stays close.
     nominal: DVector<f64>,
 }
 
 impl Program {
     fn new(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Option<Program> {
         let (base, total) = (model.base(), model.names().len());
-        let scale = DVector::from_vec(scales(model, fitted));
-        let nominal = DVector::from_vec(start(model, fitted)).component_div(&scale);
+        let Plausible { scale, start } = Plausible::new(model, normal, fitted);
+        let scale = DVector::from_vec(scale);
+        let nominal = DVector::from_vec(start).component_div(&scale);
         let rest: Vec<usize> = (0..total).filter(|k| !base.kept().contains(k)).collect();
         let root = unit_cholesky(normal)?;
         let spread = root.transpose().try_inverse()?;
@@ -252,7 +256,7 @@ fn unit_cholesky(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 /// The pseudo-inertia of a link from its first ten parameters.
-fn pseudo_inertia(values: &[f64]) -> Matrix4<f64> {
+pub(super) fn pseudo_inertia(values: &[f64]) -> Matrix4<f64> {
     (0..PARAMETERS).fold(Matrix4::zeros(), |sum, k| sum + values[k] * unit_pseudo_inertia(k))
 }
 
@@ -277,56 +281,6 @@ fn unit_pseudo_inertia(k: usize) -> Matrix4<f64> {
         }
     }
     matrix
-}
-
-/// Size of every standard parameter.
-fn scales(model: &Model, fitted: &[f64]) -> Vec<f64> {
-    let robot = model.robot();
-    let heaviest = robot.joints.iter().map(|joint| joint.inertia.mass()).fold(1.0, f64::max);
-    let mut scales = Vec::new();
-    for (joint, spec) in robot.joints.iter().enumerate() {
-        let mass = spec.inertia.mass().max(0.05 * heaviest);
-        let moment = mass * LENGTH * LENGTH;
-        scales.extend([mass, mass * LENGTH, mass * LENGTH, mass * LENGTH]);
-        scales.extend([moment; 6]);
-        scales.push(spec.drive.armature.max(moment));
-        for which in 1..3 {
-            scales.push(own_value(model, fitted, joint, which).map_or(1.0, f64::abs).max(1e-3));
-        }
-    }
-    scales
-}
-
-/// Parameters from which the search starts and to which what torque does not see stays close: those of the URDF where a
-/// body with some extent has them.
-fn start(model: &Model, fitted: &[f64]) -> Vec<f64> {
-    let scales = scales(model, fitted);
-    let mut values = Vec::new();
-    for (joint, spec) in model.robot().joints.iter().enumerate() {
-        let size = &scales[joint * STANDARD..][..STANDARD];
-        let unit: Vec<f64> = spec.inertia.0.iter().zip(size).map(|(value, s)| value / s).collect();
-        let solid = pseudo_inertia(&unit).symmetric_eigenvalues().min() > 1e-4;
-        let body = if solid { spec.inertia } else { ball(size[0], spec.inertia.center_of_mass()) };
-        values.extend(body.0);
-        values.push(spec.drive.armature.max(0.01 * size[PARAMETERS]));
-        for which in 1..3 {
-            let found = own_value(model, fitted, joint, which).unwrap_or(0.0);
-            values.push(found.max(0.01 * size[PARAMETERS + which]));
-        }
-    }
-    values
-}
-
-/// A ball whose radius is a third of [`LENGTH`].
-fn ball(mass: f64, center: Vector3<f64>) -> Inertia {
-    let center = if center.norm() < 2.0 * LENGTH { center } else { Vector3::zeros() };
-    let moment = 0.4 * mass * (LENGTH / 3.0).powi(2);
-    Inertia::from_center_of_mass(mass, center, nalgebra::Matrix3::identity() * moment)
-}
-
-/// Fitted value of a drive's parameter that stands alone.
-fn own_value(model: &Model, fitted: &[f64], joint: usize, which: usize) -> Option<f64> {
-    (0..model.base().len()).find(|&b| model.drive_of(b) == Some((joint, which))).map(|b| fitted[b])
 }
 
 #[cfg(test)]

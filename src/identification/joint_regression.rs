@@ -101,11 +101,22 @@ impl JointRegression {
         self.torque.iter().zip(self.predict(beta)).map(|(measured, model)| measured - model).collect()
     }
 
-    /// Root mean square of the residual over the rows that count.
+    /// Of a joint without an equation: `rows` rows none of which counts.
+    pub fn without_equation(joint: String, rows: usize) -> Self {
+        JointRegression {
+            joint,
+            parameters: Vec::new(),
+            columns: Channels::zeros(0, rows),
+            torque: vec![0.0; rows],
+            valid: vec![false; rows],
+        }
+    }
+
+    /// Root mean square of the residual over the rows that count; not a number where none does.
     pub fn residual_rms(&self, beta: &[f64]) -> f64 {
         let residual = self.residual(beta);
         let sum: f64 = residual.iter().zip(&self.valid).filter(|(_, ok)| **ok).map(|(r, _)| r * r).sum();
-        (sum / self.rows().max(1) as f64).sqrt()
+        (sum / self.rows() as f64).sqrt()
     }
 
     /// Inner product of two signals over the rows that count.
@@ -142,6 +153,9 @@ impl JointRegression {
 
     /// X'y over the rows that count, for one value y per row.
     pub(super) fn products(&self, signal: &[f64]) -> Vec<f64> {
+        if self.parameters.is_empty() {
+            return Vec::new();
+        }
         let fast = products(&self.columns, &self.masked(signal));
         // Rows that do not count may hold what is not a number.
         let sum = |(value, column): (f64, &[f64])| if value.is_finite() { value } else { self.dot(column, signal) };

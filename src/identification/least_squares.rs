@@ -126,6 +126,10 @@ pub fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
 }
 
 fn residual_sigma_of(joint: &JointRegression, beta: &[f64]) -> f64 {
+    // Without rows any weight is right, as long as it is a number.
+    if joint.rows() == 0 {
+        return 1.0;
+    }
     let largest = joint.torque.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let freedom = joint.rows() as f64 / (joint.rows() - joint.parameters.len()) as f64;
     (joint.residual_rms(beta) * freedom.sqrt()).max(1e-12 * largest).max(f64::MIN_POSITIVE)

@@ -11,7 +11,7 @@ use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
 use crate::error::Result;
 use crate::lane::Aligned;
 use crate::random;
-use crate::robot::{Drive, Inertia, JointKind, PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::robot::{Drive, Inertia, Joint, PARAMETERS, Robot, SYMBOLS, UNITS};
 use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
@@ -20,7 +20,7 @@ use std::ops::Range;
 /// States from which the base parameters are found; well above one per standard parameter of any arm.
 const PROBES_PER_JOINT: usize = 40;
 
-/// Torque linear in standard parameters (13 per joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
+/// Torque linear in standard parameters (13 per moving body and its joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
 /// can tell apart.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -29,16 +29,32 @@ pub struct Model {
     names: Vec<String>,
     base: BaseParameters,
     columns: BaseColumns,
+    equations: Vec<bool>,
 }
 
 impl Model {
     /// The model of `robot`, whose geometry and gravity it takes; its inertias play no part.
     pub fn new(robot: &Robot) -> Self {
+        Self::with_equations(robot, &vec![true; robot.dof()])
+    }
+
+    /// The same where the torque of some joints is not known: they move like the others, but have no equation. What only
+    /// their equations would show is no parameter.
+    ///
+    /// # Panics
+    /// If `equations` does not say it of every joint.
+    pub fn with_equations(robot: &Robot, equations: &[bool]) -> Self {
+        assert_eq!(equations.len(), robot.dof(), "every joint has an equation or has none");
         let chain = Chain::new(robot);
-        let names = standard_names(robot.dof());
-        let base = BaseParameters::new(&probe(&chain), &names);
-        let columns = BaseColumns::new(robot.dof(), base.kept());
-        Model { robot: robot.clone(), chain, names, base, columns }
+        let names = standard_names(robot.bodies());
+        let base = BaseParameters::new(&probe(&chain, equations), &names);
+        let columns = BaseColumns::new(&chain, equations, base.kept());
+        Model { robot: robot.clone(), chain, names, base, columns, equations: equations.to_vec() }
+    }
+
+    /// Whether the torque of a joint is known.
+    pub fn has_equation(&self, joint: usize) -> bool {
+        self.equations[joint]
     }
 
     /// Number of joints.
@@ -94,11 +110,10 @@ impl Model {
 
     /// Unit of a standard parameter on the joint it belongs to.
     pub fn unit_on_joint(&self, standard: usize) -> &'static str {
-        match (self.robot.joints[standard / STANDARD].kind, standard % STANDARD) {
-            (JointKind::Prismatic, ROTOR) => "kg",
-            (JointKind::Prismatic, VISCOUS) => "N s/m",
-            (JointKind::Prismatic, COULOMB) => "N",
-            _ => Self::unit(standard),
+        let unit = Self::unit(standard);
+        match standard % STANDARD < PARAMETERS {
+            true => unit,
+            false => self.robot.body(standard / STANDARD).kind.unit(unit),
         }
     }
 
@@ -116,6 +131,11 @@ impl Model {
     /// order of [`Model::active`]. `width` is the velocity over which the sign in dry friction is smoothed (rad/s).
     pub fn columns(&self, motion: &Motion, width: f64) -> Vec<Channels> {
         self.columns.tables(&self.chain, [motion; 2], width)
+    }
+
+    /// [`Model::columns`] under another gravity vector in base coordinates (m/s2), without a width.
+    pub fn columns_under(&self, gravity: [f64; 3], motion: &Motion) -> Vec<Channels> {
+        self.columns.tables(&self.chain.clone().with_gravity(gravity), [motion; 2], 0.0)
     }
 
     /// [`Model::columns`] of one joint, where motors and links may move differently: inertial columns along `link`, rotor
@@ -137,12 +157,10 @@ impl Model {
 
     /// Standard parameters of an arm, in the order of [`Model::names`].
     pub fn standard_values(robot: &Robot) -> Vec<f64> {
-        robot
-            .joints
-            .iter()
-            .flat_map(|joint| {
-                let drive = joint.drive;
-                joint.inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
+        (0..robot.bodies())
+            .flat_map(|body| {
+                let Joint { inertia, drive, .. } = robot.body(body);
+                inertia.0.into_iter().chain([drive.armature, drive.viscous, drive.coulomb])
             })
             .collect()
     }
@@ -150,7 +168,8 @@ impl Model {
     /// `robot` with other standard parameters, in the order of [`Model::names`].
     pub fn with_standard_values(robot: &Robot, standard: &[f64]) -> Robot {
         let mut robot = robot.clone();
-        for (joint, values) in robot.joints.iter_mut().zip(standard.chunks_exact(STANDARD)) {
+        for (body, values) in standard.chunks_exact(STANDARD).enumerate() {
+            let joint = robot.body_mut(body);
             joint.inertia = Inertia(std::array::from_fn(|k| values[k]));
             joint.drive = Drive { armature: values[ROTOR], viscous: values[VISCOUS], coulomb: values[COULOMB] };
         }
@@ -208,8 +227,9 @@ impl Writer for Along<'_> {
     }
 }
 
-fn standard_names(dof: usize) -> Vec<String> {
-    (1..=dof)
+/// Joints that follow others have the drive of their coordinate; their own places for one stay empty.
+fn standard_names(bodies: usize) -> Vec<String> {
+    (1..=bodies)
         .flat_map(|joint| {
             SYMBOLS
                 .into_iter()
@@ -231,8 +251,8 @@ fn standard_columns(
     let samples = motor.samples();
     let mut table = Channels::zeros(standard.len(), samples);
     let place = |wanted: usize| standard.iter().position(|&own| own == wanted);
-    let entries = Entries::new(chain.dof(), |body, other| {
-        std::array::from_fn(|p| place(body * STANDARD + p).filter(|_| other == joint && joint <= body))
+    let entries = Entries::new(chain, |body, other| {
+        std::array::from_fn(|p| place(body * STANDARD + p).filter(|_| other == joint && chain.moves(joint, body)))
     });
     entries.write(Lanes::best(), chain, link, 0..samples, table.as_mut_slice());
     // What the laws of viscous and Coulomb friction come to at unit parameters; a test holds them to it.
@@ -247,24 +267,31 @@ fn standard_columns(
     table
 }
 
-/// Regressor rows of all standard parameters at random noise-free states: what can be told apart by any motion.
-fn probe(chain: &Chain) -> DMatrix<f64> {
+/// Regressor rows of all standard parameters at random noise-free states, for joints with an equation: what can be told apart
+/// by any motion.
+fn probe(chain: &Chain, equations: &[bool]) -> DMatrix<f64> {
     let dof = chain.dof();
     let samples = PROBES_PER_JOINT * dof;
-    let mut random = random::stream(0, "base parameter probe", 0);
-    let mut motion = Motion::zeros(dof, samples);
-    for signals in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
-        signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
-    }
-    let mut observation = DMatrix::zeros(samples * dof, dof * STANDARD);
-    let standard: Vec<usize> = (0..dof * STANDARD).collect();
-    for joint in 0..dof {
+    let motion = random_motion(dof, samples);
+    let mut observation = DMatrix::zeros(samples * dof, chain.bodies() * STANDARD);
+    let standard: Vec<usize> = (0..chain.bodies() * STANDARD).collect();
+    for joint in (0..dof).filter(|&joint| equations[joint]) {
         let table = standard_columns(chain, joint, &standard, [&motion; 2], 0.0);
         for (column, values) in table.iter().enumerate() {
             observation.view_mut((joint * samples, column), (samples, 1)).copy_from_slice(values);
         }
     }
     observation
+}
+
+/// Independent states.
+fn random_motion(dof: usize, samples: usize) -> Motion {
+    let mut random = random::stream(0, "base parameter probe", 0);
+    let mut motion = Motion::zeros(dof, samples);
+    for signals in [&mut motion.q, &mut motion.qd, &mut motion.qdd] {
+        signals.as_mut_slice().fill_with(|| random.random_range(-3.0..3.0));
+    }
+    motion
 }
 
 #[cfg(test)]
@@ -280,11 +307,33 @@ mod tests {
         let model = Model::new(&robot);
         assert_eq!(model.names().len(), 78);
         assert_eq!(model.base().len(), 52);
-        let singular = probe(&Chain::new(&robot)).svd(false, false).singular_values;
+        let singular = probe(&Chain::new(&robot), &[true; 6]).svd(false, false).singular_values;
         let rank = singular.iter().filter(|&&s| s > 1e-10 * singular[0]).count();
         assert_eq!(rank, 52, "the singular values must agree with the QR");
         let first = &model.base().groupings()[0];
         assert!(first.name.starts_with("Izz1 + Ia1"), "{}", first.name);
+    }
+
+    #[test]
+    fn a_joint_without_torque_has_no_equation() {
+        let robot =
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+                .unwrap();
+        let model = Model::with_equations(&robot, &[true, true, true, true, true, false]);
+        // Rotor, friction and inertia about its own axis show in the torque of joint 6 alone.
+        let own = |name: &str| model.base().groupings().iter().any(|grouping| grouping.name.starts_with(name));
+        assert!(!own("Ia6") && !own("Fv6") && !own("Fc6") && own("Fv5") && model.active(5).is_empty());
+        let random = random_motion(6, 30);
+        let beta = model.base().values(&Model::standard_values(&robot));
+        let whole = Model::new(&robot);
+        let expected = whole.torque(&random, &[], &whole.base().values(&Model::standard_values(&robot)));
+        let torque = model.torque(&random, &[], &beta);
+        for joint in 0..5 {
+            for (a, b) in torque.channel(joint).iter().zip(expected.channel(joint)) {
+                assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{a} {b}");
+            }
+        }
+        assert!(torque.channel(5).iter().all(|&torque| torque == 0.0));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use super::joint_regression::JointRegression;
 use super::linear_model::LinearModel;
 use super::model::Model;
+use super::reversals::{self, Band, NoiseGains, Slow};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
@@ -12,6 +13,7 @@ use crate::signal::{
     Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative, white_noise,
 };
 use std::borrow::Cow;
+use std::f64::consts::SQRT_2;
 
 /// How measured signals are smoothed before they enter the regression.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,15 +65,20 @@ pub struct Prepared<'a> {
     decimation: usize,
     /// Samples on either side whose values enter a filtered sample.
     reach: usize,
-    /// Velocity below which the direction of motion is not certain, rad/s.
-    band: f64,
+    /// How it is decided where the direction of motion is certain.
+    band: Band,
+    /// Speed below which the direction of each joint is not certain, rad/s or m/s.
+    slow: Vec<Slow>,
+    /// Sizes of the weights of the samples that enter a filtered one.
+    weights: Vec<f64>,
 }
 
-/// Makes the measured signals of `recording` ready. `band` is the velocity (rad/s) below which a joint's direction is not certain.
+/// Makes the measured signals of `recording` ready. `band` says below which speed a joint's direction is not certain.
 ///
 /// # Errors
 /// If the log is too short for the filter or the window is impossible.
-pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Result<Prepared<'_>> {
+pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Band>) -> Result<Prepared<'_>> {
+    let band = band.into();
     let period = 1.0 / recording.rate_hz();
     let (q, joints) = (&recording.q, &recording.joints);
     let (motion, filter, position_filter, decimation, reach) = match smoothing {
@@ -112,6 +119,13 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
             (motion, Filter::LowPass(low_pass), Filter::LowPass(wide), decimation, reach)
         }
     };
+    let (slow, weights) = match band {
+        Band::Given(speed) => (vec![Slow { uncertain: speed, standing: speed }; recording.joints()], Vec::new()),
+        Band::OfNoise => (
+            own_bands(recording, &motion, smoothing, &position_filter)?,
+            reversals::weights(&filter, reach, recording.samples())?,
+        ),
+    };
     Ok(Prepared {
         joints: recording.joints.clone(),
         time: Cow::Borrowed(&recording.time),
@@ -122,7 +136,32 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: f64) -> Resul
         decimation,
         reach,
         band,
+        slow,
+        weights,
     })
+}
+
+/// Speed below which the direction of each joint is not certain, from the noise of its velocity.
+fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filter: &Filter) -> Result<Vec<Slow>> {
+    let period = 1.0 / recording.rate_hz();
+    let gains = NoiseGains::new(recording.samples(), |impulse| {
+        let [mut smooth, mut rate] = [impulse.to_vec(), impulse.to_vec()];
+        filter.apply(impulse, &mut smooth)?;
+        match smoothing {
+            Smoothing::SavitzkyGolay { window, order, .. } => {
+                SavitzkyGolay::new(window, order, 1, period, Edge::Polynomial)?.apply(impulse, &mut rate)?;
+            }
+            Smoothing::None | Smoothing::LowPass { .. } => first_derivative(&smooth, period, &mut rate)?,
+        }
+        Ok([smooth, rate])
+    })?;
+    let noise = |joint: usize| match (smoothing, &recording.qd) {
+        (Smoothing::None, Some(measured)) => white_noise(measured.channel(joint)),
+        // Central differences of white noise.
+        (Smoothing::None, None) => white_noise(recording.q.channel(joint)) / (SQRT_2 * period),
+        _ => gains.velocity_noise(recording.q.channel(joint), motion.q.channel(joint)),
+    };
+    Ok((0..recording.joints()).map(|joint| Slow::new(motion.qd.channel(joint), noise(joint))).collect())
 }
 
 /// Makes exact signals ready: what identification could do with perfect sensors.
@@ -137,7 +176,9 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         position_filter: Filter::None,
         decimation: 1,
         reach: 0,
-        band,
+        band: Band::Given(band),
+        slow: vec![Slow { uncertain: band, standing: band }; q.channels()],
+        weights: Vec::new(),
     }
 }
 
@@ -255,24 +296,12 @@ impl<'a> Prepared<'a> {
 
     /// Samples at which the direction of `joint` is certain.
     pub fn moving(&self, joint: usize) -> Vec<bool> {
-        self.motion.qd.channel(joint).iter().map(|v| v.abs() > self.band).collect()
+        self.slow[joint].moving(self.motion.qd.channel(joint), 2 * self.reach + 1)
     }
 
-    /// Rows after decimation all of whose inputs are inside the log and away from reversals.
+    /// Rows after decimation all of whose inputs are inside the log, and whose direction is certain.
     pub(super) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
-        let moving = self.moving(joint);
-        let mut uncertain_before = vec![0usize; moving.len() + 1];
-        for (sample, &ok) in moving.iter().enumerate() {
-            uncertain_before[sample + 1] = uncertain_before[sample] + usize::from(!ok);
-        }
-        (0..moving.len())
-            .step_by(self.decimation)
-            .map(|sample| {
-                sample >= self.reach
-                    && sample + self.reach < moving.len()
-                    && uncertain_before[sample + self.reach + 1] == uncertain_before[sample - self.reach]
-            })
-            .collect()
+        reversals::rows_to_use(&self.moving(joint), (self.reach, &self.weights), self.decimation, self.band)
     }
 }
 

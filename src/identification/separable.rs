@@ -45,6 +45,9 @@ pub struct EffectFit {
     pub places: Vec<Option<Place>>,
     /// Whether each parameter is at a bound of what makes sense for it; it then has no standard deviation.
     pub at_bound: Vec<bool>,
+    /// Whether each parameter is held at the description's value because the logs do not determine it; it then has no
+    /// standard deviation.
+    pub undetermined: Vec<bool>,
     /// Residual root mean square of each joint, N m.
     pub residual_rms: Vec<f64>,
 }
@@ -85,14 +88,18 @@ fn search() -> Options {
 }
 
 fn sigmas(solved: &Solved) -> Vec<f64> {
-    solved.regression.iter().map(|joint| joint.residual_rms(&solved.linear).max(f64::MIN_POSITIVE)).collect()
+    let of = |joint: &JointRegression| match joint.rows() {
+        0 => 1.0,
+        _ => joint.residual_rms(&solved.linear).max(f64::MIN_POSITIVE),
+    };
+    solved.regression.iter().map(of).collect()
 }
 
 /// The linear regression at the present nonlinear parameters, with its solution.
 struct Solved {
     regression: Vec<JointRegression>,
     linear: Vec<f64>,
-    /// Linear parameters at a bound, with their values.
+    /// Linear parameters that the logs do not determine or that are at a bound, with their values.
     held: Vec<(usize, f64)>,
 }
 
@@ -104,9 +111,11 @@ fn solve_linear(model: &mut EffectModel, sigma: &[f64]) -> Result<Solved> {
     let mut turn = 0;
     loop {
         let regression = model.regression()?;
+        model.settle_undetermined(&regression)?;
         let problem = LinearProblem::new(&regression, sigma, names.len());
         let torques: Vec<Vec<f64>> = regression.iter().map(|joint| joint.torque.clone()).collect();
-        let (linear, held) = bounded::solve(problem.normal(), &problem.right(&torques), &bounds, &names)?;
+        let (linear, held) =
+            bounded::solve(problem.normal(), &problem.right(&torques), &bounds, model.undetermined(), &names)?;
         let before = model.get(&amplitudes);
         model.set_baseline(&linear);
         model.set(&amplitudes, &linear[model.baseline_len()..]);
@@ -204,7 +213,7 @@ fn bounds(model: &EffectModel, places: &[Place]) -> Bounds {
 fn weighted_sum(solved: &Solved, sigma: &[f64]) -> f64 {
     let of =
         |(joint, s): (&JointRegression, &f64)| joint.rows() as f64 * (joint.residual_rms(&solved.linear) / s).powi(2);
-    solved.regression.iter().zip(sigma).map(of).sum()
+    solved.regression.iter().zip(sigma).filter(|(joint, _)| joint.rows() > 0).map(of).sum()
 }
 
 /// The weighted sum of squares as a function of the nonlinear parameters alone.
@@ -324,6 +333,9 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     let (free, free_names) = without(&regression, &held, &names);
     let estimate = weighted_least_squares(&free, &free_names)?.with_held(&held, names.len());
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();
-    let at_bound = (0..names.len()).map(|k| held.iter().any(|(own, _)| *own == k)).collect();
-    Ok(EffectFit { arm_units: model.baseline_units(), estimate, names, places, at_bound, residual_rms })
+    let among = |all: &[(usize, f64)], k: usize| all.iter().any(|(own, _)| *own == k);
+    let undetermined: Vec<bool> = (0..names.len()).map(|k| among(model.undetermined(), k)).collect();
+    let at_bound = (0..names.len()).map(|k| among(&held, k) && !undetermined[k]).collect();
+    let arm_units = model.baseline_units();
+    Ok(EffectFit { arm_units, estimate, names, places, at_bound, undetermined, residual_rms })
 }

@@ -1,14 +1,20 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
 use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use crate::channels::Channels;
 use crate::recording::Recording;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
 
 /// Speed up to the last sample before that which no joint loses within a sample, rad/s or m/s.
 const STOPS_DEAD: f64 = 0.2;
+
+/// A joint whose logged speed is below this share of its usual speed may stick: velocities have a last digit and an offset of
+/// their own, which add up to a path where nothing moves.
+const STICKS: f64 = 0.1;
 
 /// Path that a joint or its neighbours must go meanwhile, rad or m.
 const PATH: f64 = 0.02;
@@ -45,9 +51,11 @@ pub fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         if !coarse(own) {
             out.extend(clipped(view, joint, tau));
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
+            out.extend(off(view, joint, tau));
         }
         out.extend(unsigned(view, joint, own));
     }
+    out.extend(all_unsigned(view, &logged.tau, &out));
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         let zero = logged.tau.as_slice().iter().all(|value| *value == 0.0 || value.is_nan());
         let text = match zero {
@@ -121,7 +129,10 @@ fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let (start, length) = runs(q).find(|&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
-        let runs_on = velocity.is_some_and(|qd| rms(&qd[start..end]) * length as f64 * view.period > PATH);
+        let runs_on = velocity.is_some_and(|qd| {
+            let speed = rms(&qd[start..end]);
+            speed > STICKS * size_quantile(qd.iter().copied(), 0.95) && speed * length as f64 * view.period > PATH
+        });
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
         let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);
         let stops_dead =
@@ -139,12 +150,33 @@ fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     let (low, high) = extremes(tau);
     let (start, length) = runs(tau).find(|&(start, length)| {
         let moved = || path(&view.q.channel(joint)[start..start + length]) > PATH;
-        length >= shortest && tau[start] != low && tau[start] != high && moved()
+        length >= shortest && ![low, high, 0.0].contains(&tau[start]) && moved()
     })?;
     let seconds = length as f64 * view.period;
     let text = format!("the torque is frozen for {seconds:.3} s while the joint moves; cut this part out");
     let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[start]);
     Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
+}
+
+/// Samples over which a torque, at so many samples per second, is exactly zero for longer than a torque that changes its sign
+/// is, while the position goes on: the motor is off.
+pub fn motor_off(q: &[f64], tau: &[f64], rate_hz: f64) -> Vec<Range<usize>> {
+    let shortest = ((FROZEN_S * rate_hz) as usize).max(10);
+    if coarse(tau) || tau.iter().all(|torque| *torque == 0.0) {
+        return Vec::new();
+    }
+    let off = runs(tau)
+        .filter(|&(start, length)| tau[start] == 0.0 && length >= shortest && path(&q[start..start + length]) > PATH);
+    off.map(|(start, length)| start..start + length).collect()
+}
+
+fn off(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let parts = motor_off(view.log.q.channel(joint), tau, 1.0 / view.period);
+    let first = parts.first()?;
+    let seconds = parts.iter().map(Range::len).sum::<usize>() as f64 * view.period;
+    let text = format!("the torque is exactly zero for {seconds:.3} s: the motor is off; these samples are left out");
+    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first.start]);
+    Some(Finding::new(Kind::MotorOff, Severity::Note, place, text))
 }
 
 fn extremes(values: &[f64]) -> (f64, f64) {
@@ -225,5 +257,22 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
             "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"
         );
         Finding::new(Kind::UnsignedTorque, Severity::Warning, view.place("tau", joint), text)
+    })
+}
+
+/// Torques of few digits, none of which is ever negative (or positive) although each comes to zero again and again: one joint
+/// may be loaded so, all of them are not.
+fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Finding> {
+    let changing: Vec<&[f64]> = logged.iter().filter(|tau| tau.iter().any(|v| *v != tau[0])).collect();
+    let visits = |tau: &[f64]| runs(tau).filter(|&(start, _)| tau[start] == 0.0).count();
+    let one_sided = |tau: &&[f64]| {
+        let (low, high) = extremes(tau);
+        (low >= 0.0 || high <= 0.0) && visits(tau) >= MANY
+    };
+    let known = found.iter().any(|finding| finding.kind == Kind::UnsignedTorque);
+    (changing.len() > 1 && !known && changing.iter().all(one_sided)).then(|| {
+        let text = "no torque ever changes its sign, although each comes to zero again and again: the signs were lost (a \
+                    load without direction, or an absolute value); log the torques with their signs";
+        Finding::new(Kind::UnsignedTorque, Severity::Warning, format!("tau1 .. tau{}", view.dof()), text)
     })
 }

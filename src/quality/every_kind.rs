@@ -7,7 +7,7 @@ use crate::recording::lenient::Cause;
 use crate::recording::{self};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 30] = [
+const ALL: [Kind; 36] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -38,6 +38,12 @@ const ALL: [Kind; 30] = [
     Kind::TwoSources,
     Kind::Mended,
     Kind::UnusedColumns,
+    Kind::PositionSign,
+    Kind::Mounting,
+    Kind::GravityCompensated,
+    Kind::ClockFactor,
+    Kind::MotorOff,
+    Kind::ModelTorque,
 ];
 
 /// A fault put into a clean log.
@@ -186,6 +192,39 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             }),
             "header",
         ),
+        Kind::PositionSign => (
+            Signals(|log| {
+                log.q.channel_mut(1).iter_mut().for_each(|v| *v = -*v);
+                log.qd = None;
+            }),
+            "q2",
+        ),
+        Kind::Mounting => (Signals(|log| with_gravity(log, [9.81, 0.0, 0.0])), "gravity"),
+        Kind::GravityCompensated => (Signals(|log| with_gravity(log, [0.0; 3])), "tau"),
+        Kind::ClockFactor => (Signals(|log| log.time.iter_mut().for_each(|t| *t *= 0.625)), "t"),
+        Kind::MotorOff => (Signals(|log| log.tau.channel_mut(2)[1000..1200].fill(0.0)), "tau3"),
+        Kind::ModelTorque => (
+            Signals(|log| {
+                let view = View::new(log).unwrap();
+                let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
+                log.tau = inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion);
+            }),
+            "tau",
+        ),
+    }
+}
+
+/// The torque under another gravity.
+fn with_gravity(log: &mut Recording, gravity: [f64; 3]) {
+    let robot = irb();
+    let view = View::new(log).unwrap();
+    let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
+    let torque = |gravity: [f64; 3]| {
+        inverse_dynamics(&Chain::new(&robot).with_gravity(gravity), &robot.inertial_parameters(), &motion)
+    };
+    let (described, other) = (torque(robot.gravity.into()), torque(gravity));
+    for (tau, (a, b)) in log.tau.as_mut_slice().iter_mut().zip(described.as_slice().iter().zip(other.as_slice())) {
+        *tau += b - a;
     }
 }
 
@@ -241,5 +280,5 @@ fn every_kind_of_fault_is_found_where_it_is() {
             "{kind:?}: {found:?}"
         );
     }
-    assert_eq!(ALL.len(), Kind::UnusedColumns as usize + 1);
+    assert_eq!(ALL.len(), Kind::ModelTorque as usize + 1);
 }

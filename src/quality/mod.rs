@@ -3,14 +3,14 @@
 //! Checks of single channels need nothing but the log. Those of torque fit a model to every joint: with a URDF the base
 //! parameters that act there, without one gravity, rotor and friction of the joint alone.
 
-mod arrangement;
 mod channels;
 mod clock;
+pub mod descriptions;
 mod motion;
 mod torque;
 mod velocity;
 
-pub use channels::clipping;
+pub use channels::{clipping, motor_off};
 pub use motion::JointSummary;
 
 use crate::channels::Channels;
@@ -20,6 +20,7 @@ use crate::recording::lenient::{self, ColumnMap, Rejected, Sieved};
 use crate::recording::resample::{self, Clock};
 use crate::robot::Robot;
 use crate::signal::{Edge, SavitzkyGolay};
+use descriptions::Verdict;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -70,6 +71,12 @@ pub enum Kind {
     TwoSources,
     Mended,
     UnusedColumns,
+    PositionSign,
+    Mounting,
+    GravityCompensated,
+    ClockFactor,
+    MotorOff,
+    ModelTorque,
 }
 
 /// One finding.
@@ -92,6 +99,15 @@ impl Finding {
     }
 }
 
+/// Units of a log that are not those of its description.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct UnitChanges {
+    /// True seconds per second of the clock.
+    pub time_factor: Option<f64>,
+    /// Whether positions are in degrees.
+    pub degrees: bool,
+}
+
 /// Everything found in a log.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
@@ -107,6 +123,12 @@ pub struct Report {
     pub joints: Vec<JointSummary>,
     /// Condition number of the base parameters' regressor with columns of equal length; with a URDF only.
     pub condition_number: Option<f64>,
+    /// What is wrong with the description of the log.
+    #[serde(skip)]
+    pub description: Option<Verdict>,
+    /// Units that are not those of the description.
+    #[serde(skip)]
+    pub units: UnitChanges,
     /// What is wrong, the worst first.
     pub findings: Vec<Finding>,
     /// Whether the log can be used at all.
@@ -134,11 +156,68 @@ pub fn inspect(path: &Path, robot: Option<&Robot>) -> Result<Report> {
 /// # Errors
 /// None on a log of any content; those of the filters are passed on.
 pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
+    let mut together = examine_together(&[sieved], robot)?;
+    Ok(together.reports.remove(0))
+}
+
+/// What was found in several logs of one arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Together {
+    /// One report per log.
+    pub reports: Vec<Report>,
+    /// What is wrong with the description of all of them.
+    pub verdict: Option<Verdict>,
+}
+
+/// Examines several logs of one arm, whose description is judged on all of them together. Where they contradict each other,
+/// each is judged by itself.
+///
+/// # Errors
+/// Those of [`examine`].
+pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Together> {
+    let (mut reports, mut torques) = (Vec::new(), Vec::new());
+    for sieved in logs {
+        let (report, usable) = examine_alone(sieved, robot)?;
+        reports.push(report);
+        torques.push(usable);
+    }
+    let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
+    let views: Vec<View> = torques.iter().flatten().map(View::new).collect::<Result<_>>()?;
+    let all: Vec<&View> = views.iter().collect();
+    let verdict = descriptions::judge(&all, robot);
+    for (&log, view) in with_torque.iter().zip(&views) {
+        let own = match verdict {
+            None if views.len() > 1 => descriptions::judge(&[view], robot),
+            _ => verdict.clone(),
+        };
+        if let Some(own) = own {
+            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
+            reports[log].description = Some(own);
+            reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        }
+    }
+    // Where something else is wrong, that is to be put right first.
+    let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
+    if sound && descriptions::is_modelled(&all, robot) {
+        let text = "the torques are those of a rigid-body model without friction: they come from the controller's own model or a \
+                    simulation and are no measurement; identification gives that model back";
+        for &log in &with_torque {
+            reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
+        }
+    }
+    Ok(Together { reports, verdict })
+}
+
+/// Examines all of a log but its description, and returns it at even steps without long gaps where torques can be compared
+/// with motion.
+fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Option<Recording>)> {
     let recording = &sieved.recording;
     let clock = Clock::new(recording);
     let mut findings = clock::findings(sieved, &clock);
     let mut summaries = Vec::new();
     let mut condition_number = None;
+    let mut comparable = None;
+    let mut units = UnitChanges::default();
     if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
         let known = with_all_torques(recording);
         let recording: &Recording = &known;
@@ -146,34 +225,43 @@ pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
         let view = View::new(&even)?;
         summaries = motion::summaries(&view, robot);
         findings.extend(channels::findings(&view, &sieved.recording));
-        let mut units = motion::findings(&view, &summaries, robot);
+        let mut about_motion = motion::findings(&view, &summaries, robot);
         // A joint that went on turning may be whole turns outside its limits.
         let turned = |finding: &Finding| sieved.unwrapped.iter().any(|&joint| finding.place == view.place("q", joint));
-        units.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
-        let positions_doubtful = units.iter().any(|f| f.kind == Kind::PositionUnit);
-        findings.extend(units);
+        about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
+        let positions_doubtful = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
+        findings.extend(about_motion);
         // Derivatives across a long gap are those of no motion.
         let stretch = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
         let view = stretch.as_ref().map_or(Ok(view), View::new)?;
-        findings.extend(velocity::findings(&view)?);
+        let (about_velocity, factor) = velocity::findings(&view);
+        findings.extend(about_velocity);
+        units.time_factor = factor;
+        units.degrees = positions_doubtful && motion::in_degrees(&summaries, robot);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {
             let (found, condition) = torque::findings(&view, &mut summaries, robot);
-            findings.extend(found);
+            // Nothing is known of times where the clock is wrong.
+            let clock_is_wrong = findings.iter().any(|finding| finding.kind == Kind::ClockFactor);
+            findings.extend(found.into_iter().filter(|finding| finding.kind != Kind::DeadTime || !clock_is_wrong));
             condition_number = condition;
+            comparable = Some(stretch.unwrap_or(even));
         }
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-    Ok(Report {
+    let report = Report {
         rows: recording.samples(),
         rejected: sieved.rejected.clone(),
         duration_s: recording.duration(),
         clock,
         joints: summaries,
         condition_number,
+        description: None,
+        units,
         usable: findings.iter().all(|finding| finding.severity != Severity::Fatal),
         findings,
-    })
+    };
+    Ok((report, comparable))
 }
 
 /// The log with zeros where a joint has no torque, which the checks of motion do not look at.

@@ -93,7 +93,7 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
         let place = view.place("q", joint);
         let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
         let limits = robot.map(|robot| robot.joints[joint].limits);
-        if let Some(text) = unit(summary, limits.map(|l| (l.lower, l.upper, l.velocity))).filter(|_| revolute) {
+        if let Some((text, _)) = unit(summary, limits.map(|l| (l.lower, l.upper, l.velocity))).filter(|_| revolute) {
             out.push(Finding::new(Kind::PositionUnit, Severity::Warning, place, text));
             continue;
         }
@@ -121,8 +121,20 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
     out
 }
 
-/// Why positions do not look like radians; `limits` are lower, upper and speed.
-fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>) -> Option<String> {
+/// Whether positions are in degrees on half of the joints or more: one recorder gives all joints one unit, and small motions
+/// do not show it.
+pub fn in_degrees(summaries: &[JointSummary], robot: Option<&Robot>) -> bool {
+    let shows = |joint: usize| {
+        let limits = robot.map(|robot| robot.joints[joint].limits);
+        let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
+        let limits = limits.map(|l| (l.lower, l.upper, l.velocity));
+        revolute && unit(&summaries[joint], limits).is_some_and(|(_, degrees)| degrees)
+    };
+    2 * (0..summaries.len()).filter(|&joint| shows(joint)).count() >= summaries.len().max(1)
+}
+
+/// Why positions do not look like radians, and whether they look like degrees; `limits` are lower, upper and speed.
+fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>) -> Option<(String, bool)> {
     let largest = summary.range[0].abs().max(summary.range[1].abs());
     let (bound, fastest) = limits.map_or((f64::INFINITY, f64::INFINITY), |(l, u, v)| (l.abs().max(u.abs()), v));
     // Joints that turn without end, or wrists that turn twice, stay below two turns and a half.
@@ -131,15 +143,21 @@ fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>) -> Option<Strin
     let too_fast = summary.speed > 5.0 * fastest;
     let fits_in_degrees = summary.speed / (180.0 / PI) < 1.5 * fastest;
     match (beyond, in_degrees, too_fast && fits_in_degrees) {
-        (true, true, _) | (_, true, true) => Some(format!(
-            "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in rad; are they in degrees? \
-             Convert them to rad",
-            summary.speed
-        )),
-        (true, false, _) => Some(format!(
-            "positions up to {largest:.3e} are neither rad nor deg: encoder counts, or turns of the motor? Convert them \
-             to rad at the joint"
-        )),
+        (true, true, _) | (_, true, true) => {
+            let text = format!(
+                "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in rad; are they in \
+                 degrees? Convert them to rad",
+                summary.speed
+            );
+            Some((text, true))
+        }
+        (true, false, _) => {
+            let text = format!(
+                "positions up to {largest:.3e} are neither rad nor deg: encoder counts, or turns of the motor? Convert them \
+                 to rad at the joint"
+            );
+            Some((text, false))
+        }
         _ => None,
     }
 }

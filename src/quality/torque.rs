@@ -1,18 +1,17 @@
-//! Torque against motion: sign, unit, order of the columns, dead time, excitation.
+//! Torque against motion: what a joint's own model leaves, dead time, excitation.
 //!
 //! A linear model of every joint is fitted to its torque alone, so that a fault of one joint does not hide behind
-//! another. Friction tells the sign: whatever the inertias are, it takes power. So do the URDF's bodies, where they are
-//! possible ones. The lag with the smallest residual tells the dead time, where the arm is known: a model of a joint alone
-//! would take the pull of the other joints for one.
+//! another. The lag with the smallest residual tells the dead time, where the arm is known: a model of a joint alone
+//! would take the pull of the other joints for one. What is wrong with signs, columns, gravity or units is asked of all
+//! joints and logs together, in [`super::descriptions`].
 
-use super::arrangement::{Arrangement, arrangement};
 use super::motion::JointSummary;
 use super::velocity::vertex;
-use super::{BAND, Finding, Kind, Severity, View, correlation, rms, size_quantile};
+use super::{BAND, Finding, Kind, Severity, View};
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::dynamics::Motion;
 use crate::identification::model::Model;
-use crate::robot::{Joint, Robot};
+use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 
 /// Samples of the log that enter the models.
@@ -28,15 +27,6 @@ const DEAD_TIME_COSTS: f64 = 1.1;
 
 /// Directions of a model's normal matrix weaker than this, of the strongest, are left out.
 const WEAK: f64 = 1e-9;
-
-/// A joint must turn back this often before its friction tells the sign of its torque.
-const REVERSALS: usize = 4;
-
-/// By how much the residual must grow without friction before friction tells the sign.
-const FRICTION_TELLS: f64 = 1.3;
-
-/// Correlation from which on a logged torque is compared with that of the URDF's bodies.
-const ALIKE: f64 = 0.6;
 
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
@@ -56,54 +46,13 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
         Some(model) => model.columns(&motion, 0.0),
         None => (0..view.dof()).map(|joint| joint_alone(&motion, joint)).collect(),
     };
-    let fits: Vec<Option<JointFit>> = (0..view.dof())
-        .map(|joint| {
-            // Viscous and Coulomb friction are the last two columns of a joint alone, and marked in an arm's.
-            let friction = match &model {
-                Some(model) => {
-                    let active = model.active(joint).into_iter().enumerate();
-                    active.filter(|(_, b)| model.is_friction(*b)).map(|(place, _)| place).collect()
-                }
-                None => vec![4, 5],
-            };
-            JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), friction)
-        })
-        .collect();
-
     let (mut out, mut lags) = (Vec::new(), Vec::new());
-    let nominal = robot.and_then(|robot| bodies(robot, &motion));
-    let gains = nominal.map_or(vec![None; view.dof()], |nominal| gains(view, &nominal, &rows));
-    let against: Vec<bool> = gains.iter().map(|gain| gain.is_some_and(|gain| gain < 0.0)).collect();
-    let tau = view.tau.map(|_, signal| rows.iter().map(|&row| signal[row]).collect());
-    // A torque that was not logged contradicts all others, whatever the order of the columns is.
-    let silent: Vec<bool> =
-        (0..view.dof()).map(|j| view.log.tau.channel(j).iter().all(|v| *v == view.log.tau.channel(j)[0])).collect();
-    let logged = !silent.contains(&true);
-    let best = model
-        .as_ref()
-        .filter(|_| logged)
-        .and_then(|model| arrangement(model, &motion, &tau, view.log.duration()))
-        .unwrap_or_default();
-    let in_order = best.torques.is_empty() && best.positions.is_none();
-    for (joint, fit) in fits.iter().enumerate() {
-        let Some(fit) = fit.as_ref().filter(|_| !silent[joint]) else { continue };
+    for joint in 0..view.dof() {
         let tau = view.tau.channel(joint);
-        let share = fit.unexplained(tau, 0);
-        summaries[joint].unexplained = Some(share);
-        let power = fit.friction_power(tau).filter(|_| summaries[joint].reversals >= REVERSALS);
-        let driven = power.is_some_and(|power| power > 0.0);
-        let braked = power.is_some_and(|power| power < 0.0);
-        let flipped = best.flipped.contains(&joint);
-        // A wrist's torque is mostly friction, and may go against its light bodies by chance.
-        if in_order && (driven || (against[joint] && !braked) || flipped) {
-            let reason = match (driven, flipped) {
-                (true, _) => "friction would have to drive the joint",
-                (_, true) => "it contradicts the torques of the other joints or what friction does",
-                _ => "it opposes the URDF's bodies",
-            };
-            let text = format!("{reason}: the torque has the wrong sign; turn it round");
-            out.push(Finding::new(Kind::TorqueSign, Severity::Warning, view.place("tau", joint), text));
-        }
+        let silent = tau.iter().all(|v| *v == tau[0] || v.is_nan());
+        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint)).filter(|_| !silent);
+        let Some(fit) = fit else { continue };
+        summaries[joint].unexplained = Some(fit.unexplained(tau, 0));
         if robot.is_some() {
             let lag = fit.lag(tau, reach);
             summaries[joint].dead_time_s = lag.map(|lag| lag.samples * view.period);
@@ -111,13 +60,6 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
         }
     }
     out.extend(dead_time(view, &lags));
-    if robot.is_some() {
-        out.extend(out_of_order(view, &best));
-        if in_order && logged {
-            out.extend(swapped(view, &fits));
-        }
-    }
-    out.extend(unit(&gains));
     let condition = model.map(|model| condition_number(&model, &columns, rows.len()));
     if let Some(condition) = condition.filter(|c| *c > POOR) {
         let text = format!(
@@ -152,17 +94,12 @@ fn joint_alone(motion: &Motion, joint: usize) -> Channels {
 /// The column space of a joint's model over the samples at which its direction is certain.
 struct JointFit {
     rows: Vec<usize>,
-    velocity: Vec<f64>,
-    columns: DMatrix<f64>,
     /// Orthonormal basis of the columns.
     basis: DMatrix<f64>,
-    /// Columns from coordinates in the basis.
-    solve: DMatrix<f64>,
-    friction: Vec<usize>,
 }
 
 impl JointFit {
-    fn new(columns: &Channels, rows: &[usize], velocity: &[f64], friction: Vec<usize>) -> Option<JointFit> {
+    fn new(columns: &Channels, rows: &[usize], velocity: &[f64]) -> Option<JointFit> {
         let kept: Vec<usize> = (0..rows.len()).filter(|&row| velocity[row].abs() > BAND).collect();
         if kept.len() < ROWS_PER_COLUMN * columns.channels() {
             return None;
@@ -180,15 +117,7 @@ impl JointFit {
         for (place, &i) in strong.iter().enumerate() {
             solve.set_column(place, &(gram.eigenvectors.column(i) / gram.eigenvalues[i].sqrt()));
         }
-        let basis = &table * &solve;
-        Some(JointFit {
-            velocity: kept.iter().map(|&row| velocity[row]).collect(),
-            rows: kept.iter().map(|&row| rows[row]).collect(),
-            columns: table,
-            basis,
-            solve,
-            friction,
-        })
+        Some(JointFit { rows: kept.iter().map(|&row| rows[row]).collect(), basis: &table * &solve })
     }
 
     /// The torque of the samples, `lag` samples later.
@@ -201,38 +130,6 @@ impl JointFit {
         let torque = self.torque(tau, lag);
         let rest = &torque - &self.basis * (self.basis.transpose() * &torque);
         rest.norm() / torque.norm().max(f64::MIN_POSITIVE)
-    }
-
-    /// Power with which the friction that fits drives the joint (negative where it brakes it, as friction does), as a share of
-    /// the most that so large a torque could; None where the fit does not tell.
-    fn friction_power(&self, tau: &[f64]) -> Option<f64> {
-        let torque = self.torque(tau, 0);
-        let beta = &self.solve * (self.basis.transpose() * &torque);
-        let rest = &torque - &self.columns * &beta;
-        let friction = self.friction.iter().fold(DVector::zeros(torque.len()), |sum: DVector<f64>, &column| {
-            sum + self.columns.column(column) * beta[column]
-        });
-        let power: f64 = friction.iter().zip(&self.velocity).map(|(t, v)| t * v).sum::<f64>();
-        let size = rms(friction.as_slice());
-        let other: Vec<usize> = (0..self.columns.ncols()).filter(|column| !self.friction.contains(column)).collect();
-        let gained = self.without(&other, &torque) / rest.norm().max(f64::MIN_POSITIVE);
-        let most = friction.norm() * self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let clear = gained > FRICTION_TELLS && power.abs() > 0.5 * most && size > 0.05 * rms(torque.as_slice());
-        // The torque that overcomes friction goes with the motion.
-        clear.then(|| -power / most)
-    }
-
-    /// Length of what some of the columns leave of a torque.
-    fn without(&self, columns: &[usize], torque: &DVector<f64>) -> f64 {
-        let table = DMatrix::from_fn(torque.len(), columns.len(), |row, c| self.columns[(row, columns[c])]);
-        let gram = (table.transpose() * &table).symmetric_eigen();
-        let largest = gram.eigenvalues.max();
-        let projected = gram.eigenvectors.transpose() * (table.transpose() * torque);
-        let explained: f64 = (0..projected.len())
-            .filter(|&i| gram.eigenvalues[i] > WEAK * largest)
-            .map(|i| projected[i] * projected[i] / gram.eigenvalues[i])
-            .sum();
-        (torque.norm_squared() - explained).max(0.0).sqrt()
     }
 
     /// By how much the torque comes behind the motion; None where the residual does not depend on it.
@@ -278,78 +175,6 @@ fn dead_time(view: &View, lags: &[Lag]) -> Option<Finding> {
         lags.len()
     );
     Some(Finding::new(Kind::DeadTime, Severity::Warning, "tau", text))
-}
-
-/// Pairs of joints whose torques fit each other's models much better.
-fn swapped(view: &View, fits: &[Option<JointFit>]) -> Vec<Finding> {
-    let mut out = Vec::new();
-    for a in 0..view.dof() {
-        for b in a + 1..view.dof() {
-            let (Some(first), Some(second)) = (&fits[a], &fits[b]) else { continue };
-            let left = |fit: &JointFit, joint: usize| fit.unexplained(view.tau.channel(joint), 0);
-            let (straight, crossed) = ([left(first, a), left(second, b)], [left(first, b), left(second, a)]);
-            if straight[1] > 0.3 && crossed[1] < 0.5 * straight[1] && crossed[0] < straight[0].max(0.2) {
-                let text = format!(
-                    "the torques of {} and {} fit the model of the other joint far better ({:.0} % and {:.0} % unexplained \
-                     instead of {:.0} % and {:.0} %): the columns are swapped; put them in order",
-                    view.log.joints[a],
-                    view.log.joints[b],
-                    100.0 * crossed[0],
-                    100.0 * crossed[1],
-                    100.0 * straight[0],
-                    100.0 * straight[1]
-                );
-                out.push(Finding::new(Kind::Swapped, Severity::Warning, view.place("tau", a), text));
-            }
-        }
-    }
-    out
-}
-
-/// Columns that one arm explains only in another order.
-fn out_of_order(view: &View, best: &Arrangement) -> Vec<Finding> {
-    let [before, after] = best.unexplained.map(|share| 100.0 * share);
-    let told = |what: &str, quantity: &str, (a, b): (usize, usize)| {
-        let (first, second) = (&view.log.joints[a], &view.log.joints[b]);
-        let text = format!(
-            "the {what} of {first} and {second} are in each other's columns: exchanged, {after:.0} % of the torque stays \
-             unexplained instead of {before:.0} %; put the columns in order"
-        );
-        Finding::new(Kind::Swapped, Severity::Warning, view.place(quantity, a), text)
-    };
-    let torques = best.torques.iter().map(|&pair| told("torques", "tau", pair));
-    torques.chain(best.positions.map(|pair| told("positions", "q", pair))).collect()
-}
-
-/// Torque that the URDF's bodies need; None where it does not give possible ones.
-fn bodies(robot: &Robot, motion: &Motion) -> Option<Channels> {
-    let possible = |joint: &Joint| joint.inertia.mass() > 0.0 && joint.inertia.physical_fault(1e-3).is_none();
-    let parameters = robot.inertial_parameters();
-    robot.joints.iter().all(possible).then(|| inverse_dynamics(&Chain::new(robot), &parameters, motion))
-}
-
-/// Logged torque over that of the bodies, per joint; None where the two are not alike.
-fn gains(view: &View, bodies: &Channels, rows: &[usize]) -> Vec<Option<f64>> {
-    let of_joint = |joint: usize| {
-        let tau: Vec<f64> = rows.iter().map(|&row| view.tau.channel(joint)[row]).collect();
-        let own = bodies.channel(joint);
-        let like = correlation(own, &tau);
-        (like.abs() > ALIKE).then(|| rms(&tau) / rms(own) * like.signum())
-    };
-    (0..view.dof()).map(of_joint).collect()
-}
-
-/// Torque in another unit: a factor of a thousand to what the URDF's bodies need, on most joints.
-fn unit(gains: &[Option<f64>]) -> Option<Finding> {
-    if gains.iter().flatten().count() < gains.len().min(2) {
-        return None;
-    }
-    let gain = size_quantile(gains.iter().flatten().copied(), 0.5);
-    let units = [(1e3, "mN m", "Divide them by 1000"), (1e-3, "kN m", "Multiply them by 1000")];
-    let (_, name, mend) = units.into_iter().find(|(factor, ..)| (0.2..5.0).contains(&(gain / factor)))?;
-    let text =
-        format!("the torques are about {gain:.3e} times what the URDF's bodies need: are they in {name}? {mend}");
-    Some(Finding::new(Kind::TorqueUnit, Severity::Warning, "tau", text))
 }
 
 /// Condition number of all base columns, each of unit length.

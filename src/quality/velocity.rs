@@ -2,7 +2,6 @@
 
 use super::{BAND, Finding, Kind, Severity, View, correlation, rms};
 use crate::channels::Channels;
-use crate::error::Result;
 use std::f64::consts::PI;
 
 /// Known factors between velocities in other units, with the advice.
@@ -16,14 +15,19 @@ const FACTORS: [(f64, &str); 4] = [
 /// Relative deviation from a known factor.
 const TOLERANCE: f64 = 0.1;
 
+/// Drives of arms have larger gear ratios than this; a clock is not wrong by more.
+const SLOWEST_GEAR: f64 = 5.0;
+
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
-/// Findings about the velocity columns; none where there are none.
-pub fn findings(view: &View) -> Result<Vec<Finding>> {
-    let Some(logged) = &view.log.qd else { return Ok(Vec::new()) };
+/// Findings about the velocity columns, and the factor by which the clock is wrong; none where there are none.
+pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
+    let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
     let moving: Vec<bool> = view.qd.iter().map(|v| rms(v) > BAND).collect();
+    let clock = clock_factor(view, logged, &moving);
+    out.extend(clock.map(|factor| clock_finding(factor, moving.iter().filter(|moving| **moving).count())));
     for joint in (0..view.dof()).filter(|&joint| moving[joint]) {
         let (own, column) = (view.qd.channel(joint), logged.channel(joint));
         let place = view.place("qd", joint);
@@ -38,9 +42,7 @@ pub fn findings(view: &View) -> Result<Vec<Finding>> {
             out.push(Finding::new(Kind::Swapped, Severity::Warning, place, text));
             continue;
         }
-        let slope = own.iter().zip(column).map(|(v, x)| v * x).sum::<f64>() / own.iter().map(|v| v * v).sum::<f64>();
-        let rest: Vec<f64> = own.iter().zip(column).map(|(v, x)| x - slope * v).collect();
-        let unexplained = rms(&rest) / rms(column).max(f64::MIN_POSITIVE);
+        let (slope, unexplained) = slope(own, column);
         if unexplained > UNEXPLAINED {
             let text = format!(
                 "{:.0} % of the velocity is not the derivative of the position; check which sensors both come from",
@@ -54,7 +56,7 @@ pub fn findings(view: &View) -> Result<Vec<Finding>> {
             out.push(Finding::new(Kind::VelocitySign, Severity::Warning, place.clone(), text));
         }
         let factor = slope.abs();
-        if (factor - 1.0).abs() > TOLERANCE {
+        if clock.is_none() && (factor - 1.0).abs() > TOLERANCE {
             let known = FACTORS.iter().find(|(known, _)| (factor / known - 1.0).abs() < TOLERANCE);
             let advice = known.map_or("is it at the motor side of the gear? Convert it to the joint side", |(_, a)| a);
             let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
@@ -70,7 +72,49 @@ pub fn findings(view: &View) -> Result<Vec<Finding>> {
             out.push(Finding::new(Kind::VelocityDelay, Severity::Note, place, text));
         }
     }
-    Ok(out)
+    (out, clock)
+}
+
+/// Slope and unexplained part of a logged velocity over the change of position.
+fn slope(own: &[f64], column: &[f64]) -> (f64, f64) {
+    let slope = own.iter().zip(column).map(|(v, x)| v * x).sum::<f64>() / own.iter().map(|v| v * v).sum::<f64>();
+    let rest: Vec<f64> = own.iter().zip(column).map(|(v, x)| x - slope * v).collect();
+    (slope, rms(&rest) / rms(column).max(f64::MIN_POSITIVE))
+}
+
+/// True seconds per second of the clock, where the change of position per second differs from the velocities by a factor
+/// that all joints share and that neither a unit nor a gear explains.
+fn clock_factor(view: &View, logged: &Channels, moving: &[bool]) -> Option<f64> {
+    let each: Vec<(f64, f64)> = (0..view.dof())
+        .filter(|&joint| moving[joint])
+        .map(|joint| slope(view.qd.channel(joint), logged.channel(joint)))
+        .collect();
+    let sound = |(slope, rest): &(f64, f64)| *slope > 0.0 && *rest < UNEXPLAINED;
+    if each.is_empty() || !each.iter().all(sound) {
+        return None;
+    }
+    let mut factors: Vec<f64> = (0..view.dof())
+        .filter(|&joint| moving[joint])
+        .map(|joint| rms(view.qd.channel(joint)) / rms(logged.channel(joint)))
+        .collect();
+    factors.sort_by(f64::total_cmp);
+    let median = factors[factors.len() / 2];
+    let shared = factors.iter().all(|factor| (factor / median - 1.0).abs() < TOLERANCE);
+    let possible = (1.0 / SLOWEST_GEAR..SLOWEST_GEAR).contains(&median) && (median - 1.0).abs() > TOLERANCE;
+    (shared && possible).then_some(median)
+}
+
+fn clock_finding(factor: f64, joints: usize) -> Finding {
+    let others = match joints {
+        1 => "; a velocity in another unit is the other cause, which a log of one joint cannot tell apart",
+        _ => "; neither a unit nor a gear gives one factor to all joints",
+    };
+    let text = format!(
+        "the change of position per second is {factor:.3} times the logged velocity on {} that moves: the clock is wrong by \
+         this factor{others}. Set [units] time_factor = {factor:.3} in a dataset, or log true time stamps",
+        if joints == 1 { "the one joint" } else { "every joint" },
+    );
+    Finding::new(Kind::ClockFactor, Severity::Warning, "t", text)
 }
 
 /// Another joint whose change of position the column follows.

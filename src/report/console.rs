@@ -1,7 +1,7 @@
 //! Tables for people.
 
 use super::results::{AtEffortLimit, SmoothingGain};
-use crate::robot::JointKind;
+use crate::robot::{Joint, JointKind, Robot};
 use crate::scenario::Setup;
 use crate::study::testbed::{Scored, Variant};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -23,21 +23,17 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
     let (Some(raw), Some(smoothed)) = (find(Variant::Raw), find(Variant::SavitzkyGolay)) else {
         return String::new();
     };
-    let mut header = vec!["torque error, std in N m", "raw", "Savitzky-Golay", "ratio"];
+    let (unit, names) = by_joint(&setup.plant);
+    let title = format!("torque error, std in {unit}");
+    let mut header = vec![title.as_str(), "raw", "Savitzky-Golay", "ratio"];
     if !gain.paper_table_3.is_empty() {
         header.push("paper's ratio");
     }
     header.extend(["held-out raw", "held-out S-G", "ratio"]);
-    let rows = setup
-        .plant
-        .joints
-        .iter()
+    let rows = names
+        .into_iter()
         .enumerate()
-        .map(|(j, joint)| {
-            let name = match joint.kind {
-                JointKind::Revolute => joint.name.clone(),
-                JointKind::Prismatic => format!("{} (slides, in N)", joint.name),
-            };
+        .map(|(j, name)| {
             let [raw, smoothed] = [&raw.score, &smoothed.score];
             let mut row = vec![
                 name,
@@ -119,6 +115,19 @@ pub fn at_effort_limit(setup: &Setup, limited: &AtEffortLimit) -> String {
     text
 }
 
+/// The unit of efforts in a table with a line for each joint, for its header, and the names of the lines, which say it where a
+/// joint has another.
+pub(super) fn by_joint(robot: &Robot) -> (&'static str, Vec<String>) {
+    if let Some(unit) = robot.common_effort_unit() {
+        return (unit, robot.joint_names());
+    }
+    let name = |joint: &Joint| match joint.kind {
+        JointKind::Revolute => joint.name.clone(),
+        JointKind::Prismatic => format!("{} (slides, in {})", joint.name, joint.effort_unit()),
+    };
+    (JointKind::Revolute.unit("N m"), robot.joints.iter().map(name).collect())
+}
+
 /// Root mean square over the joints of residual over torque noise; a dash without noise.
 fn noise_ratio(residual: &[f64], noise: &[f64]) -> String {
     if noise.iter().any(|&n| n <= 0.0) {
@@ -139,8 +148,11 @@ fn median_size(values: &[f64]) -> f64 {
     }
 }
 
-/// Three significant digits.
+/// Three significant digits; a dash for what is not a number.
 pub(super) fn significant(value: f64) -> String {
+    if value.is_nan() {
+        return "-".to_owned();
+    }
     if value == 0.0 {
         return "0".to_owned();
     }

@@ -1,6 +1,6 @@
 //! The result of `tauscope identify`.
 
-use super::console::{significant, table};
+use super::console::{by_joint, significant, table};
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::Fitted;
@@ -15,6 +15,8 @@ pub const SCHEMA: &str = "tauscope.identify/1";
 pub struct FitResult {
     robot: String,
     joints: Vec<String>,
+    /// Units of the joints' efforts and residuals.
+    effort_units: Vec<&'static str>,
     trust: Trust,
     /// What had to be done to the logs, and what looks wrong in them.
     notes: Vec<String>,
@@ -60,6 +62,8 @@ struct Link {
     rotor_inertia_kg_m2: f64,
     viscous_nm_s_rad: f64,
     coulomb_nm: f64,
+    /// Units of the last three on this joint.
+    drive_units: [&'static str; 3],
 }
 
 /// One fit.
@@ -90,6 +94,9 @@ struct Value {
     /// Whether the value is at a bound of what makes sense; it then has no standard deviation.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     at_bound: bool,
+    /// Whether the value is the description's because the logs do not tell it from others; it then has no standard deviation.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    undetermined: bool,
 }
 
 /// The content of `identification.json`.
@@ -97,6 +104,7 @@ pub fn result(robot: &Robot, trust: Trust, found: Found, notes: &[String]) -> Fi
     FitResult {
         robot: robot.name.clone(),
         joints: robot.joint_names(),
+        effort_units: robot.effort_units(),
         trust,
         notes: notes.to_vec(),
         without_effects: side(robot, found.plain),
@@ -118,6 +126,7 @@ fn bodies(robot: &Robot, consistent: &Consistent) -> Bodies {
             rotor_inertia_kg_m2: joint.drive.armature,
             viscous_nm_s_rad: joint.drive.viscous,
             coulomb_nm: joint.drive.coulomb,
+            drive_units: ["kg m2", "N m s/rad", "N m"].map(|unit| joint.kind.unit(unit)),
         }
     };
     Bodies {
@@ -140,6 +149,7 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
         std: std[index],
         interval_95: intervals[index],
         at_bound: fitted.fit.at_bound[index],
+        undetermined: fitted.fit.undetermined[index],
     };
     let places = || fitted.fit.places.iter().enumerate();
     let arm = places().filter(|(_, place)| place.is_none());
@@ -150,7 +160,7 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
             .filter_map(|(index, place)| place.filter(|(owner, _)| *owner == effect).map(|(_, k)| (index, k)))
             .map(|(index, k)| {
                 let parameter = &placed.effect.parameters()[k];
-                value(index, parameter.name.to_owned(), parameter.unit.to_owned())
+                value(index, parameter.name.to_owned(), placed.unit(k, robot).to_owned())
             })
             .collect(),
     });
@@ -166,10 +176,28 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
     }
 }
 
+/// A line about the parameters that the logs do not determine, if there are any.
+pub fn undetermined(fitted: &Fitted) -> Option<String> {
+    let held = fitted.fit.names.iter().zip(&fitted.fit.undetermined).filter(|(_, held)| **held);
+    // The leader identifies a long sum.
+    let leaders: Vec<&str> = held.filter_map(|(name, _)| name.split_whitespace().next()).collect();
+    (!leaders.is_empty()).then(|| {
+        format!(
+            "{} of {} base parameters make no torque of their own above the noise in these logs ({}): they stay as described, and \
+             the others make up for them",
+            leaders.len(),
+            fitted.fit.arm_units.len(),
+            leaders.join(", ")
+        )
+    })
+}
+
 /// Tables for people: what is left per joint, and the effects' parameters.
 pub fn tables(robot: &Robot, found: Found) -> String {
     let Found { plain, extended, consistent } = found;
-    let mut header = vec!["residual rms, N m", "training"];
+    let (unit, names) = by_joint(robot);
+    let title = format!("residual rms, {unit}");
+    let mut header = vec![title.as_str(), "training"];
     let held_out = !plain.test_rms.is_empty();
     if held_out {
         header.push("held-out");
@@ -186,16 +214,15 @@ pub fn tables(robot: &Robot, found: Found) -> String {
             header.push("held-out, consistent");
         }
     }
-    let rows = robot
-        .joints
-        .iter()
+    let rows = names
+        .into_iter()
         .enumerate()
-        .map(|(j, joint)| {
+        .map(|(j, name)| {
             let columns = [Some(plain), extended].into_iter().flatten();
             let numbers = columns.map(|fitted| [&fitted.train_rms, &fitted.test_rms]);
             let numbers = numbers.chain(consistent.map(|found| [&found.train_rms, &found.test_rms]));
             let numbers = numbers.flat_map(|[train, test]| [train.get(j), test.get(j)]).flatten();
-            [joint.name.clone()].into_iter().chain(numbers.map(|&value| significant(value))).collect()
+            [name].into_iter().chain(numbers.map(|&value| significant(value))).collect()
         })
         .collect();
     let mut text = table(&header, rows);
@@ -219,7 +246,7 @@ pub fn tables(robot: &Robot, found: Found) -> String {
             .enumerate()
             .filter_map(|(index, place)| {
                 let (effect, k) = (*place)?;
-                let unit = fitted.placed[effect].effect.parameters()[k].unit;
+                let unit = fitted.placed[effect].unit(k, robot);
                 let value = fitted.fit.estimate.beta[index];
                 Some(vec![
                     fitted.fit.names[index].clone(),

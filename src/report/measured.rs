@@ -1,6 +1,6 @@
 //! The result of `tauscope run` on a measured data set.
 
-use super::console::{significant, table};
+use super::console::{by_joint, significant, table};
 use crate::robot::Robot;
 use crate::study::measured::Scored;
 use serde::Serialize;
@@ -13,6 +13,7 @@ pub const SCHEMA: &str = "tauscope.measured/1";
 pub struct Scores<'a> {
     robot: &'a str,
     joints: Vec<String>,
+    effort_units: Vec<&'static str>,
     notes: &'a [String],
     variants: Vec<Variant<'a>>,
 }
@@ -33,20 +34,28 @@ pub fn result<'a>(robot: &'a Robot, scored: &'a [Scored], notes: &'a [String]) -
         torque_std_training_nm: &one.torque_std_training_nm,
         torque_std_held_out_nm: &one.torque_std_held_out_nm,
     });
-    Scores { robot: &robot.name, joints: robot.joint_names(), notes, variants: variants.collect() }
+    Scores {
+        robot: &robot.name,
+        joints: robot.joint_names(),
+        effort_units: robot.effort_units(),
+        notes,
+        variants: variants.collect(),
+    }
 }
 
 /// The table for people: torque error per joint of every variant, and that of the last over that of the first.
 pub fn text(robot: &Robot, scored: &[Scored]) -> String {
     let [Some(first), Some(last)] = [scored.first(), scored.last()] else { return String::new() };
     let held_out = !first.torque_std_held_out_nm.is_empty();
-    let mut header = vec!["torque error, std in N m", "raw", "Savitzky-Golay", "ratio"];
+    let (unit, names) = by_joint(robot);
+    let title = format!("torque error, std in {unit}");
+    let mut header = vec![title.as_str(), "raw", "Savitzky-Golay", "ratio"];
     if held_out {
         header.extend(["held-out raw", "held-out S-G", "ratio"]);
     }
     let three = |raw: f64, smoothed: f64| [significant(raw), significant(smoothed), format!("{:.3}", smoothed / raw)];
-    let rows = robot.joints.iter().enumerate().map(|(j, joint)| {
-        let mut row = vec![joint.name.clone()];
+    let rows = names.into_iter().enumerate().map(|(j, name)| {
+        let mut row = vec![name];
         row.extend(three(first.torque_std_training_nm[j], last.torque_std_training_nm[j]));
         if held_out {
             row.extend(three(first.torque_std_held_out_nm[j], last.torque_std_held_out_nm[j]));

@@ -12,5 +12,6 @@ pub mod montecarlo;
 pub mod paper;
 pub mod quality;
 pub mod results;
+pub mod robot;
 pub mod svg;
 pub mod viewer;

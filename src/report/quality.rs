@@ -1,6 +1,7 @@
 //! The result of `tauscope inspect`.
 
 use super::console::{significant, table};
+use crate::quality::descriptions::{Alternative, Change, Verdict, words};
 use crate::quality::{Finding, JointSummary, Report, Severity};
 use crate::recording::lenient::Rejected;
 use crate::robot::Robot;
@@ -31,6 +32,59 @@ pub struct Quality<'a> {
     condition_number: Option<f64>,
     joints: &'a [JointSummary],
     findings: &'a [Finding],
+    /// What explains the log clearly better than its description.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    description: Option<Hypotheses>,
+    /// The same of the other logs, where several were given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    others: Vec<Quality<'a>>,
+}
+
+/// A wrong description with its alternatives.
+#[derive(Debug, Serialize)]
+struct Hypotheses {
+    changes: Vec<String>,
+    /// Share of the torque that stays unexplained, geometric mean over the joints, held out: as described, and changed.
+    unexplained: [f64; 2],
+    /// The same of every torque column; null where it takes no part.
+    unexplained_by_column: [Vec<Option<f64>>; 2],
+    beyond_doubt: bool,
+    /// Sets of changes that explain the logs as well.
+    alternatives: Vec<Other>,
+    /// The best set that is clearly worse.
+    next: Option<Other>,
+}
+
+/// Another set of changes.
+#[derive(Debug, Serialize)]
+struct Other {
+    changes: Vec<String>,
+    unexplained: f64,
+}
+
+impl Hypotheses {
+    fn new(verdict: &Verdict, joints: &[String]) -> Hypotheses {
+        let said = |changes: &[Change]| changes.iter().map(|&change| words(change, joints)).collect();
+        let other = |other: &Alternative| Other { changes: said(&other.changes), unexplained: other.unexplained };
+        Hypotheses {
+            changes: said(&verdict.description.changes),
+            unexplained: [verdict.before, verdict.after],
+            unexplained_by_column: verdict.each.clone(),
+            beyond_doubt: verdict.beyond_doubt,
+            alternatives: verdict.alternatives.iter().map(other).collect(),
+            next: verdict.next.as_ref().map(other),
+        }
+    }
+}
+
+/// What was found in several logs of one arm, the first in front.
+pub fn together<'a>(
+    first: (&Path, &'a Report),
+    others: &[(&Path, &'a Report)],
+    robot: Option<&'a Robot>,
+) -> Quality<'a> {
+    let others = others.iter().map(|(path, report)| result(path, robot, report)).collect();
+    Quality { others, ..result(first.0, robot, first.1) }
 }
 
 /// What was found in the log at `path`.
@@ -50,6 +104,11 @@ pub fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Report) -> 
         condition_number: report.condition_number,
         joints: &report.joints,
         findings: &report.findings,
+        description: report.description.as_ref().map(|verdict| {
+            let joints: Vec<String> = report.joints.iter().map(|joint| joint.name.clone()).collect();
+            Hypotheses::new(verdict, &joints)
+        }),
+        others: Vec::new(),
     }
 }
 

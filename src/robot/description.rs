@@ -1,8 +1,10 @@
 //! A robot as its file describes it: a tree of links and joints of every kind, before it is decided which joints move.
 
-use super::{Drive, Inertia, Limits, Pose};
+use super::{Drive, Inertia, Limits, Pose, file_kind};
+use crate::error::{Error, Result};
 use nalgebra::Vector3;
-use std::path::PathBuf;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
 /// How a joint of a file moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +32,17 @@ pub struct Mimic {
     pub offset: f64,
 }
 
+/// A number of a body that a file leaves out; it counts as zero where the body does not matter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Missing {
+    /// Line in the file, counted from 1.
+    pub line: usize,
+    /// The attribute, its element and the link.
+    pub field: String,
+    /// What is wrong and what to do.
+    pub problem: String,
+}
+
 /// A link of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkDescription {
@@ -38,6 +51,8 @@ pub struct LinkDescription {
     /// Its body about and in the axes of the link frame, as the file gives it: it need not be one that can exist, but its
     /// numbers are finite. Zero where the file gives none.
     pub inertia: Inertia,
+    /// What the file leaves out of the body although it gives one: an error where the body is to be believed.
+    pub missing: Option<Missing>,
     /// Line in the file, for error messages.
     pub line: Option<usize>,
 }
@@ -86,6 +101,14 @@ pub struct Description {
     pub notes: Vec<String>,
 }
 
+/// Reads a robot from a file.
+///
+/// # Errors
+/// Names file, line and element of what is wrong with it, and what to do.
+pub fn read(path: &Path) -> Result<Description> {
+    file_kind::read(path)
+}
+
 impl Description {
     /// Index of the link without a joint above it.
     pub fn root(&self) -> usize {
@@ -101,4 +124,32 @@ impl Description {
     pub fn joints_on(&self, link: usize) -> impl Iterator<Item = usize> {
         (0..self.joints.len()).filter(move |&joint| self.joints[joint].parent == link)
     }
+}
+
+/// Takes away the coupling of joints that follow a joint the file does not have, with a note.
+///
+/// # Errors
+/// If joints follow each other in a circle.
+pub(super) fn settle_mimics(path: &Path, joints: &mut [JointDescription], notes: &mut Vec<String>) -> Result<()> {
+    let index: HashMap<String, usize> = joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
+    for joint in joints.iter_mut() {
+        if let Some(mimic) = joint.mimic.take_if(|mimic| !index.contains_key(&mimic.master)) {
+            let (name, line, master) = (&joint.name, joint.line.unwrap_or(0), mimic.master);
+            notes.push(format!(
+                "joint `{name}` (line {line}) mimics `{master}`, which is not in the file: it is taken to move by itself"
+            ));
+        }
+    }
+    for joint in joints.iter() {
+        let mut seen = HashSet::new();
+        let mut at = joint;
+        while let Some(mimic) = &at.mimic {
+            if !seen.insert(&at.name) {
+                let problem = "it mimics itself in a circle; let one joint of the circle move by itself";
+                return Err(Error::input(path, joint.line, format!("joint `{}`", joint.name), problem));
+            }
+            at = &joints[index[&mimic.master]];
+        }
+    }
+    Ok(())
 }

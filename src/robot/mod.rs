@@ -1,17 +1,20 @@
-//! A serial arm: joints from base to flange, each carrying one rigid body.
+//! A robot arm: joints from base to flange, each carrying one rigid body; a tree of them where it branches.
 
+mod choice;
 pub mod description;
+mod file_kind;
 mod inertia;
+mod mjcf;
+mod tree;
+mod units;
 mod urdf;
-mod urdf_edit;
-mod urdf_numbers;
-mod urdf_write;
 pub mod visuals;
+mod xml;
 
+pub use choice::{Choice, InertiaCheck, load};
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
-pub use urdf::{InertiaCheck, load};
-pub use urdf_edit::with_parameters;
-pub use urdf_write::to_urdf;
+pub use tree::{Coupling, Follower, Tree};
+pub use urdf::{to_urdf, with_parameters};
 
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
@@ -90,7 +93,7 @@ pub struct Joint {
     pub link: String,
     /// Revolute or prismatic.
     pub kind: JointKind,
-    /// Pose of the joint frame at zero position in the frame of the joint before it (or the base).
+    /// Pose of the joint frame at zero position in the frame of the joint that carries it (or the base).
     pub origin: Pose,
     /// Unit axis in the joint frame.
     pub axis: Vector3<f64>,
@@ -102,7 +105,7 @@ pub struct Joint {
     pub drive: Drive,
 }
 
-/// A serial arm of one or more revolute or prismatic joints.
+/// A robot of one or more revolute or prismatic joints with a coordinate each, and of joints that follow them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     /// Name of the robot in the URDF.
@@ -111,14 +114,23 @@ pub struct Robot {
     pub source: PathBuf,
     /// Gravity in base coordinates, m/s2.
     pub gravity: Vector3<f64>,
-    /// Joints from base to flange.
+    /// The joints with a coordinate, from base to flange; on a tree branch by branch.
     pub joints: Vec<Joint>,
-    /// Pose of the flange (the last link behind fixed joints) in the last joint frame.
+    /// Pose of the flange (the last link behind fixed joints) in the frame of the joint that carries it.
     pub flange: Pose,
+    /// What a serial arm does not have; absent on one.
+    pub tree: Option<Tree>,
+    /// Joints that the columns of a log stand for where they are numbered or described one by one: those under study, and those
+    /// that turned out to stand still or to follow.
+    pub columns: Vec<String>,
+    /// Moving joints of the file that stand still here, each at its position, rad or m.
+    pub held: Vec<(String, f64)>,
+    /// What was read otherwise than it is written, and which joints are held; a line each.
+    pub notes: Vec<String>,
 }
 
 impl Robot {
-    /// Number of joints.
+    /// Number of coordinates.
     pub fn dof(&self) -> usize {
         self.joints.len()
     }
@@ -128,9 +140,9 @@ impl Robot {
         self.joints.iter().map(|joint| joint.name.clone()).collect()
     }
 
-    /// Inertial parameters of all links, ten per joint, base to flange.
+    /// Inertial parameters of all moving bodies, ten each, in the order of [`Robot::body`].
     pub fn inertial_parameters(&self) -> Vec<f64> {
-        self.joints.iter().flat_map(|joint| joint.inertia.0).collect()
+        (0..self.bodies()).flat_map(|body| self.body(body).inertia.0).collect()
     }
 
     /// Index of the joint called `name`; the error lists the joints there are.
@@ -143,15 +155,17 @@ impl Robot {
         })
     }
 
-    /// Poses of all joint frames, and of the flange as the last entry, in the base at position `q`.
-    pub fn frames(&self, q: &[f64]) -> Vec<Pose> {
-        let mut pose = Pose::identity();
-        let mut frames = Vec::with_capacity(self.dof() + 1);
-        for (joint, &value) in self.joints.iter().zip(q) {
-            pose = pose.then(&joint.origin).then(&joint.motion(value));
-            frames.push(pose);
+    /// Poses of all moving joint frames, in the order of [`Robot::body`], and of the flange as the last entry, in the base at
+    /// the coordinates `x`.
+    pub fn frames(&self, x: &[f64]) -> Vec<Pose> {
+        let mut frames = vec![Pose::identity(); self.bodies() + 1];
+        for body in self.outwards() {
+            let (joint, coupling) = (self.body(body), self.coupling(body));
+            let carrier = self.parent(body).map_or(Pose::identity(), |parent| frames[parent]);
+            let position = coupling.multiplier * x[coupling.coordinate] + coupling.offset;
+            frames[body] = carrier.then(&joint.origin).then(&joint.motion(position));
         }
-        frames.push(pose.then(&self.flange));
+        frames[self.bodies()] = frames[self.tip()].then(&self.flange);
         frames
     }
 }
@@ -166,22 +180,6 @@ impl Joint {
                 Pose { rotation, translation: Vector3::zeros() }
             }
             JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * self.axis },
-        }
-    }
-
-    /// Unit of the joint's position.
-    pub fn position_unit(&self) -> &'static str {
-        match self.kind {
-            JointKind::Revolute => "rad",
-            JointKind::Prismatic => "m",
-        }
-    }
-
-    /// Unit of the joint's effort.
-    pub fn effort_unit(&self) -> &'static str {
-        match self.kind {
-            JointKind::Revolute => "N m",
-            JointKind::Prismatic => "N",
         }
     }
 }

@@ -73,7 +73,7 @@ pub struct Visuals {
 /// does the whole arm if its file cannot be read any longer.
 pub fn load(robot: &Robot) -> Visuals {
     let mut visuals = Visuals::default();
-    match urdf_rs::read_file(&robot.source) {
+    match urdf::looks(&robot.source) {
         Ok(urdf) => Walk { urdf: &urdf, robot, visuals: &mut visuals }.all(),
         Err(problem) => visuals.notes.push(format!("the URDF cannot be read again ({problem}): capsules are drawn")),
     }
@@ -100,12 +100,27 @@ impl Walk<'_> {
             }
             for joint in self.urdf.joints.iter().filter(|joint| joint.parent.link == name) {
                 let child = joint.child.link.as_str();
-                match self.robot.joints.iter().position(|own| own.name == joint.name) {
+                match (0..self.robot.bodies()).find(|&body| self.robot.body(body).name == joint.name) {
                     Some(index) => open.push((child, index + 1, Pose::identity())),
-                    None => open.push((child, body, place.then(&urdf::pose_of(&joint.origin)))),
+                    None => open.push((child, body, place.then(&self.standing(joint)))),
                 }
             }
         }
+    }
+
+    /// Pose of the link behind a joint that does not move.
+    fn standing(&self, joint: &urdf_rs::Joint) -> Pose {
+        let origin = urdf::pose_of(&joint.origin);
+        let Some((_, position)) = self.robot.held.iter().find(|(name, _)| *name == joint.name) else { return origin };
+        let axis = nalgebra::Vector3::from(joint.axis.xyz.0).try_normalize(1e-9).unwrap_or(nalgebra::Vector3::x());
+        let motion = match joint.joint_type {
+            urdf_rs::JointType::Prismatic => Pose { translation: *position * axis, ..Pose::identity() },
+            _ => Pose {
+                rotation: nalgebra::Rotation3::new(*position * axis).into_inner(),
+                translation: nalgebra::Vector3::zeros(),
+            },
+        };
+        origin.then(&motion)
     }
 
     fn add(&mut self, link: &str, visual: &urdf_rs::Visual, body: usize, place: &Pose) {
@@ -157,13 +172,14 @@ fn mesh(urdf: &Path, name: &str) -> Result<PathBuf, String> {
 
 /// Capsules from joint to joint for the bodies that have no shape.
 fn skeleton(robot: &Robot, visuals: &mut Visuals) {
-    let lengths = robot.joints.iter().map(|joint| joint.origin.translation.norm());
+    let lengths = (0..robot.bodies()).map(|body| robot.body(body).origin.translation.norm());
     let radius = CAPSULE_SHARE * (lengths.sum::<f64>() + robot.flange.translation.norm()).max(1e-3);
-    for body in 0..=robot.dof() {
+    for body in 0..=robot.bodies() {
         if visuals.shapes.iter().any(|visual| visual.body == body) {
             continue;
         }
-        let end = robot.joints.get(body).map_or(robot.flange.translation, |next| next.origin.translation);
+        let next = (0..robot.bodies()).find(|&next| robot.parent(next).map_or(0, |parent| parent + 1) == body);
+        let end = next.map_or(robot.flange.translation, |next| robot.body(next).origin.translation);
         let shape = Shape::Capsule { radius, length: end.norm() };
         // A body without length is a ball at its joint; the turn that takes z to a given direction is not unique against z.
         let rotation = nalgebra::Rotation3::rotation_between(&nalgebra::Vector3::z(), &end).unwrap_or_else(|| {

@@ -18,6 +18,11 @@ pub enum EngineKind {
 }
 
 impl EngineKind {
+    /// What moves `robot`: rapier's articulated bodies have no joints that follow others.
+    pub fn of(self, robot: &Robot) -> EngineKind {
+        if robot.followers().is_empty() { self } else { EngineKind::Recursive }
+    }
+
     /// As texts call it.
     pub fn name(self) -> &'static str {
         match self {
@@ -44,12 +49,12 @@ pub(super) struct RecursiveArm {
 }
 
 impl Engine {
-    /// The forward dynamics of `robot`.
+    /// The forward dynamics of `robot`. Where joints follow others the own equations of motion stand in for rapier.
     ///
     /// # Errors
     /// As [`RapierArm::new`].
     pub fn new(kind: EngineKind, robot: &Robot) -> Result<Self> {
-        Ok(match kind {
+        Ok(match kind.of(robot) {
             EngineKind::Rapier => Engine::Rapier(Box::new(RapierArm::new(robot)?)),
             EngineKind::Recursive => Engine::Recursive(RecursiveArm {
                 chain: Chain::new(robot),

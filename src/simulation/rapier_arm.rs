@@ -21,6 +21,8 @@ pub struct RapierArm {
     world: PhysicsWorld,
     /// The base, then one body per joint.
     bodies: Vec<RigidBodyHandle>,
+    /// Place in `bodies` of what carries each joint's body.
+    carriers: Vec<usize>,
     joints: Vec<GenericJoint>,
     kinds: Vec<JointKind>,
     multibody: MultibodyIndex,
@@ -30,8 +32,14 @@ impl RapierArm {
     /// Builds `robot` in an empty world under its gravity, rotor inertias included, friction not.
     ///
     /// # Errors
-    /// If a link has no mass or an inertia that no body has: the mass matrix would be singular.
+    /// If a link has no mass or an inertia that no body has: the mass matrix would be singular; if joints follow others.
     pub fn new(robot: &Robot) -> Result<Self> {
+        if let Some(follower) = robot.followers().first() {
+            let problem = "rapier's articulated bodies have no joints that follow others; use the engine `recursive`";
+            return Err(Error::request(format!("joint `{}` of {}", follower.joint.name, robot.name), problem));
+        }
+        let carriers: Vec<usize> =
+            (0..robot.dof()).map(|joint| robot.parent(joint).map_or(0, |parent| parent + 1)).collect();
         let mut world = PhysicsWorld::new();
         world.gravity = vector(&robot.gravity);
         world.integration_parameters.num_solver_iterations = 1;
@@ -42,13 +50,13 @@ impl RapierArm {
         let mut bodies = vec![world.insert_body(RigidBodyBuilder::fixed())];
         let mut joints = Vec::new();
         let mut handle = None;
-        for joint in &robot.joints {
+        for (joint, &carrier) in robot.joints.iter().zip(&carriers) {
             let properties = mass_properties(&joint.inertia)
                 .map_err(|problem| Error::request(format!("link `{}` of {}", joint.link, robot.name), problem))?;
             let body =
                 world.insert_body(RigidBodyBuilder::dynamic().can_sleep(false).additional_mass_properties(properties));
             let rapier_joint = generic_joint(joint);
-            handle = world.insert_multibody_joint(bodies[bodies.len() - 1], body, rapier_joint);
+            handle = world.insert_multibody_joint(bodies[carrier], body, rapier_joint);
             bodies.push(body);
             joints.push(rapier_joint);
         }
@@ -56,8 +64,14 @@ impl RapierArm {
             .and_then(|_| world.multibody_joints.rigid_body_link(bodies[robot.dof()]))
             .map(|link| link.multibody)
             .ok_or_else(|| Error::request(&robot.name, "rapier does not take the arm as one articulated body"))?;
-        let mut arm =
-            RapierArm { world, bodies, joints, kinds: robot.joints.iter().map(|j| j.kind).collect(), multibody };
+        let mut arm = RapierArm {
+            world,
+            bodies,
+            carriers,
+            joints,
+            kinds: robot.joints.iter().map(|j| j.kind).collect(),
+            multibody,
+        };
         // The base counts as free until the kinematics have seen that its body is fixed.
         let RapierArm { world, multibody, .. } = &mut arm;
         let body = world.multibody_joints.get_multibody_mut(*multibody).expect("just inserted");
@@ -148,7 +162,7 @@ impl RapierArm {
             let rows = if self.kinds[joint] == JointKind::Revolute { 3..6 } else { 0..3 };
             let axis: Vec<f64> = rows.map(|row| jacobian[(row, joint)]).collect();
             let along = effort * Vector::new(axis[0], axis[1], axis[2]);
-            let (parent, child) = (self.bodies[joint], self.bodies[joint + 1]);
+            let (parent, child) = (self.bodies[self.carriers[joint]], self.bodies[joint + 1]);
             if self.kinds[joint] == JointKind::Revolute {
                 self.world.bodies[child].add_torque(along, false);
                 self.world.bodies[parent].add_torque(-along, false);

@@ -84,3 +84,15 @@ fn friction_that_turns_over_some_speed_is_no_finding() {
     assert_eq!(families(&diagnosis), [("nonlinear_viscous_friction", 1)]);
     assert_eq!(diagnosis.sign_widths, [0.0; 6]);
 }
+
+#[test]
+fn a_joint_without_torque_is_left_out_and_the_others_are_diagnosed() {
+    let tustin = Placed { effect: find("stribeck_friction").unwrap(), joint: 1, parameters: vec![120.0, 0.1, 1.0] };
+    let mut logs = logs(&with(&[tustin]), 21, 3);
+    logs.iter_mut().for_each(|log| log.tau.channel_mut(5).fill(f64::NAN));
+    let diagnosis = diagnosed(&logs, &["stribeck_friction"]);
+    assert_eq!(families(&diagnosis), [("stribeck_friction", 1)]);
+    assert_eq!(diagnosis.equations, [true, true, true, true, true, false]);
+    let all = diagnosis.noise_floor.iter().chain(&diagnosis.extended_test_rms).chain(&diagnosis.baseline_rms[1]);
+    assert!(all.copied().all(f64::is_finite));
+}

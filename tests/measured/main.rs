@@ -1,6 +1,7 @@
 //! Public logs of real arms, where a folder has them (it is not part of the project): they load, their findings make
 //! sense, their base parameters are found. Without the folder these tests say "skipped".
 
+mod descriptions;
 mod diagnosis;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::fit::{Logs, fit_effects};
 use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
+use tauscope::identification::reversals::Band;
 use tauscope::quality::{self, Kind, Report, Severity};
 use tauscope::recording::Recording;
 use tauscope::robot::{self, InertiaCheck, Robot};
@@ -38,7 +40,7 @@ fn report(folder: &Path, log: &str, robot: &Robot) -> Report {
 fn held_out(robot: &Robot, train: &[&Recording], test: &[&Recording], window: usize) -> Vec<f64> {
     let model = Model::new(robot);
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
-    let preparation = Preparation { smoothing, band: 0.03 };
+    let preparation = Preparation { smoothing, band: 0.03.into() };
     let logs = Logs { train, test };
     let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new()).unwrap();
     let found = consistent(&model, logs, preparation, &fitted).unwrap();
@@ -59,7 +61,7 @@ fn with_effect(
     let model = Model::new(robot);
     let window = (0.12 * train[0].rate_hz()).round() as usize | 1;
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
-    let preparation = Preparation { smoothing, band: 0.03 };
+    let preparation = Preparation { smoothing, band: 0.03.into() };
     let placed = Placed::typical(effects::find(effect).unwrap(), joint);
     [Vec::new(), vec![placed]]
         .map(|placed| fit_effects(&model, trust, Logs { train, test }, preparation, placed).unwrap().test_rms)
@@ -133,4 +135,22 @@ fn universal_robots_ur10() {
         "ur10 held out: load on j2 {loaded:.2}, power on j1 {concave:.2}, Stribeck on j1 {dip:.2} of what was left"
     );
     assert!(loaded < 0.5 && concave < 0.8 && dip > 0.9, "{loaded} {concave} {dip}");
+}
+
+/// One sliding axis, slow in m/s; published (Janot, Gautier and Brunot 2019): 203.50 N s/m, 20.394 N, -3.165 N.
+#[test]
+fn emps() {
+    let Some(folder) = folder() else { return };
+    let robot = arm(&folder, "emps/emps.urdf");
+    let log = dataset::plain(&folder.join("emps/emps_est.csv"), &robot, &mut Vec::new()).unwrap().remove(0);
+    let smoothing = Smoothing::SavitzkyGolay { window: 121, order: 6, decimation: 10 };
+    let preparation = Preparation { smoothing, band: Band::OfNoise };
+    let placed = vec![Placed::typical(effects::find("torque_offset").unwrap(), 0)];
+    let logs = Logs { train: &[&log], test: &[] };
+    let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, preparation, placed).unwrap();
+    let found = &fitted.fit.estimate.beta;
+    println!("emps: {found:.4?}");
+    for (value, published) in found[1..].iter().zip([203.5, 20.394, -3.165]) {
+        assert!((value / published - 1.0).abs() < 0.015, "{found:?}");
+    }
 }

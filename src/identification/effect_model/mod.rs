@@ -6,19 +6,23 @@
 
 mod parts;
 mod sensing;
+mod signals;
 
 use parts::{ArmParameter, Parts, arm_name, arm_parameters, drive_of, leader, stands_for};
 use sensing::Sensing;
+use signals::{derivatives, difference, put_behind};
 
 use super::joint_regression::JointRegression;
+use super::least_squares::require_rows;
 use super::model::Model;
 use super::prepare::{self, Prepared, Smoothing};
+use super::reversals::Band;
+use super::undetermined::undetermined;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::effects::{DAMPING_TIME_S, Gear, Placed, Role, Scope};
 use crate::error::Result;
 use crate::recording::Recording;
-use crate::signal::{first_derivative, second_derivative};
 use std::borrow::Cow;
 
 /// Rounds in which encoder errors are taken back out of the measured positions.
@@ -45,8 +49,8 @@ pub enum Trust {
 pub struct Preparation {
     /// Smoothing, differentiation and the filter of torque and columns.
     pub smoothing: Smoothing,
-    /// Velocity below which a joint's direction is not certain, rad/s.
-    pub band: f64,
+    /// Where the direction of a joint is certain.
+    pub band: Band,
 }
 
 /// A model with effects on a set of logs.
@@ -62,6 +66,8 @@ pub struct EffectModel<'a> {
     believed: Vec<(ArmParameter, f64)>,
     /// The arm's parameters as last solved for.
     baseline: Vec<f64>,
+    /// Those that the logs do not determine, with the values at which they are held; None before a regression was seen.
+    undetermined: Option<Vec<(usize, f64)>>,
 }
 
 /// Where a parameter of an effect is: index of the effect, index of the parameter.
@@ -89,7 +95,7 @@ impl<'a> EffectModel<'a> {
         let (believed, arm): (Vec<_>, Vec<_>) =
             arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
         let (arm, baseline) = arm.into_iter().unzip();
-        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline })
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline, undetermined: None })
     }
 
     /// Number of joints.
@@ -167,6 +173,23 @@ impl<'a> EffectModel<'a> {
     /// solving takes more than one round.
     pub fn settles(&self) -> bool {
         (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
+    }
+
+    /// Holds the arm's parameters that `regression`, the first one, cannot tell from others.
+    ///
+    /// # Errors
+    /// Names a joint with too few rows to tell anything.
+    pub(super) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
+        if self.undetermined.is_none() {
+            require_rows(regression)?;
+            self.undetermined = Some(undetermined(regression, &self.baseline, &self.baseline_units()));
+        }
+        Ok(())
+    }
+
+    /// The arm's parameters that are held because the logs do not determine them, with their values.
+    pub fn undetermined(&self) -> &[(usize, f64)] {
+        self.undetermined.as_deref().unwrap_or_default()
     }
 
     /// The arm's linear parameters as last solved for.
@@ -263,6 +286,10 @@ impl<'a> EffectModel<'a> {
         };
         (0..self.model.dof())
             .map(|joint| {
+                if !self.model.has_equation(joint) {
+                    let name = self.model.robot().joints[joint].name.clone();
+                    return Ok(JointRegression::without_equation(name, prepared.row_times()?.len()));
+                }
                 let sensing = Sensing::new(self.sensors(joint).collect(), period);
                 let rows = match sensing.acts() {
                     true => self.sensed_rows(joint, &parts, prepared, recording.samples(), &sensing),
@@ -458,26 +485,6 @@ impl<'a> EffectModel<'a> {
         let [twist, ..] = gear.follow(&load, &inertia, period);
         derivatives(prepared.filtered_like_positions(&twist)?, period)
     }
-}
-
-/// Takes a twist, its rate and its acceleration off the motion of a joint.
-fn put_behind(motion: &mut Motion, joint: usize, twist: [Vec<f64>; 3]) {
-    for (channels, change) in [&mut motion.q, &mut motion.qd, &mut motion.qdd].into_iter().zip(twist) {
-        channels.channel_mut(joint).iter_mut().zip(change).for_each(|(value, c)| *value -= c);
-    }
-}
-
-/// One signal less another.
-fn difference(signal: &[f64], other: &[f64]) -> Vec<f64> {
-    signal.iter().zip(other).map(|(a, b)| a - b).collect()
-}
-
-/// A signal with its first and second derivative.
-fn derivatives(signal: Vec<f64>, period: f64) -> Result<[Vec<f64>; 3]> {
-    let (mut rate, mut second) = (vec![0.0; signal.len()], vec![0.0; signal.len()]);
-    first_derivative(&signal, period, &mut rate)?;
-    second_derivative(&signal, period, &mut second)?;
-    Ok([signal, rate, second])
 }
 
 /// Parameters of an effect with its amplitudes at zero.

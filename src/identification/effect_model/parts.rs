@@ -217,6 +217,7 @@ pub(super) fn arm_parameters(model: &Model, trust: Trust) -> Vec<(ArmParameter, 
         Trust::Nominal => {
             let joints = model.robot().joints.iter().enumerate();
             joints
+                .filter(|(joint, _)| model.has_equation(*joint))
                 .flat_map(|(joint, spec)| {
                     let drive = [spec.drive.armature, spec.drive.viscous, spec.drive.coulomb];
                     drive.into_iter().enumerate().map(move |(k, value)| (ArmParameter::Drive(joint, k), value))

@@ -36,6 +36,8 @@ pub struct DiagnosisResult {
     verdict: Option<Verdict>,
     robot: String,
     joints: Vec<String>,
+    /// Units of the joints' efforts, noise and residuals.
+    effort_units: Vec<&'static str>,
     alpha: f64,
     /// Cut-off at which the positions of each joint were smoothed; empty where nothing was tested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -179,7 +181,12 @@ pub fn result(
     resimulation: Option<&Resimulation>,
     faults: &[DataFault],
 ) -> DiagnosisResult {
-    let [train, test] = diagnosis.baseline_rms.clone();
+    // Not a number, which JSON writes as null, where there is no equation.
+    let known = |values: &[f64]| -> Vec<f64> {
+        let each = values.iter().zip(&diagnosis.equations);
+        each.map(|(&value, &has)| if has { value } else { f64::NAN }).collect()
+    };
+    let [train, test] = diagnosis.baseline_rms.each_ref().map(|rms| known(rms));
     let not_found = diagnosis.not_found.iter().map(|missed| NotFound {
         effect: missed.family.effect,
         joint: joints(robot, missed.family).into_iter().next(),
@@ -193,7 +200,7 @@ pub fn result(
         structure: left.structure,
         family_wise_p: left.family_wise_p,
     });
-    let mut data_quality = qualities(faults);
+    let mut data_quality = qualities(robot, faults);
     let held_out = "no test log was given: the last part of every training log was held out";
     let notices = [
         ("held_out_from_training", "training logs", diagnosis.held_out_from_training.then(|| held_out.to_owned())),
@@ -219,28 +226,29 @@ pub fn result(
         verdict: Some(diagnosis.verdict),
         robot: robot.name.clone(),
         joints: robot.joint_names(),
+        effort_units: robot.effort_units(),
         alpha: diagnosis.alpha,
         position_cutoffs_hz: diagnosis.cutoffs_hz.clone(),
         torque_cutoff_hz: diagnosis.passband.map(|low_pass| low_pass.hz),
         effective_tests: Some(diagnosis.effective_tests),
-        noise_floor_nm: diagnosis.noise_floor.clone(),
-        test_torque_rms_nm: diagnosis.test_torque_rms.clone(),
+        noise_floor_nm: known(&diagnosis.noise_floor),
+        test_torque_rms_nm: known(&diagnosis.test_torque_rms),
         simulation: Simulation {
-            test_rms_nm: diagnosis.simulation_test_rms.clone(),
+            test_rms_nm: known(&diagnosis.simulation_test_rms),
             structure: structure(&diagnosis.structure[0]),
         },
         baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
         reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
         findings: findings(robot, diagnosis),
         extended: Some(Extended {
-            test_rms_nm: diagnosis.extended_test_rms.clone(),
-            test_prediction_std_nm: diagnosis.prediction_std.clone(),
+            test_rms_nm: known(&diagnosis.extended_test_rms),
+            test_prediction_std_nm: known(&diagnosis.prediction_std),
             gap_closed: diagnosis.gap_closed,
             gap_closed_interval: diagnosis.gap_closed_interval,
             structure: structure(&diagnosis.structure[1]),
             model: EXTENDED_SCENARIO,
             urdf: EXTENDED_URDF,
-            resimulated_test_rms_nm: resimulation.map(|run| run.extended_rms.clone()),
+            resimulated_test_rms_nm: resimulation.map(|run| known(&run.extended_rms)),
             resimulation: resimulation.map(|run| Resimulated {
                 engine: run.engine,
                 described_test_rms_nm: run.described_rms.clone(),
@@ -262,14 +270,23 @@ pub fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResu
         verdict: Some(Verdict::NotTestable),
         robot: robot.name.clone(),
         joints: robot.joint_names(),
+        effort_units: robot.effort_units(),
         alpha,
         next_experiment: text::mend(faults),
-        data_quality: qualities(faults),
+        data_quality: qualities(robot, faults),
         ..DiagnosisResult::default()
     }
 }
 
-fn qualities(faults: &[DataFault]) -> Vec<Quality> {
+/// What is noted of the robot's file, and the faults of the logs.
+fn qualities(robot: &Robot, faults: &[DataFault]) -> Vec<Quality> {
+    let notes = robot.notes.iter().map(|note| Quality {
+        kind: QualityKind::Notice("robot_description"),
+        log: String::new(),
+        r#where: robot.name.clone(),
+        text: note.clone(),
+        consequence: Consequence::Told,
+    });
     let quality = |fault: &DataFault| Quality {
         kind: QualityKind::Fault(fault.kind),
         log: fault.log.clone(),
@@ -277,7 +294,7 @@ fn qualities(faults: &[DataFault]) -> Vec<Quality> {
         text: fault.text.clone(),
         consequence: fault.consequence,
     };
-    faults.iter().map(quality).collect()
+    notes.chain(faults.iter().map(quality)).collect()
 }
 
 fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
@@ -311,7 +328,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
 fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::Derived]) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
-    let values = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
+    let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
     let alternatives = found.alternatives.iter().map(|other| Alternative {
         effect: other.family.effect,
         joints: joints(robot, other.family),
@@ -319,8 +336,8 @@ fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::D
     });
     let joint = own.first().cloned();
     let parameters = values
-        .filter(|(parameter, _)| parameter.role != Role::Held)
-        .map(|(parameter, (&value, &std))| (parameter.name, value, std, parameter.unit));
+        .filter(|((_, parameter), _)| parameter.role != Role::Held)
+        .map(|((k, parameter), (&value, &std))| (parameter.name, value, std, placed.unit(k, robot)));
     let derived = derived.iter().map(|one| (one.name, one.value, one.std, one.unit));
     let [before, after] = found.rms.clone();
     Finding {

@@ -11,8 +11,8 @@ use crate::diagnosis::impacts::Play;
 use crate::diagnosis::screening::{Consequence, DataFault};
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::quality::Kind;
-use crate::report::console::{significant, table};
-use crate::robot::Robot;
+use crate::report::console::{by_joint, significant, table};
+use crate::robot::{Joint, Robot};
 
 /// Effects not found, and parameters of an effect, that the lines mention.
 const MENTIONED: usize = 4;
@@ -31,6 +31,7 @@ pub fn lines(
     faults: &[DataFault],
 ) -> String {
     let mut lines = vec![headline(diagnosis)];
+    lines.extend(robot.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(fault_lines(faults));
     if diagnosis.held_out_from_training {
         lines.push("No test log was given: the last part of every training log was held out.".into());
@@ -167,13 +168,14 @@ pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// What is said of friction that does not change its direction at once.
 pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = robot.joint_names().into_iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
-    let each: Vec<String> = each.map(|(joint, width)| format!("{joint} {}", significant(*width))).collect();
+    let each = robot.joints.iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
+    let each: Vec<String> = each
+        .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
+        .collect();
     (!each.is_empty()).then(|| {
         format!(
             "dry friction changes its direction over some speed, as tanh(v / width), not at once: the baseline has it, and it is no \
-             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths in rad/s \
-             (m/s): {}",
+             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths: {}",
             each.join(", ")
         )
     })
@@ -181,10 +183,10 @@ pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// What is said where the training logs leave the model more open on the held-out logs than the noise.
 pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(robot.joint_names());
+    let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
-        true => format!("{joint} by {} N m (noise {} N m)", significant(*std), significant(*noise)),
-        false => format!("{joint} by any amount"),
+        true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
+        false => format!("{} by any amount", joint.name),
     });
     let open: Vec<String> = open.collect();
     (!open.is_empty()).then(|| {
@@ -205,6 +207,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
                 Consequence::Stops => "Fault of the data",
                 Consequence::LeftOut => "Left out",
                 Consequence::Told => "Note",
+                Consequence::Corrected => "Corrected",
             };
             format!("{what}: {}: {}: {}", fault.log, fault.place, fault.text)
         })
@@ -241,11 +244,11 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
     format!(
-        "{} misses {} N m rms{share}: {names} takes it to {} N m (noise {} N m; chance of a false alarm {chance}).",
+        "{} misses {} rms{share}: {names} takes it to {} (noise {}; chance of a false alarm {chance}).",
         robot.joints[joint].name,
-        significant(before[joint]),
-        significant(after[joint]),
-        significant(diagnosis.noise_floor[joint])
+        effort(&robot.joints[joint], before[joint]),
+        effort(&robot.joints[joint], after[joint]),
+        effort(&robot.joints[joint], diagnosis.noise_floor[joint])
     )
 }
 
@@ -292,7 +295,9 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
     let found = !diagnosis.found.is_empty();
     let identified = if diagnosis.against_reference { "before the change" } else { "re-identified" };
-    let mut header = vec!["held-out rms, N m", "torque", "as described", identified];
+    let (unit, names) = by_joint(robot);
+    let title = format!("held-out rms, {unit}");
+    let mut header = vec![title.as_str(), "torque", "as described", identified];
     let mut columns = vec![&diagnosis.test_torque_rms, &diagnosis.simulation_test_rms, &diagnosis.baseline_rms[1]];
     if found {
         header.push("with findings");
@@ -305,9 +310,10 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
     }
     header.push("noise");
     columns.push(&diagnosis.noise_floor);
-    let rows = robot.joints.iter().enumerate().map(|(joint, spec)| {
-        let values = columns.iter().map(|column| significant(column[joint]));
-        [spec.name.clone()].into_iter().chain(values).collect()
+    let rows = names.into_iter().enumerate().map(|(joint, name)| {
+        let value = |value: f64| if diagnosis.equations[joint] { significant(value) } else { significant(f64::NAN) };
+        let values = columns.iter().map(|column| value(column[joint]));
+        [name].into_iter().chain(values).collect()
     });
     table(&header, rows.collect())
 }
@@ -340,6 +346,11 @@ fn percent_of(probability: f64) -> String {
         true => format!("{:.0e} %", 100.0 * probability),
         false => format!("{} %", (1e8 * probability).round() / 1e6),
     }
+}
+
+/// An effort of a joint with its unit.
+fn effort(joint: &Joint, value: f64) -> String {
+    with_unit(significant(value), joint.effort_unit())
 }
 
 /// A value with its unit; ratios have none.

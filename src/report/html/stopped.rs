@@ -32,6 +32,7 @@ fn faulty(faults: &[DataFault]) -> Section {
             Consequence::Stops => "stops the diagnosis",
             Consequence::LeftOut => "left out",
             Consequence::Told => "worth knowing",
+            Consequence::Corrected => "corrected",
         };
         vec![file_name(&fault.log), fault.place.clone(), fault.text.clone(), consequence.to_owned()]
     });

@@ -19,9 +19,11 @@ pub fn log(stream: &RecordingStream, robot: &Robot, visuals: &Visuals, track: &T
     }
     let kept = kept(&track.time);
     let time = TimeColumn::new_duration_secs("time", kept.iter().map(|&sample| track.time[sample]));
-    for (index, joint) in robot.joints.iter().enumerate() {
-        let q = track.q.channel(index);
-        let poses: Vec<Pose> = kept.iter().map(|&sample| joint.origin.then(&joint.motion(q[sample]))).collect();
+    for index in 0..robot.bodies() {
+        let (joint, coupling) = (robot.body(index), robot.coupling(index));
+        let x = track.q.channel(coupling.coordinate);
+        let q = |sample: usize| coupling.multiplier * x[sample] + coupling.offset;
+        let poses: Vec<Pose> = kept.iter().map(|&sample| joint.origin.then(&joint.motion(q(sample)))).collect();
         // A row replaces the whole transform, so what does not change is repeated.
         let columns = rerun::Transform3D::update_fields()
             .with_many_translation(poses.iter().map(|pose| vector(&pose.translation)))
@@ -34,11 +36,10 @@ pub fn log(stream: &RecordingStream, robot: &Robot, visuals: &Visuals, track: &T
 
 /// Entity paths of base and bodies: each inside the one it hangs on.
 pub fn paths(robot: &Robot, name: &str) -> Vec<String> {
-    let mut path = format!("arm/{name}");
-    let mut paths = vec![path.clone()];
-    for joint in &robot.joints {
-        path = format!("{path}/{}", part(&joint.name));
-        paths.push(path.clone());
+    let mut paths = vec![format!("arm/{name}"); robot.bodies() + 1];
+    for body in robot.outwards() {
+        let parent = robot.parent(body).map_or(0, |parent| parent + 1);
+        paths[body + 1] = format!("{}/{}", paths[parent], part(&robot.body(body).name));
     }
     paths
 }

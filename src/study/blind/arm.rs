@@ -96,7 +96,17 @@ fn bodies(dof: usize, source: &mut ChaCha8Rng) -> Robot {
         });
     }
     let flange = Pose { rotation: Matrix3::identity(), translation: bone * source.random_range(0.3..1.0) };
-    Robot { name: format!("random_{dof}r"), source: "random".into(), gravity: GRAVITY.into(), joints, flange }
+    Robot {
+        name: format!("random_{dof}r"),
+        source: "random".into(),
+        gravity: GRAVITY.into(),
+        columns: joints.iter().map(|joint| joint.name.clone()).collect(),
+        joints,
+        flange,
+        tree: None,
+        held: Vec::new(),
+        notes: Vec::new(),
+    }
 }
 
 /// A link mostly across the axis of the next bend.

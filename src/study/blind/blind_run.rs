@@ -6,7 +6,7 @@ use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
 use super::power::{power, power_as_measured};
 use super::sizing::{noise_at_size, sized};
-use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen};
+use crate::diagnosis::screening::{Consequence, DataFault, Screened, all_faults, screen_all};
 use crate::diagnosis::{Diagnosis, Input, Options, conclude};
 use crate::effects::{Placed, Site};
 use crate::error::Result;
@@ -148,17 +148,19 @@ struct Usable {
 fn screened(robot: &Robot, logs: Vec<Recording>) -> Result<(Vec<DataFault>, Usable)> {
     let mut screened: Vec<Screened> = Vec::new();
     let mut refused: Vec<DataFault> = Vec::new();
-    for (index, log) in logs.into_iter().enumerate() {
-        let name = format!("log {}", index + 1);
+    let named = |(index, log): (usize, Recording)| {
         let lines = (2..log.samples() + 2).collect();
-        let sieved = Sieved { recording: log, lines, ..Sieved::default() };
-        match screen(&name, sieved.clone(), robot) {
+        (format!("log {}", index + 1), Sieved { recording: log, lines, ..Sieved::default() })
+    };
+    let logs: Vec<(String, Sieved)> = logs.into_iter().enumerate().map(named).collect();
+    for ((name, sieved), result) in logs.iter().zip(screen_all(logs.clone(), robot)?) {
+        match result {
             Ok(log) => screened.push(log),
             Err(problem) => {
-                let report = quality::examine(&sieved, Some(robot))?;
+                let report = quality::examine(sieved, Some(robot))?;
                 let Some(finding) = report.fatal() else { return Err(problem) };
                 let quality::Finding { kind, place, text, .. } = finding.clone();
-                refused.push(DataFault { kind, log: name, place, text, consequence: Consequence::Stops });
+                refused.push(DataFault { kind, log: name.clone(), place, text, consequence: Consequence::Stops });
             }
         }
     }

@@ -50,17 +50,21 @@ fn status(diagnosis: &Diagnosis, family: Family) -> &'static str {
 
 /// Smallest sizes that would have been found, effects down, joints across.
 pub fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
-    let mut names: Vec<(&str, &str)> =
-        diagnosis.not_found.iter().map(|missed| (missed.family.effect, missed.unit)).collect();
+    let mut names: Vec<&str> = diagnosis.not_found.iter().map(|missed| missed.family.effect).collect();
     names.dedup();
-    let rows = names.iter().map(|&(name, unit)| {
+    let rows = names.iter().map(|&name| {
+        let mut units: Vec<&str> =
+            diagnosis.not_found.iter().filter(|m| m.family.effect == name).map(|m| m.unit).collect();
+        units.sort_unstable();
+        units.dedup();
+        let unit = units.join(" or ");
         let parameter = effects::find(name).ok().and_then(|effect| effect.parameters().first());
         let cell = |joint: usize| {
             let missed = diagnosis.not_found.iter().find(|missed| missed.family == Family { effect: name, joint });
             missed.map_or("".to_owned(), |missed| missed.minimum_detectable.map_or("-".to_owned(), significant))
         };
         let about = parameter.map_or(String::new(), |parameter| format!(", {}", parameter.name));
-        let head = [format!("{}{about}", spaced(name)), unit.to_owned()];
+        let head = [format!("{}{about}", spaced(name)), unit];
         head.into_iter().chain((0..robot.dof()).map(cell)).collect()
     });
     let header = ["effect and its parameter".to_owned(), "unit".to_owned()].into_iter().chain(robot.joint_names());

@@ -31,21 +31,23 @@ pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     for found in &diagnosis.found {
         let placed = &found.member.placed;
         let about = placed.effect.about();
-        let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
-        let rows = all.filter(|(parameter, _)| parameter.role != Role::Held).map(|(parameter, (&value, &std))| {
-            if !std.is_finite() {
-                let untold = ["not told by itself", parameter.unit, "", "", ""].map(str::to_owned);
-                return [parameter.name.to_owned()].into_iter().chain(untold).collect();
-            }
-            vec![
-                parameter.name.to_owned(),
-                significant(value),
-                parameter.unit.to_owned(),
-                significant(std),
-                significant(value - NORMAL_95 * std),
-                significant(value + NORMAL_95 * std),
-            ]
-        });
+        let all = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
+        let rows =
+            all.filter(|((_, parameter), _)| parameter.role != Role::Held).map(|((k, parameter), (&value, &std))| {
+                let unit = placed.unit(k, robot);
+                if !std.is_finite() {
+                    let untold = ["not told by itself", unit, "", "", ""].map(str::to_owned);
+                    return [parameter.name.to_owned()].into_iter().chain(untold).collect();
+                }
+                vec![
+                    parameter.name.to_owned(),
+                    significant(value),
+                    unit.to_owned(),
+                    significant(std),
+                    significant(value - NORMAL_95 * std),
+                    significant(value + NORMAL_95 * std),
+                ]
+            });
         let gain = 100.0 * found.gain_lower_bound;
         let shown = match &found.impacts {
             Some(play) => sentence(&format!(

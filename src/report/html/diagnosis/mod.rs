@@ -120,7 +120,8 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let about = found.member.placed.effect.about();
         let [before, after] = &found.rms;
         let gain = |joint: &usize| before[*joint] / after[*joint];
-        let most = (0..robot.dof()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
+        let seen = (0..robot.dof()).filter(|&joint| diagnosis.equations[joint]);
+        let most = seen.max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
         let shown = match &found.impacts {
             Some(play) => sentence(&impacts(play)),
@@ -135,7 +136,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         lead.push(format!(
             "{}, {}. {} {shown}",
             sentence(&named(robot, found.member.candidate.family())).trim_end_matches('.'),
-            values(found).join(", "),
+            values(robot, found).join(", "),
             about.explanation,
         ));
     }
@@ -160,16 +161,16 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// "rise 24.6 N m (95 %: 23.9 to 25.3)" for every parameter that was estimated.
-fn values(found: &Found) -> Vec<String> {
+fn values(robot: &Robot, found: &Found) -> Vec<String> {
     let placed = &found.member.placed;
-    let all = placed.effect.parameters().iter().zip(placed.parameters.iter().zip(&found.member.std));
-    all.filter(|(parameter, _)| parameter.role != Role::Held)
-        .map(|(parameter, (&value, &std))| {
+    let all = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
+    all.filter(|((_, parameter), _)| parameter.role != Role::Held)
+        .map(|((k, parameter), (&value, &std))| {
             if !std.is_finite() {
                 return format!("{} not told by itself", parameter.name);
             }
             let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
-            format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), parameter.unit)
+            format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), placed.unit(k, robot))
         })
         .collect()
 }
@@ -189,8 +190,9 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
         let last =
             if diagnosis.found.is_empty() { diagnosis.baseline_rms[1][j] } else { diagnosis.extended_test_rms[j] };
         let torque = diagnosis.test_torque_rms[j];
+        let name = format!("{}, {}", joint.name, joint.effort_unit());
         let mut row = vec![
-            format!("{}, {}", joint.name, joint.effort_unit()),
+            name,
             significant(torque),
             significant(diagnosis.simulation_test_rms[j]),
             significant(diagnosis.baseline_rms[1][j]),
@@ -200,6 +202,9 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
         }
         row.extend(resimulation.map(|run| significant(run.extended_rms[j])));
         row.extend([significant(floor), format!("{:.2}", last / floor)]);
+        if !diagnosis.equations[j] {
+            row[1..].fill("-".to_owned());
+        }
         row
     });
     let mut header = vec!["joint", "torque", "as described", "re-identified"];

@@ -1,6 +1,8 @@
 //! Inverse dynamics, mass matrix, gravity and regressor against Pinocchio and MuJoCo (numbers and script under
 //! tests/reference), and rapier's forward dynamics against the project's own inverse dynamics.
 
+mod trees;
+
 use serde::Deserialize;
 use tauscope::channels::Channels;
 use tauscope::dynamics::{

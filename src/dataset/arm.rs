@@ -1,0 +1,308 @@
+//! The arm that logs are of: which joints of a robot's file are under study, and where the others stand.
+//!
+//! Under study are the joints asked for, else those that every log names, else as many as the logs number. Of these the ones
+//! that stand still in all logs are held where they stand, and so are joints of the file that only the logs' other columns
+//! tell of.
+
+use super::Dataset;
+use super::convert::reorder;
+use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
+use crate::recording::Recording;
+use crate::recording::lenient::{self, JointNames, Sieved};
+use crate::robot::description::{self, Description};
+use crate::robot::{Choice, InertiaCheck, JointKind, Robot};
+use crate::signal::white_noise;
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// A joint that swings by less stands still, rad: a tenth of a degree excites nothing, while the sag of a held joint under the
+/// motion of the others is of this size.
+const STILL_RAD: f64 = 2e-3;
+
+/// The same for a sliding joint, as a share of the arm's length.
+const STILL_SHARE: f64 = 1e-3;
+
+/// Noise up to so many times its standard deviation is no swing; never more than [`NOISE_LIMIT`] times the swing above.
+const NOISE: f64 = 10.0;
+const NOISE_LIMIT: f64 = 10.0;
+
+/// A joint whose logged speed would cross its still range this many times a second moves, whatever its position shows.
+const CROSSINGS_HZ: f64 = 10.0;
+
+/// Share of samples at either end of a signal that may be outliers.
+const OUTLIERS: f64 = 0.005;
+
+/// Share of the heaviest mass down to which one below zero is rounding of what wrote the file.
+const ROUNDING: f64 = 1e-9;
+
+/// The joints asked for on the command line.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Asked {
+    /// Names of the joints under study.
+    pub joints: Option<Vec<String>>,
+    /// Link at the end of the arm.
+    pub tip: Option<String>,
+    /// Gravity in the base frame, m/s2.
+    pub gravity: Option<Vector3<f64>>,
+}
+
+/// An arm with its file, from which it can be made again with more joints held.
+#[derive(Debug, Clone)]
+pub struct LoggedArm {
+    /// The arm: mounted, under the gravity asked for.
+    pub robot: Robot,
+    description: Description,
+    choice: Choice,
+    trust: Trust,
+    asked: Asked,
+}
+
+impl LoggedArm {
+    /// The arm in `file`, of which `logs` are. Without logs all joints that move are under study.
+    ///
+    /// # Errors
+    /// Those of [`description::read`] and [`Description::robot`]; joints that the file does not have, logs that do not say
+    /// which joints they are of; believed inertias of which a mass is below zero, or which there are none of.
+    pub fn open(
+        file: &Path,
+        asked: &Asked,
+        trust: Trust,
+        dataset: Option<&Dataset>,
+        logs: &[PathBuf],
+    ) -> Result<LoggedArm> {
+        let description = description::read(file)?;
+        let named = asked.joints.clone().or_else(|| dataset.and_then(|dataset| dataset.spec.joints.clone()));
+        let hold = dataset.map(|dataset| dataset.spec.hold.clone()).unwrap_or_default();
+        if let (Some(dataset), Some(unknown)) =
+            (dataset, hold.keys().find(|name| !description.joints.iter().any(|joint| joint.name == **name)))
+        {
+            let problem = format!("{} has no joint `{unknown}`", file.display());
+            return Err(dataset.error("hold", problem));
+        }
+        if let (Some(dataset), Some(names)) = (dataset.filter(|_| asked.joints.is_none()), &named)
+            && let Some(unknown) =
+                names.iter().find(|name| !description.joints.iter().any(|joint| joint.name == **name))
+        {
+            let all: Vec<&str> = description.moving().iter().map(|joint| joint.name.as_str()).collect();
+            let problem = format!("`{unknown}` is none of the robot's joints {}", all.join(", "));
+            return Err(dataset.error("joints", problem));
+        }
+        let mut choice = Choice { joints: named, tip: asked.tip.clone(), hold };
+        let mut columns = Vec::new();
+        if choice.joints.is_none() && choice.tip.is_none() && !logs.is_empty() {
+            (choice.joints, columns) = studied(&description, dataset, logs)?;
+        }
+        let mut robot = believed(&description, &choice, trust)?;
+        if columns.is_empty() {
+            columns = dataset.and_then(|dataset| dataset.spec.joints.clone()).unwrap_or_else(|| robot.joint_names());
+        }
+        robot.columns = columns;
+        let mut arm = LoggedArm { robot, description, choice, trust, asked: asked.clone() };
+        arm.mount(dataset)?;
+        Ok(arm)
+    }
+
+    /// Holds the joints that stand still at one place in all logs, and places the joints not under study where the logs say that
+    /// they stand. Joints asked for by name stay under study. The logs keep the joints that are left.
+    ///
+    /// # Errors
+    /// Those of [`LoggedArm::open`].
+    pub fn settle(&mut self, dataset: Option<&Dataset>, logs: &mut [Vec<(PathBuf, Sieved)>]) -> Result<()> {
+        let mut logs: Vec<&mut (PathBuf, Sieved)> = logs.iter_mut().flatten().collect();
+        let mut hold = self.elsewhere(dataset, &logs)?;
+        let asked = self.asked.joints.is_some() || self.asked.tip.is_some();
+        let names = self.robot.joint_names();
+        let mut moving = names.clone();
+        if !asked {
+            for (joint, name) in names.iter().enumerate() {
+                let tolerance = still_range(&self.robot, self.robot.joints[joint].kind);
+                let recordings = logs.iter().map(|log| &log.1.recording);
+                if let Some(position) = stands(recordings, joint, tolerance) {
+                    hold.push((name.clone(), position));
+                    moving.retain(|other| other != name);
+                }
+            }
+        }
+        // Where nothing moves the checks of the logs say so.
+        if hold.is_empty() || moving.is_empty() {
+            return Ok(());
+        }
+        self.choice.hold.extend(hold);
+        self.choice.joints = Some(moving.clone());
+        let columns = std::mem::take(&mut self.robot.columns);
+        self.robot = Robot { columns, ..believed(&self.description, &self.choice, self.trust)? };
+        self.mount(dataset)?;
+        for log in &mut logs {
+            select(&mut log.1, &names, &moving);
+        }
+        Ok(())
+    }
+
+    /// Positions of joints that are not under study, where all logs have them standing still at one place.
+    fn elsewhere(&self, dataset: Option<&Dataset>, logs: &[&mut (PathBuf, Sieved)]) -> Result<Vec<(String, f64)>> {
+        let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
+        let others: Vec<(String, JointKind)> = self
+            .description
+            .masters()
+            .into_iter()
+            .map(|joint| {
+                let slides = joint.motion == description::Motion::Prismatic;
+                (joint.name.clone(), if slides { JointKind::Prismatic } else { JointKind::Revolute })
+            })
+            .filter(|(name, _)| self.robot.held.iter().any(|(held, _)| held == name))
+            .collect();
+        let mut found = Vec::new();
+        let mut paths: Vec<&Path> = logs.iter().map(|log| log.0.as_path()).collect();
+        paths.dedup();
+        let mut named = Vec::new();
+        for path in &paths {
+            if others.is_empty() {
+                return Ok(found);
+            }
+            named.push(lenient::joint_names(path, &map)?.names);
+        }
+        for (name, kind) in others.into_iter().filter(|(name, _)| named.iter().all(|names| names.contains(name))) {
+            let read =
+                |path: &&Path| Some(lenient::load(path, Some(std::slice::from_ref(&name)), &map).ok()?.recording);
+            let Some(mut recordings) = paths.iter().map(read).collect::<Option<Vec<Recording>>>() else { continue };
+            if let Some(dataset) = dataset {
+                let factor = dataset.spec.units.position.factor();
+                recordings.iter_mut().for_each(|log| log.q.as_mut_slice().iter_mut().for_each(|q| *q *= factor));
+            }
+            // A joint not under study that moves is held all the same, in the middle of where it was.
+            if let Some(position) = stands(recordings.iter(), 0, still_range(&self.robot, kind)) {
+                found.push((name, position));
+            }
+        }
+        Ok(found)
+    }
+
+    fn mount(&mut self, dataset: Option<&Dataset>) -> Result<()> {
+        if let Some(dataset) = dataset {
+            dataset.mount(&mut self.robot)?;
+        }
+        self.robot.gravity = self.asked.gravity.unwrap_or(self.robot.gravity);
+        Ok(())
+    }
+}
+
+/// The robot, as far as its inertias are believed. Believed inertias that no body has are reported and taken as they are: their
+/// torque is well defined.
+fn believed(description: &Description, choice: &Choice, trust: Trust) -> Result<Robot> {
+    if trust == Trust::Structure {
+        return description.robot(choice, InertiaCheck::Ignored);
+    }
+    let robot = match description.robot(choice, InertiaCheck::Required) {
+        Ok(robot) => robot,
+        Err(problem) => {
+            let mut robot = description.robot(choice, InertiaCheck::Ignored)?;
+            let masses = || (0..robot.bodies()).map(|body| robot.body(body).inertia.mass());
+            let heaviest = masses().fold(0.0, f64::max);
+            if masses().any(|mass| mass < -ROUNDING * heaviest) {
+                return Err(problem);
+            }
+            robot.notes.push(format!("{problem}; they are taken as they are"));
+            robot
+        }
+    };
+    if (0..robot.bodies()).all(|body| robot.body(body).inertia.mass() == 0.0) {
+        let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
+        return Err(Error::input(&description.source, None, "inertial", problem));
+    }
+    Ok(robot)
+}
+
+/// The joints of the file that logs are of, and what numbered columns stand for; neither where that is all of them.
+fn studied(
+    file: &Description,
+    dataset: Option<&Dataset>,
+    logs: &[PathBuf],
+) -> Result<(Option<Vec<String>>, Vec<String>)> {
+    let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
+    let found = logs.iter().map(|log| lenient::joint_names(log, &map)).collect::<Result<Vec<JointNames>>>()?;
+    let moving: Vec<&str> = file.moving().iter().map(|joint| joint.name.as_str()).collect();
+    let masters: Vec<String> = file.masters().iter().map(|joint| joint.name.clone()).collect();
+    let in_all = |name: &&str| found.iter().all(|one| one.names.iter().any(|own| own == *name));
+    let named: Vec<String> = moving.iter().copied().filter(in_all).map(str::to_owned).collect();
+    if !named.is_empty() {
+        return Ok((Some(file.leading(&named)), Vec::new()));
+    }
+    let numbered = found.iter().map(|one| one.numbered).max().unwrap_or(0);
+    if numbered == 0 || numbered == masters.len() || found.iter().any(|one| one.numbered != numbered) {
+        return Ok((None, Vec::new()));
+    }
+    if numbered == moving.len() {
+        return Ok((None, moving.into_iter().map(str::to_owned).collect()));
+    }
+    let chains: BTreeSet<Vec<String>> = file.chains_of(numbered).into_iter().collect();
+    match chains.len() {
+        1 => Ok((chains.into_iter().next(), Vec::new())),
+        // The log does not say; a plain arm has another number of joints, and reading the log says so.
+        0 => Ok((None, Vec::new())),
+        _ => {
+            let lists: Vec<String> = chains.iter().map(|chain| chain.join(",")).collect();
+            let problem = format!(
+                "{numbered} joints are numbered, but {} has {} that move; name those of the log: --joints {}",
+                file.source.display(),
+                moving.len(),
+                lists.join(", or --joints ")
+            );
+            Err(Error::input(&logs[0], None, "columns", problem))
+        }
+    }
+}
+
+/// Takes the joints `wanted` of a log whose joints are `names`.
+pub(super) fn select(sieved: &mut Sieved, names: &[String], wanted: &[String]) {
+    if names != wanted {
+        let place = |name: &String| names.iter().position(|own| own == name);
+        let order: Vec<usize> = wanted.iter().filter_map(place).collect();
+        reorder(&mut sieved.recording, &order);
+        sieved.unwrapped = (0..order.len()).filter(|joint| sieved.unwrapped.contains(&order[*joint])).collect();
+    }
+}
+
+/// Swing up to which a joint stands still, rad or m.
+fn still_range(robot: &Robot, kind: JointKind) -> f64 {
+    match kind {
+        JointKind::Revolute => STILL_RAD,
+        JointKind::Prismatic => {
+            let links = (0..robot.bodies()).map(|body| robot.body(body).origin.translation.norm());
+            STILL_SHARE * (links.sum::<f64>() + robot.flange.translation.norm()).max(0.1)
+        }
+    }
+}
+
+/// Where a joint stands, if it stands still at one place in all logs.
+fn stands<'a>(logs: impl Iterator<Item = &'a Recording>, joint: usize, tolerance: f64) -> Option<f64> {
+    let mut all: Option<(f64, f64, f64)> = None;
+    for log in logs {
+        let q = log.q.channel(joint);
+        if let Some(qd) = &log.qd {
+            let mut speeds: Vec<f64> = qd.channel(joint).iter().map(|speed| speed.abs()).collect();
+            speeds.sort_by(f64::total_cmp);
+            let usual = speeds.get(speeds.len() * 95 / 100).copied().unwrap_or(0.0);
+            if usual > CROSSINGS_HZ * tolerance {
+                return None;
+            }
+        }
+        let mut sorted = q.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let outliers = (OUTLIERS * sorted.len() as f64) as usize;
+        let (low, high) = (*sorted.get(outliers)?, *sorted.get(sorted.len().checked_sub(outliers + 1)?)?);
+        let middle = sorted[sorted.len() / 2];
+        let noise = NOISE * white_noise(q);
+        let (least, most, allowed) = all.unwrap_or((f64::INFINITY, f64::NEG_INFINITY, tolerance));
+        let allowed = allowed.max(noise.min(NOISE_LIMIT * tolerance));
+        all = Some((least.min(middle), most.max(middle), allowed));
+        // Written so that positions that are no numbers do not stand still.
+        let stands_here = high - low <= allowed;
+        if !stands_here {
+            return None;
+        }
+    }
+    let (least, most, _) = all?;
+    (most - least <= tolerance).then_some(0.5 * (least + most))
+}

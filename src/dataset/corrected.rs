@@ -1,0 +1,181 @@
+//! A description of logs with what was found wrong put right.
+
+use super::{Dataset, SCHEMA};
+use crate::error::{Error, Result};
+use crate::quality::UnitChanges;
+use crate::quality::descriptions::{Change, Description};
+use crate::robot::Robot;
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Factors to N m that mean mN m, between bodies that are described five times too light and too heavy.
+const MILLINEWTON: [f64; 2] = [2e-4, 5e-3];
+
+impl Dataset {
+    /// Whether the motors are coupled: a change of one joint is then none of one motor, and [`corrected`] refuses it.
+    pub fn is_coupled(&self) -> bool {
+        self.spec.motors.coupling.is_some()
+    }
+}
+
+/// Names the logs of a description that has no file yet: the arm's, those to train from, those to judge by.
+#[derive(Debug, Clone, Default)]
+pub struct Named {
+    /// The file of the arm.
+    pub robot: Option<PathBuf>,
+    /// Logs to train from.
+    pub train: Vec<PathBuf>,
+    /// Logs to judge by.
+    pub test: Vec<PathBuf>,
+}
+
+/// The text of a dataset that describes the logs as `description` says: `dataset` with the changes, or a new one of the
+/// files `named`; `units` are changed too. Files are named from the root, so that the text may be kept anywhere.
+///
+/// # Errors
+/// If a path has no absolute form, or the motors are coupled: a change of one joint is then none of one motor.
+pub fn corrected(
+    dataset: Option<&Dataset>,
+    named: &Named,
+    robot: &Robot,
+    description: &Description,
+    units: UnitChanges,
+) -> Result<String> {
+    let mut table = match dataset {
+        Some(dataset) => {
+            dataset.text.parse::<Table>().map_err(|error| Error::toml(&dataset.path, &dataset.text, &error))?
+        }
+        None => Table::from_iter([("schema".to_owned(), Value::from(SCHEMA))]),
+    };
+    if dataset.is_some_and(Dataset::is_coupled) {
+        let problem = "the motors are coupled: apply the change to the columns by hand";
+        return Err(Error::request("motors.coupling", problem));
+    }
+    files(&mut table, dataset, named)?;
+    // Lists of the motors are in the order of the file's columns.
+    let order = dataset.and_then(|dataset| dataset.spec.joints.clone()).unwrap_or(robot.columns.clone());
+    let joints = &robot.joint_names()[..];
+    let joint_of = |of: &[usize], name: &String| {
+        let channel = joints.iter().position(|joint| joint == name)?;
+        of.iter().position(|&own| own == channel)
+    };
+    // A joint that is held keeps its signs.
+    let sign = |signs: &[f64], of: &[usize], name: &String| joint_of(of, name).map_or(1.0, |joint| signs[joint]);
+    let position = |name: &String| sign(&description.position_sign, &description.position_of, name);
+    let torque = |name: &String| sign(&description.torque_sign, &description.torque_of, name);
+    let motors = section(&mut table, "motors");
+    // `sign` is of position and torque alike, and `torque_sign` comes on top of it.
+    signs(motors, "sign", order.iter().map(position).collect());
+    signs(motors, "torque_sign", order.iter().map(|name| position(name) * torque(name)).collect());
+    exchanges(motors, "torques_exchanged", joints, &description.torque_of);
+    exchanges(motors, "positions_exchanged", joints, &description.position_of);
+    let scale = description.torque_scale;
+    if scale != 1.0 {
+        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_current());
+        if !currents && (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale) {
+            section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
+        } else {
+            // A torque is a current under a constant in N m per ampere, whatever its unit is.
+            let old = motors.get("torque_constant_nm_a").cloned();
+            motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
+            if !currents {
+                section(&mut table, "units").insert("torque".into(), Value::from("A"));
+            }
+        }
+    }
+    if description.changes.iter().any(|change| matches!(change, Change::Gravity(_) | Change::WithoutGravity)) {
+        let gravity: Vec<Value> = description.gravity.iter().map(|&value| Value::from(value)).collect();
+        section(&mut table, "mounting").insert("gravity_m_s2".into(), Value::Array(gravity));
+    }
+    let written = section(&mut table, "units");
+    if let Some(factor) = units.time_factor {
+        let old = written.get("time_factor").cloned();
+        written.insert("time_factor".into(), scaled(old, factor));
+    }
+    if units.degrees {
+        written.insert("position".into(), Value::from("deg"));
+        written.insert("velocity".into(), Value::from("deg/s"));
+    }
+    table.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
+    Ok(table.to_string())
+}
+
+/// Names all files from the root.
+fn files(table: &mut Table, dataset: Option<&Dataset>, named: &Named) -> Result<()> {
+    let absolute = |path: &Path| {
+        let path = std::path::absolute(path).map_err(|source| Error::io(path, "find this file", source))?;
+        Ok::<Value, Error>(Value::from(path.display().to_string()))
+    };
+    if let Some(robot) = named.robot.clone().or_else(|| dataset.and_then(Dataset::robot)) {
+        table.insert("robot".into(), absolute(&robot)?);
+    }
+    for (key, paths) in [("train", &named.train), ("test", &named.test)] {
+        match (dataset, table.get_mut(key).and_then(Value::as_array_mut)) {
+            (Some(dataset), Some(parts)) => {
+                for part in parts.iter_mut().filter_map(Value::as_table_mut) {
+                    if let Some(file) = part.get("file").and_then(Value::as_str) {
+                        let file = absolute(&dataset.beside(Path::new(file)))?;
+                        part.insert("file".into(), file);
+                    }
+                }
+            }
+            _ if !paths.is_empty() => {
+                let part = |path: &PathBuf| Ok(Value::from(Table::from_iter([("file".to_owned(), absolute(path)?)])));
+                table.insert(key.into(), Value::Array(paths.iter().map(part).collect::<Result<_>>()?));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn section<'a>(table: &'a mut Table, name: &str) -> &'a mut Table {
+    let entry = table.entry(name).or_insert_with(|| Value::from(Table::new()));
+    if !entry.is_table() {
+        *entry = Value::from(Table::new());
+    }
+    entry.as_table_mut().expect("it was made a table")
+}
+
+/// A number or a list of numbers times another.
+fn scaled(value: Option<Value>, factor: f64) -> Value {
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
+    match value {
+        Some(Value::Array(each)) => Value::Array(each.iter().map(|v| Value::from(number(v) * factor)).collect()),
+        Some(one) => Value::from(number(&one) * factor),
+        None => Value::from(factor),
+    }
+}
+
+/// Multiplies the signs of a key, unless all stay as they are.
+fn signs(motors: &mut Table, key: &str, change: Vec<f64>) {
+    if change.iter().all(|sign| *sign == 1.0) {
+        return;
+    }
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
+    let old = |place: usize| match motors.get(key) {
+        Some(Value::Array(each)) => each.get(place).map_or(1.0, number),
+        Some(one) => number(one),
+        None => 1.0,
+    };
+    let new = change.iter().enumerate().map(|(place, sign)| Value::from((old(place) * sign) as i64)).collect();
+    motors.insert(key.into(), Value::Array(new));
+}
+
+/// Adds the exchanges that put channels in the order `of`.
+fn exchanges(motors: &mut Table, key: &str, joints: &[String], of: &[usize]) {
+    let mut now: Vec<usize> = (0..of.len()).collect();
+    let mut pairs = Vec::new();
+    for place in 0..of.len() {
+        if let Some(other) = (place + 1..of.len()).find(|&other| now[place] != of[place] && now[other] == of[place]) {
+            now.swap(place, other);
+            pairs.push(Value::from(vec![joints[place].clone(), joints[other].clone()]));
+        }
+    }
+    if !pairs.is_empty() {
+        let list = motors.entry(key).or_insert_with(|| Value::Array(Vec::new()));
+        if let Some(list) = list.as_array_mut() {
+            list.extend(pairs);
+        }
+    }
+}

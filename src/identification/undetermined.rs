@@ -1,0 +1,185 @@
+//! Parameters that logs cannot tell from others: by the digits of the sums or under the noise of the torque.
+//!
+//! Geometry that is written with few digits makes columns that are nearly, not quite, combinations of others, and a motion
+//! that leaves a joint almost at rest does the same. What is left of such a column, over the others, is below the noise: its
+//! parameter is held at the description's value, and the others take over what it would have had.
+
+use super::joint_regression::JointRegression;
+use super::joint_sums::JointSums;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Share of a column's length that must be left over those before it for sums of squares to resolve it: its square is
+/// ten thousand times what rounding of the sums leaves.
+const RESOLVED: f64 = 1e-6;
+
+/// Rounds of weighing the joints by what the fit leaves on them.
+const ROUNDS: usize = 2;
+
+/// A parameter whose standard deviation alone makes as much torque as the whole log holds, times this, is not determined:
+/// the log says less of it than that it cannot make more torque than there is.
+const WHOLE_TORQUE: f64 = 1.0;
+
+/// The first `count` parameters that the rows cannot determine, with the value at which to hold them: that of `described`,
+/// or zero where that would make more torque than the rows have.
+///
+/// `units` are the parameters' units: one that is less sure than the largest of its unit is large is not determined either, since a
+/// parameter of the arm's size would not show.
+pub fn undetermined(joints: &[JointRegression], described: &[f64], units: &[&str]) -> Vec<(usize, f64)> {
+    let count = described.len();
+    let sums: Vec<JointSums> = joints.iter().filter(|joint| joint.rows() > 0).map(JointRegression::sums).collect();
+    let torque = |own: &JointSums| own.gram[(own.parameters.len(), own.parameters.len())];
+    let mut sigma: Vec<f64> = sums.iter().map(|own| positive((torque(own) / own.rows as f64).sqrt())).collect();
+    let (normal, _) = equations(&sums, &sigma, count);
+    let mut kept = independent(&normal, (0..count).collect(), RESOLVED);
+    for _ in 0..ROUNDS {
+        let (normal, right) = equations(&sums, &sigma, count);
+        let Some(beta) = solution(&normal, &right, &kept) else { break };
+        for (own, sigma) in sums.iter().zip(&mut sigma) {
+            let signed = own.parameters.iter().map(|&k| beta.get(k).map_or(0.0, |b| -b)).chain([1.0]);
+            let signed = DVector::from_iterator(own.parameters.len() + 1, signed);
+            let left = (&own.gram * &signed).dot(&signed).max(own.least_residual());
+            let freedom = own.rows.saturating_sub(own.parameters.len()).max(1);
+            *sigma = positive((left / freedom as f64).sqrt());
+        }
+    }
+    let (normal, right) = equations(&sums, &sigma, count);
+    let whole = sums.iter().zip(&sigma).map(|(own, s)| torque(own) / (s * s)).sum::<f64>().sqrt();
+    kept = independent(&normal, kept, (1.0 / (WHOLE_TORQUE * whole).max(1.0)).max(RESOLVED));
+    if let Some((beta, std)) = solution(&normal, &right, &kept).zip(deviations(&normal, &kept)) {
+        let largest = |unit: &str| {
+            let same = (0..count).filter(|&k| units[k] == unit && kept.contains(&k) && beta[k].abs() > SURE * std[k]);
+            same.map(|k| beta[k].abs()).fold(0.0, f64::max)
+        };
+        let sizes: Vec<f64> = units.iter().map(|unit| largest(unit)).collect();
+        kept.retain(|&k| sizes[k] == 0.0 || std[k] <= sizes[k]);
+    }
+    let held = |k: usize| {
+        let makes = normal[(k, k)].sqrt() * described[k].abs();
+        (k, if makes <= whole { described[k] } else { 0.0 })
+    };
+    (0..count).filter(|k| !kept.contains(k)).map(held).collect()
+}
+
+/// Standard deviations from zero at which a parameter tells how large those of its unit are.
+const SURE: f64 = 3.0;
+
+fn positive(value: f64) -> f64 {
+    if value > 0.0 && value.is_finite() { value } else { 1.0 }
+}
+
+/// X'WX and X'Wy of the first `count` parameters.
+fn equations(sums: &[JointSums], sigma: &[f64], count: usize) -> (DMatrix<f64>, DVector<f64>) {
+    let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+    for (own, s) in sums.iter().zip(sigma) {
+        let last = own.parameters.len();
+        for (r, &row) in own.parameters.iter().enumerate().filter(|(_, k)| **k < count) {
+            right[row] += own.gram[(r, last)] / (s * s);
+            for (c, &column) in own.parameters.iter().enumerate().filter(|(_, k)| **k < count) {
+                normal[(row, column)] += own.gram[(r, c)] / (s * s);
+            }
+        }
+    }
+    (normal, right)
+}
+
+/// Those of `candidates`, in their order, of whose column more than a `share` is left over the ones kept before it.
+fn independent(normal: &DMatrix<f64>, candidates: Vec<usize>, share: f64) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::new();
+    // Row i: what the kept column i has along the orthonormal directions of those before it, and its own length last.
+    let mut factor: Vec<Vec<f64>> = Vec::new();
+    for k in candidates {
+        let length = normal[(k, k)].sqrt();
+        if !(length > 0.0 && length.is_finite()) {
+            continue;
+        }
+        let mut row: Vec<f64> = Vec::with_capacity(kept.len() + 1);
+        for (i, &other) in kept.iter().enumerate() {
+            let size = normal[(other, other)].sqrt();
+            let along: f64 = factor[i][..i].iter().zip(&row).map(|(a, b)| a * b).sum();
+            row.push((normal[(k, other)] / (length * size) - along) / factor[i][i]);
+        }
+        let left = 1.0 - row.iter().map(|x| x * x).sum::<f64>();
+        if left > share * share {
+            row.push(left.sqrt());
+            factor.push(row);
+            kept.push(k);
+        }
+    }
+    kept
+}
+
+/// Standard deviations of the `kept` parameters, if the noise is white; zero for the others.
+fn deviations(normal: &DMatrix<f64>, kept: &[usize]) -> Option<Vec<f64>> {
+    let scale: Vec<f64> = kept.iter().map(|&k| 1.0 / normal[(k, k)].sqrt()).collect();
+    let unit = DMatrix::from_fn(kept.len(), kept.len(), |r, c| normal[(kept[r], kept[c])] * scale[r] * scale[c]);
+    let inverse = Cholesky::new(unit)?.inverse();
+    let mut std = vec![0.0; normal.nrows()];
+    kept.iter().enumerate().for_each(|(place, &k)| std[k] = inverse[(place, place)].sqrt() * scale[place]);
+    Some(std)
+}
+
+/// The solution in the `kept` parameters, zero in the others.
+fn solution(normal: &DMatrix<f64>, right: &DVector<f64>, kept: &[usize]) -> Option<Vec<f64>> {
+    let scale: Vec<f64> = kept.iter().map(|&k| 1.0 / normal[(k, k)].sqrt()).collect();
+    let unit = DMatrix::from_fn(kept.len(), kept.len(), |r, c| normal[(kept[r], kept[c])] * scale[r] * scale[c]);
+    let scaled = DVector::from_fn(kept.len(), |r, _| right[kept[r]] * scale[r]);
+    let found = Cholesky::new(unit)?.solve(&scaled);
+    let mut beta = vec![0.0; normal.nrows()];
+    kept.iter().zip(found.iter()).zip(&scale).for_each(|((&k, value), scale)| beta[k] = value * scale);
+    Some(beta)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::random;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Three columns, the third the sum of the others but for `apart` of itself, under noise of a thousandth of the torque.
+    fn rows(apart: f64) -> JointRegression {
+        let mut source = random::stream(8, "undetermined", 0);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut source) };
+        let [mut a, mut b, mut c, mut torque] = [const { Vec::new() }; 4];
+        for _ in 0..2000 {
+            let (x, y, z) = (draw(), draw(), draw());
+            a.push(x);
+            b.push(y);
+            c.push(x + y + apart * z);
+            torque.push(2.0 * x - y + 3.0 * (x + y + apart * z) + 5e-3 * draw());
+        }
+        let valid = vec![true; torque.len()];
+        let columns = Channels::from_vectors(&[a, b, c]);
+        JointRegression { joint: "a".into(), parameters: vec![0, 1, 2], columns, torque, valid }
+    }
+
+    #[test]
+    fn what_the_noise_hides_is_held_and_what_shows_is_not() {
+        assert_eq!(undetermined(&[rows(1e-2)], &[0.0, 0.0, 3.5], &["kg"; 3]), []);
+        assert_eq!(undetermined(&[rows(1e-6)], &[0.0, 0.0, 3.5], &["kg"; 3]), [(2, 3.5)]);
+        assert_eq!(undetermined(&[rows(0.0)], &[0.0, 0.0, 3.5], &["kg"; 3]), [(2, 3.5)]);
+        assert_eq!(undetermined(&[rows(0.0)], &[0.0, 0.0, 1e9], &["kg"; 3]), [(2, 0.0)], "no log has so much torque");
+    }
+
+    #[test]
+    fn what_does_not_act_at_all_is_held() {
+        let mut still = rows(1e-2);
+        still.columns.channel_mut(1).fill(0.0);
+        assert_eq!(undetermined(&[still], &[1.0, 2.0, 3.0], &["kg"; 3]), [(1, 2.0)]);
+        let mut nothing = rows(1e-2);
+        nothing.valid.fill(false);
+        assert_eq!(undetermined(&[nothing], &[1.0, 2.0], &["kg"; 2]).len(), 2, "without rows nothing is determined");
+    }
+
+    #[test]
+    fn a_parameter_of_the_size_of_others_that_would_not_show_is_held() {
+        let mut faint = rows(1e-2);
+        let (columns, torque) = (&mut faint.columns, &mut faint.torque);
+        // Its parameter is zero.
+        torque.iter_mut().zip(columns.channel(1)).for_each(|(torque, value)| *torque += value);
+        columns.channel_mut(1).iter_mut().for_each(|value| *value *= 1e-6);
+        assert_eq!(undetermined(std::slice::from_ref(&faint), &[1.0, 2.0, 3.0], &["kg"; 3]), [(1, 2.0)]);
+        // Of a unit of its own it may be of any size.
+        assert_eq!(undetermined(&[faint], &[1.0, 2.0, 3.0], &["kg", "N", "kg"]), []);
+    }
+}

@@ -1,0 +1,177 @@
+//! Changes to the description of logs, and what a description makes of the logged signals.
+
+use crate::channels::Channels;
+use crate::recording::Recording;
+use nalgebra::Vector3;
+
+/// Size of gravity, m/s2, where a change of its direction is tried on a description without any.
+const GRAVITY: f64 = 9.81;
+
+/// One change to the description of the logs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// The torque of a joint has the opposite sign.
+    TorqueSign(usize),
+    /// All torques have the opposite sign.
+    AllTorqueSigns,
+    /// The torques of two joints are in each other's columns.
+    TorqueExchange(usize, usize),
+    /// Positions, velocities and torques of two joints are in each other's columns.
+    JointExchange(usize, usize),
+    /// Position and velocity of a joint have the opposite sign.
+    PositionSign(usize),
+    /// Position, velocity and torque of a joint have the opposite sign: the axis points the other way.
+    AxisSign(usize),
+    /// Positions and velocities of two joints are in each other's columns.
+    PositionExchange(usize, usize),
+    /// The torque lacks that of gravity.
+    WithoutGravity,
+    /// Gravity in base coordinates is another, m/s2.
+    Gravity([f64; 3]),
+    /// Torques are this many times too small, by a factor that all joints share (another unit, a gear).
+    TorqueScale(f64),
+}
+
+impl Change {
+    /// Kinds in the order in which recorders are usually wrong; of descriptions that explain logs equally well, the first is
+    /// named first.
+    pub fn rank(self) -> usize {
+        match self {
+            Change::TorqueSign(_) => 0,
+            Change::AllTorqueSigns => 1,
+            Change::TorqueExchange(..) => 2,
+            Change::WithoutGravity => 3,
+            Change::Gravity(_) => 4,
+            Change::JointExchange(..) => 5,
+            Change::AxisSign(_) => 6,
+            Change::PositionSign(_) => 7,
+            Change::PositionExchange(..) => 8,
+            Change::TorqueScale(_) => 9,
+        }
+    }
+}
+
+/// How logged channels become signals of the arm: the identity, or that after some changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// Position channel of every joint.
+    pub position_of: Vec<usize>,
+    /// Sign of every joint's position.
+    pub position_sign: Vec<f64>,
+    /// Torque channel of every joint.
+    pub torque_of: Vec<usize>,
+    /// Sign of every joint's torque.
+    pub torque_sign: Vec<f64>,
+    /// Gravity in base coordinates, m/s2.
+    pub gravity: Vector3<f64>,
+    /// Factor of all torques.
+    pub torque_scale: f64,
+    /// What was changed.
+    pub changes: Vec<Change>,
+}
+
+impl Description {
+    /// Logs as they are, of an arm of `dof` joints under a gravity.
+    pub fn as_given(dof: usize, gravity: Vector3<f64>) -> Description {
+        Description {
+            position_of: (0..dof).collect(),
+            position_sign: vec![1.0; dof],
+            torque_of: (0..dof).collect(),
+            torque_sign: vec![1.0; dof],
+            gravity,
+            torque_scale: 1.0,
+            changes: Vec::new(),
+        }
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.torque_of.len()
+    }
+
+    /// The description with one more change.
+    pub fn with(&self, change: Change) -> Description {
+        let mut out = self.clone();
+        match change {
+            Change::TorqueSign(joint) => out.torque_sign[joint] = -out.torque_sign[joint],
+            Change::AllTorqueSigns => out.torque_sign.iter_mut().for_each(|sign| *sign = -*sign),
+            Change::TorqueExchange(a, b) => out.torque_of.swap(a, b),
+            Change::JointExchange(a, b) => {
+                out.torque_of.swap(a, b);
+                out.position_of.swap(a, b);
+            }
+            Change::PositionSign(joint) => out.position_sign[joint] = -out.position_sign[joint],
+            Change::AxisSign(joint) => {
+                out.position_sign[joint] = -out.position_sign[joint];
+                out.torque_sign[joint] = -out.torque_sign[joint];
+            }
+            Change::PositionExchange(a, b) => out.position_of.swap(a, b),
+            Change::WithoutGravity => out.gravity = Vector3::zeros(),
+            Change::Gravity(gravity) => out.gravity = Vector3::from(gravity),
+            Change::TorqueScale(factor) => out.torque_scale *= factor,
+        }
+        out.changes.push(change);
+        out
+    }
+
+    /// Makes the signals of the arm from those of a log.
+    pub fn apply(&self, log: &mut Recording) {
+        let pick = |table: &Channels, of: &[usize], factor: &dyn Fn(usize) -> f64| {
+            table.map(|joint, _| table.channel(of[joint]).iter().map(|v| factor(joint) * v).collect())
+        };
+        let position = |table: &mut Channels| {
+            *table = pick(table, &self.position_of, &|joint| self.position_sign[joint]);
+        };
+        [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()].into_iter().flatten().for_each(position);
+        log.tau = pick(&log.tau, &self.torque_of, &|joint| self.torque_sign[joint] * self.torque_scale);
+        log.truth = None;
+    }
+
+    /// Whether two descriptions make the same of every log.
+    pub fn same_as(&self, other: &Description) -> bool {
+        let strip = |description: &Description| Description { changes: Vec::new(), ..description.clone() };
+        strip(self) == strip(other)
+    }
+
+    /// Whether two descriptions give the model the same motion under the same gravity.
+    pub fn same_motion(&self, other: &Description) -> bool {
+        self.position_of == other.position_of
+            && self.position_sign == other.position_sign
+            && self.gravity == other.gravity
+    }
+
+    /// All descriptions one change away, of joints whose torque is `measured`; the simplest kinds first, which decides
+    /// between descriptions that explain the logs equally well.
+    pub fn neighbours(&self, measured: &[bool], known_arm: bool) -> Vec<Description> {
+        let dof = self.dof();
+        let joints: Vec<usize> = (0..dof).filter(|&joint| measured[self.torque_of[joint]]).collect();
+        let pairs = || (0..dof).flat_map(|a| (a + 1..dof).map(move |b| (a, b)));
+        let measured_pairs = || pairs().filter(|(a, b)| joints.contains(a) && joints.contains(b));
+        let mut changes: Vec<Change> = joints.iter().map(|&joint| Change::TorqueSign(joint)).collect();
+        if known_arm {
+            if dof > 1 {
+                changes.push(Change::AllTorqueSigns);
+            }
+            let size = if self.gravity.norm() > 0.0 { self.gravity.norm() } else { GRAVITY };
+            let axes = (0..3).flat_map(|axis| [-size, size].map(|value| (axis, value)));
+            let along = |(axis, value): (usize, f64)| {
+                let mut gravity = [0.0; 3];
+                gravity[axis] = value;
+                Change::Gravity(gravity)
+            };
+            changes.extend(measured_pairs().map(|(a, b)| Change::TorqueExchange(a, b)));
+            changes.push(Change::WithoutGravity);
+            changes.extend(axes.map(along));
+            changes.extend(measured_pairs().map(|(a, b)| Change::JointExchange(a, b)));
+            changes.extend((0..dof).map(Change::AxisSign));
+            changes.extend((0..dof).map(Change::PositionSign));
+            changes.extend(pairs().map(|(a, b)| Change::PositionExchange(a, b)));
+        }
+        let start = Description::as_given(dof, self.gravity);
+        changes
+            .into_iter()
+            .map(|change| self.with(change))
+            .filter(|next| !next.same_as(self) && !next.same_as(&start))
+            .collect()
+    }
+}

@@ -1,0 +1,100 @@
+//! Whether one description is clearly better than another: a paired comparison over blocks of time.
+
+use super::fit::Evaluation;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Probability with which a search accuses right logs, over all descriptions that it tries.
+pub const ALPHA: f64 = 0.01;
+
+/// The held-out residual of at least one torque must fall by this factor. A wrong description costs more; smaller gains are
+/// those of friction, elasticity or a payload that the models do not hold.
+const FALLS: f64 = 1.3;
+
+/// No torque's held-out residual may grow by more than this factor: what makes one joint better at the cost of another
+/// explains nothing.
+const GROWS: f64 = 1.2;
+
+/// A description is clearly worse than another where all torques together (product of the factors) gain this.
+const DISTINCT: f64 = 1.3;
+
+/// Fewer blocks allow no comparison.
+const LEAST_BLOCKS: usize = 4;
+
+/// The gain of a description over another, in logarithms of the mean square.
+pub struct Comparison {
+    /// Mean over the blocks of the sum over the torques.
+    pub gain: f64,
+    /// One-sided p-value of the torque that gains most, times the number of torques; the blocks are the independent
+    /// observations.
+    pub p: f64,
+    /// Mean gain of every torque channel.
+    pub channels: Vec<Option<f64>>,
+    /// Least mean gain of a log.
+    pub least_of_logs: f64,
+}
+
+/// Compares what `reference` leaves with what `candidate` leaves. `log` is the log of every block.
+pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) -> Option<Comparison> {
+    let channels = reference.held_out.len();
+    let mut each = vec![Vec::new(); channels];
+    let mut blocks: Vec<(usize, f64)> = Vec::new();
+    for (block, &own_log) in log.iter().enumerate() {
+        let mut gain = None;
+        for (channel, of_channel) in each.iter_mut().enumerate() {
+            if let (Some(before), Some(after)) =
+                (reference.held_out[channel][block], candidate.held_out[channel][block])
+            {
+                of_channel.push(before - after);
+                *gain.get_or_insert(0.0) += before - after;
+            }
+        }
+        blocks.extend(gain.map(|gain| (own_log, gain)));
+    }
+    if blocks.len() < LEAST_BLOCKS {
+        return None;
+    }
+    let gains: Vec<f64> = blocks.iter().map(|(_, gain)| *gain).collect();
+    let gain = mean(&gains);
+    // A joint that rests in some blocks has no gain there; the torque that gains most is compared on its own blocks.
+    let p = each.iter().map(|gains| one_sided(gains)).fold(1.0, f64::min) * channels as f64;
+    let of_log = |wanted: usize| {
+        let own: Vec<f64> = blocks.iter().filter(|(log, _)| *log == wanted).map(|(_, gain)| *gain).collect();
+        if own.is_empty() { f64::INFINITY } else { mean(&own) }
+    };
+    let least_of_logs = log.iter().map(|&wanted| of_log(wanted)).fold(f64::INFINITY, f64::min);
+    let channels = each.iter().map(|gains| (!gains.is_empty()).then(|| mean(gains))).collect();
+    Some(Comparison { gain, p, channels, least_of_logs })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// One-sided p-value of a positive mean, by Student's t over the blocks.
+fn one_sided(gains: &[f64]) -> f64 {
+    if gains.len() < LEAST_BLOCKS {
+        return 1.0;
+    }
+    let (count, mean) = (gains.len() as f64, mean(gains));
+    let error = (gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
+    // Gains without any scatter are those of logs without noise.
+    let t = if mean == 0.0 { 0.0 } else { mean / error.max(1e-12 * mean.abs()) };
+    StudentsT::new(0.0, 1.0, count - 1.0).map_or(1.0, |law| law.sf(t))
+}
+
+impl Comparison {
+    /// Whether the candidate explains the torques clearly better, among so many that were tried.
+    pub fn is_better(&self, tried: usize) -> bool {
+        let of_rms = |factor: f64| 2.0 * factor.ln();
+        let gains = || self.channels.iter().flatten();
+        self.p * (tried as f64) < ALPHA
+            && gains().any(|gain| *gain > of_rms(FALLS))
+            && gains().all(|gain| *gain > -of_rms(GROWS))
+            && self.least_of_logs > -of_rms(GROWS)
+    }
+
+    /// Whether the reference is clearly worse than the candidate, which is to be told from it.
+    pub fn is_distinct(&self) -> bool {
+        self.p < ALPHA && self.gain > 2.0 * DISTINCT.ln()
+    }
+}

@@ -1,0 +1,125 @@
+//! What is said of a wrong description.
+
+use super::super::{Finding, Kind, Severity};
+use super::{Alternative, Change, Verdict};
+
+/// Alternatives that are named; more say only that the logs do not decide.
+const NAMED: usize = 4;
+
+/// A change in words; `joints` are the names.
+pub fn words(change: Change, joints: &[String]) -> String {
+    let name = |joint: usize| joints[joint].as_str();
+    match change {
+        Change::TorqueSign(joint) => format!("the torque of {} has the wrong sign", name(joint)),
+        Change::AllTorqueSigns => "all torques have the wrong sign".into(),
+        Change::TorqueExchange(a, b) => format!("the torques of {} and {} are exchanged", name(a), name(b)),
+        Change::JointExchange(a, b) => {
+            format!("positions and torques of {} and {} are exchanged", name(a), name(b))
+        }
+        Change::PositionSign(joint) => format!("the position of {} has the wrong sign", name(joint)),
+        Change::AxisSign(joint) => format!("position and torque of {} have the wrong sign", name(joint)),
+        Change::PositionExchange(a, b) => format!("the positions of {} and {} are exchanged", name(a), name(b)),
+        Change::WithoutGravity => "the torque lacks that of gravity: it is gravity-compensated".into(),
+        Change::Gravity(gravity) => format!("gravity is along {} of the base", direction(gravity)),
+        Change::TorqueScale(factor) => scale(factor),
+    }
+}
+
+/// The changes of a set in words.
+fn all_words(changes: &[Change], joints: &[String]) -> String {
+    changes.iter().map(|&change| words(change, joints)).collect::<Vec<_>>().join(", and ")
+}
+
+fn direction(gravity: [f64; 3]) -> String {
+    let along: Vec<usize> = (0..3).filter(|&axis| gravity[axis] != 0.0).collect();
+    match along[..] {
+        [axis] => format!("{}{}", if gravity[axis] > 0.0 { '+' } else { '-' }, ["x", "y", "z"][axis]),
+        _ => format!("[{:.2}, {:.2}, {:.2}] m/s2", gravity[0], gravity[1], gravity[2]),
+    }
+}
+
+fn scale(factor: f64) -> String {
+    let (times, than) = if factor > 1.0 { (factor, "smaller") } else { (1.0 / factor, "larger") };
+    format!("the torques are about {times:.0} times {than} than the URDF's bodies need")
+}
+
+/// What a scale may come from; `factors` are those of the joints, one where they share it.
+fn origin(factor: f64, factors: &[Option<f64>]) -> String {
+    if factors.len() > 1 {
+        let each = factors.iter().map(|f| f.map_or("-".into(), |f| format!("{:.3e}", f.abs())));
+        let each = each.collect::<Vec<_>>().join(", ");
+        return format!(
+            "the factor differs from joint to joint ({each}): currents, percent, or the motor side of the gears; give \
+             [units] torque, [motors] gear_ratio and torque_constant_nm_a in a dataset"
+        );
+    }
+    let units = [(1e-3, "mN m: [units] torque = \"mNm\""), (1e3, "kN m: [units] torque = \"kNm\"")];
+    match units.into_iter().find(|(unit, _)| (0.2..5.0).contains(&(factor / unit))) {
+        Some((unit, name)) if unit < 1.0 => format!("they seem to be in {name} in a dataset"),
+        unit => {
+            let unit = unit.map_or(String::new(), |(_, name)| format!(", or in {name}"));
+            format!(
+                "they are one of: at the motor side of gears of about {factor:.0} ([motors] torque_at = \"motor\", \
+                 gear_ratio), in amperes or percent (torque_constant_nm_a){unit}"
+            )
+        }
+    }
+}
+
+/// The findings of a verdict: one per change, at its column, with what is left unexplained under it and its alternatives.
+pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
+    let changes = &verdict.description.changes;
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let named = |alternative: &Alternative| {
+        format!("{} ({})", all_words(&alternative.changes, joints), percent(alternative.unexplained))
+    };
+    let gain = format!(
+        "with that {} of the torque stays unexplained on parts held out instead of {}",
+        percent(verdict.after),
+        percent(verdict.before)
+    );
+    let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
+    let rivals: Vec<String> = verdict.alternatives.iter().take(NAMED).map(named).collect();
+    changes
+        .iter()
+        .map(|&change| {
+            let others: Vec<Change> = changes.iter().copied().filter(|other| *other != change).collect();
+            let own = words(change, joints);
+            let also = match others.is_empty() {
+                true => String::new(),
+                false => format!(" (together with: {})", all_words(&others, joints)),
+            };
+            let text = match (change, rivals.is_empty()) {
+                (Change::TorqueScale(factor), _) => format!("{own}: {}; {gain}", origin(factor, &verdict.factors)),
+                (_, true) => format!("{own}{also}: {gain}{next}"),
+                (_, false) => format!(
+                    "one of these, which the logs cannot tell apart: {own}{also}; or {}: {gain}{next}",
+                    rivals.join("; or ")
+                ),
+            };
+            let (kind, place) = kind(change, joints);
+            Finding::new(kind, Severity::Warning, place, text)
+        })
+        .collect()
+}
+
+/// Kind and place of a change.
+fn kind(change: Change, joints: &[String]) -> (Kind, String) {
+    let column = |quantity: &str, joint: usize| format!("{quantity}{} ({})", joint + 1, joints[joint]);
+    match change {
+        Change::TorqueSign(joint) => (Kind::TorqueSign, column("tau", joint)),
+        Change::AllTorqueSigns => (Kind::TorqueSign, format!("tau1 .. tau{}", joints.len())),
+        Change::TorqueExchange(a, _) => (Kind::Swapped, column("tau", a)),
+        Change::JointExchange(a, _) | Change::PositionExchange(a, _) => (Kind::Swapped, column("q", a)),
+        Change::PositionSign(joint) | Change::AxisSign(joint) => (Kind::PositionSign, column("q", joint)),
+        Change::WithoutGravity => (Kind::GravityCompensated, "tau".into()),
+        Change::Gravity(_) => (Kind::Mounting, "gravity".into()),
+        Change::TorqueScale(_) => (Kind::TorqueUnit, "tau".into()),
+    }
+}
+
+/// Whether a kind of finding is about the description of a log, which a changed description puts right.
+pub fn is_description(kind: Kind) -> bool {
+    let kinds = [Kind::TorqueSign, Kind::Swapped, Kind::PositionSign, Kind::Mounting, Kind::GravityCompensated];
+    kinds.contains(&kind)
+}

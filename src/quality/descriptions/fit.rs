@@ -1,0 +1,235 @@
+//! The fit of one description: weighted least squares with friction that takes power, judged on blocks of time held out.
+
+use super::change::Description;
+use super::physics::{FRICTION_COLUMNS, JointTable, Tables};
+use super::rows::Rows;
+use nalgebra::{DMatrix, DVector};
+
+/// Interleaved parts of the blocks, each of which is predicted from the others.
+const FOLDS: usize = 6;
+
+/// Residuals below this share of a torque's root mean square count as this share: no drive's torque is known better, and a
+/// log without noise would otherwise weigh without bound.
+const FLOOR: f64 = 0.02;
+
+/// Added to the diagonal of the normal matrix, whose columns have unit length: what the motion does not excite stays small.
+const RIDGE: f64 = 1e-6;
+
+/// A joint takes part where it has this many rows per column.
+const ROWS_PER_COLUMN: usize = 2;
+
+/// Fewer rows of a block say nothing of it.
+const ROWS_PER_BLOCK: usize = 4;
+
+/// Passes in which the weight of each joint follows its residual.
+const PASSES: usize = 2;
+
+/// What a description leaves of the torques.
+pub struct Evaluation {
+    /// Logarithm of the held-out mean square, floor included, `[torque channel][block]`; none where a block has no rows.
+    pub held_out: Vec<Vec<Option<f64>>>,
+    /// Held-out residual over the torque, root mean square, of every torque channel that takes part.
+    pub unexplained: Vec<Option<f64>>,
+}
+
+/// Normal equations of a joint under a description.
+struct Equations<'a> {
+    table: &'a JointTable,
+    channel: usize,
+    /// Columns times the torque to explain, of each block.
+    right: Vec<DVector<f64>>,
+    /// Sum of squares of the torque to explain, of each block.
+    squares: Vec<f64>,
+    rows: f64,
+    floor: f64,
+    /// Square of the factor from the logged torque to the one explained.
+    factor: f64,
+}
+
+/// A description's equations, ready to be solved.
+pub struct Fit<'a> {
+    joints: Vec<Equations<'a>>,
+    nonnegative: &'a [bool],
+    blocks: usize,
+    channels: usize,
+}
+
+impl<'a> Fit<'a> {
+    /// Sets up the equations; joints whose torque is not measured, or which hardly move, have none.
+    pub fn new(tables: &'a Tables, rows: &'a Rows, description: &Description) -> Fit<'a> {
+        let joints = tables.joints.iter().enumerate().filter_map(|(joint, table)| {
+            let channel = description.torque_of[joint];
+            let count: usize = table.rows.iter().sum();
+            if !rows.measured[channel] || count < ROWS_PER_COLUMN * table.parameters.len() {
+                return None;
+            }
+            let sign = description.torque_sign[joint] * description.torque_scale;
+            let right = table.with_torque[channel].iter().zip(&table.with_known).map(|(own, known)| sign * own - known);
+            let squares = (0..rows.log.len()).map(|block| {
+                let torque = sign * sign * table.squares[channel][block];
+                torque - 2.0 * sign * table.known_torque[channel][block] + table.known_squares[block]
+            });
+            Some(Equations {
+                table,
+                channel,
+                right: right.collect(),
+                squares: squares.collect(),
+                rows: count as f64,
+                floor: (FLOOR * rows.size[channel] * sign).powi(2),
+                factor: sign * sign,
+            })
+        });
+        Fit {
+            joints: joints.collect(),
+            nonnegative: &tables.nonnegative,
+            blocks: rows.log.len(),
+            channels: rows.tau.channels(),
+        }
+    }
+
+    /// Sum over the joints of the logarithm of the mean square that a fit of all rows leaves: a quick order of merit.
+    pub fn merit(&self) -> Option<f64> {
+        let (_, residuals) = self.weighted()?;
+        let each = self.joints.iter().zip(residuals);
+        Some(each.map(|(joint, left)| ((left + joint.floor) / joint.factor).ln()).sum())
+    }
+
+    /// The description judged on held-out blocks; none where nothing can be fitted.
+    pub fn evaluate(&self) -> Option<Evaluation> {
+        let (weights, _) = self.weighted()?;
+        let folds = FOLDS.min(self.blocks);
+        let mut out = Evaluation {
+            held_out: vec![vec![None; self.blocks]; self.channels],
+            unexplained: vec![None; self.channels],
+        };
+        let mut sums = vec![[0.0; 2]; self.channels];
+        for fold in 0..folds {
+            let solution = self.solve(&weights, &|block| block % folds != fold)?;
+            for block in (fold..self.blocks).step_by(folds) {
+                for joint in self.joints.iter().filter(|joint| joint.table.rows[block] >= ROWS_PER_BLOCK) {
+                    let rows = joint.table.rows[block] as f64;
+                    let left = joint.left(block, &solution);
+                    out.held_out[joint.channel][block] = Some(((left / rows + joint.floor) / joint.factor).ln());
+                    sums[joint.channel][0] += left / joint.factor;
+                    sums[joint.channel][1] += joint.table.squares[joint.channel][block];
+                }
+            }
+        }
+        for (share, [left, all]) in out.unexplained.iter_mut().zip(sums) {
+            *share = (all > 0.0).then(|| (left / all).sqrt());
+        }
+        Some(out)
+    }
+
+    /// Shares of every torque that takes part, root mean square: what a fit of all rows leaves, and what its friction is.
+    pub fn residual_and_friction(&self) -> Option<Vec<[f64; 2]>> {
+        let (weights, _) = self.weighted()?;
+        let solution = self.solve(&weights, &|_| true)?;
+        let of = |joint: &Equations| {
+            let first = joint.table.parameters.len() - FRICTION_COLUMNS;
+            let (mut left, mut friction, mut all) = (0.0, 0.0, 0.0);
+            for block in 0..self.blocks {
+                let own = joint.table.parameters[first..].iter().map(|&b| solution[b]);
+                let own = DVector::from_iterator(FRICTION_COLUMNS, own);
+                let gram = joint.table.gram[block].view((first, first), (FRICTION_COLUMNS, FRICTION_COLUMNS));
+                friction += own.dot(&(gram * &own));
+                left += joint.left(block, &solution);
+                all += joint.squares[block];
+            }
+            [left, friction].map(|part| (part / all.max(f64::MIN_POSITIVE)).sqrt())
+        };
+        Some(self.joints.iter().map(of).collect())
+    }
+
+    /// Weights of the joints, and the mean square that the fit with them leaves of each.
+    fn weighted(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let own: Vec<f64> = self.joints.iter().map(Equations::own_residual).collect::<Option<_>>()?;
+        let mut residuals = own.clone();
+        let mut weights = Vec::new();
+        for _ in 0..PASSES {
+            let variance = |(joint, left): (&Equations, &f64)| 1.0 / left.max(joint.floor).max(f64::MIN_POSITIVE);
+            weights = self.joints.iter().zip(&residuals).map(variance).collect();
+            let solution = self.solve(&weights, &|_| true)?;
+            let left = |joint: &Equations| {
+                (0..self.blocks).map(|block| joint.left(block, &solution)).sum::<f64>() / joint.rows
+            };
+            residuals = self.joints.iter().zip(&own).map(|(joint, own)| left(joint).max(*own)).collect();
+        }
+        Some((weights, residuals))
+    }
+
+    /// Parameters that fit the wanted blocks best.
+    fn solve(&self, weights: &[f64], wanted: &dyn Fn(usize) -> bool) -> Option<DVector<f64>> {
+        let all = self.nonnegative.len();
+        let (mut gram, mut right) = (DMatrix::zeros(all, all), DVector::zeros(all));
+        for (joint, weight) in self.joints.iter().zip(weights) {
+            for block in (0..self.blocks).filter(|&block| wanted(block)) {
+                let (own, own_right) = (&joint.table.gram[block], &joint.right[block]);
+                for (j, &b) in joint.table.parameters.iter().enumerate() {
+                    right[b] += weight * own_right[j];
+                    for (i, &a) in joint.table.parameters.iter().enumerate() {
+                        gram[(a, b)] += weight * own[(i, j)];
+                    }
+                }
+            }
+        }
+        constrained(&gram, &right, self.nonnegative)
+    }
+}
+
+impl Equations<'_> {
+    /// Sum of squares that parameters leave in a block.
+    fn left(&self, block: usize, solution: &DVector<f64>) -> f64 {
+        let gram = &self.table.gram[block];
+        let own = DVector::from_iterator(gram.nrows(), self.table.parameters.iter().map(|&b| solution[b]));
+        (self.squares[block] - 2.0 * own.dot(&self.right[block]) + own.dot(&(gram * &own))).max(0.0)
+    }
+
+    /// Mean square that a fit of this joint by itself leaves.
+    fn own_residual(&self) -> Option<f64> {
+        let width = self.table.parameters.len();
+        let gram = self.table.gram.iter().fold(DMatrix::zeros(width, width), |sum: DMatrix<f64>, gram| sum + gram);
+        let right = self.right.iter().fold(DVector::zeros(width), |sum: DVector<f64>, right| sum + right);
+        let solution = constrained(&gram, &right, &vec![false; width])?;
+        let squares: f64 = self.squares.iter().sum();
+        let left = squares - 2.0 * solution.dot(&right) + solution.dot(&(&gram * &solution));
+        Some(left.max(0.0) / (self.rows - width as f64).max(1.0))
+    }
+}
+
+/// Solves normal equations under signs: the most negative of the parameters that cannot be negative is held at zero until
+/// none is left.
+fn constrained(gram: &DMatrix<f64>, right: &DVector<f64>, nonnegative: &[bool]) -> Option<DVector<f64>> {
+    let scale = gram.diagonal().map(|v: f64| if v > 0.0 { v.sqrt() } else { 1.0 });
+    let mut free: Vec<usize> = (0..right.len()).collect();
+    loop {
+        let unit = DMatrix::from_fn(free.len(), free.len(), |r, c| {
+            gram[(free[r], free[c])] / (scale[free[r]] * scale[free[c]]) + if r == c { RIDGE } else { 0.0 }
+        });
+        let own = DVector::from_iterator(free.len(), free.iter().map(|&b| right[b] / scale[b]));
+        let solved = unit.cholesky()?.solve(&own);
+        let negative = (0..free.len()).filter(|&place| nonnegative[free[place]] && solved[place] < 0.0);
+        let Some(worst) = negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) else {
+            let mut out = DVector::zeros(right.len());
+            free.iter().zip(solved.iter()).for_each(|(&b, value)| out[b] = value / scale[b]);
+            return Some(out);
+        };
+        free.remove(worst);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_that_cannot_be_negative_is_zero_and_the_others_fit() {
+        let columns = DMatrix::from_row_slice(4, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 3.0]);
+        let torque = DVector::from_vec(vec![4.0, 3.0, 2.0, 1.0]);
+        let (gram, right) = (columns.tr_mul(&columns), columns.tr_mul(&torque));
+        let free = constrained(&gram, &right, &[false, false]).unwrap();
+        assert!((free[0] - 4.0).abs() < 1e-4 && (free[1] + 1.0).abs() < 1e-4, "{free}");
+        let held = constrained(&gram, &right, &[false, true]).unwrap();
+        assert!((held[0] - 2.5).abs() < 1e-4 && held[1] == 0.0, "{held}");
+    }
+}

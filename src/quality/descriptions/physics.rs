@@ -1,0 +1,210 @@
+//! The models under which descriptions are compared, as inner products of their columns.
+//!
+//! Every joint has, beside the columns of the bodies, nuisance columns of its drive: a constant and the size of its friction
+//! at three speeds. The sizes cannot be negative, since friction takes power at any speed; how they change with speed is
+//! free, so that neither falling nor Stribeck-like friction looks like a fault of the description.
+
+use super::change::Description;
+use super::rows::Rows;
+use crate::channels::Channels;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::identification::model::Model;
+use crate::robot::Robot;
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// Quantiles of a joint's speed at which the size of its friction is free; linear between.
+const FRICTION_KNOTS: [f64; 3] = [0.05, 0.4, 0.95];
+
+/// Columns of friction, the last ones of every joint.
+pub const FRICTION_COLUMNS: usize = FRICTION_KNOTS.len();
+
+/// What is known of the bodies.
+pub enum Physics {
+    /// The geometry: base parameters are free, and shared by all joints.
+    Free(Box<Model>),
+    /// The bodies as described; rotors are free.
+    Bodies(Box<Robot>),
+    /// Nothing: each joint has gravity on a level axis and an inertia of its own.
+    Alone,
+}
+
+/// Inner products of a joint's columns with each other and with every torque, block by block.
+pub struct JointTable {
+    /// Place of every column among all parameters.
+    pub parameters: Vec<usize>,
+    /// Normal matrix of each block.
+    pub gram: Vec<DMatrix<f64>>,
+    /// Columns times the torque that is known (that of described bodies), of each block.
+    pub with_known: Vec<DVector<f64>>,
+    /// Sum of squares of the known torque, of each block.
+    pub known_squares: Vec<f64>,
+    /// Columns times torque, `[channel][block]`.
+    pub with_torque: Vec<Vec<DVector<f64>>>,
+    /// Known torque times torque, `[channel][block]`.
+    pub known_torque: Vec<Vec<f64>>,
+    /// Sum of squares of the torque, `[channel][block]`.
+    pub squares: Vec<Vec<f64>>,
+    /// Rows of each block.
+    pub rows: Vec<usize>,
+}
+
+/// The tables of all joints under one description of the motion.
+pub struct Tables {
+    /// One per joint.
+    pub joints: Vec<JointTable>,
+    /// Whether a parameter cannot be negative.
+    pub nonnegative: Vec<bool>,
+}
+
+impl Physics {
+    /// The geometry of an arm, with base parameters that serve any direction of gravity.
+    pub fn free(robot: &Robot) -> Physics {
+        // No direction of this vector is special, so that what no gravity can tell apart is merged and nothing else.
+        let gravity = Vector3::new(4.1, -5.3, 7.2);
+        Physics::Free(Box::new(Model::new(&Robot { gravity, ..robot.clone() })))
+    }
+
+    /// The bodies as described, where they are bodies that can exist.
+    pub fn bodies(robot: &Robot) -> Option<Physics> {
+        let possible = robot
+            .joints
+            .iter()
+            .all(|joint| joint.inertia.0.iter().all(|v| *v == 0.0) || joint.inertia.physical_fault(1e-3).is_none());
+        let mass: f64 = robot.joints.iter().map(|joint| joint.inertia.mass()).sum();
+        (possible && mass > 0.0).then(|| Physics::Bodies(Box::new(robot.clone())))
+    }
+
+    /// The tables of a description.
+    pub fn tables(&self, rows: &Rows, description: &Description) -> Tables {
+        let dof = description.dof();
+        let pick = |signals: &Channels, signed: bool| {
+            signals.map(|joint, _| {
+                let sign = if signed { description.position_sign[joint] } else { 1.0 };
+                signals.channel(description.position_of[joint]).iter().map(|v| sign * v).collect()
+            })
+        };
+        let motion = Motion {
+            q: pick(&rows.motion.q, true),
+            qd: pick(&rows.motion.qd, true),
+            qdd: pick(&rows.motion.qdd, true),
+        };
+        let gravity = description.gravity.into();
+        let known = match self {
+            Physics::Bodies(robot) => {
+                let chain = Chain::new(robot).with_gravity(gravity);
+                Some(inverse_dynamics(&chain, &robot.inertial_parameters(), &motion))
+            }
+            _ => None,
+        };
+        let mut nonnegative = Vec::new();
+        // Columns of the bodies of every joint, with their places.
+        let bodies: Vec<(Vec<usize>, Vec<Vec<f64>>)> = match self {
+            Physics::Free(model) => {
+                nonnegative = (0..model.base().len()).map(|b| matches!(model.drive_of(b), Some((_, 0)))).collect();
+                let columns = model.columns_under(gravity, &motion);
+                let of = |(joint, table): (usize, &Channels)| {
+                    let active = model.active(joint).into_iter().enumerate().filter(|(_, b)| !model.is_friction(*b));
+                    active.map(|(place, b)| (b, table.channel(place).to_vec())).unzip()
+                };
+                columns.iter().enumerate().map(of).collect()
+            }
+            Physics::Bodies(_) => {
+                nonnegative.resize(dof, true);
+                (0..dof).map(|joint| (vec![joint], vec![motion.qdd.channel(joint).to_vec()])).collect()
+            }
+            Physics::Alone => {
+                nonnegative = (0..3 * dof).map(|place| place % 3 == 2).collect();
+                let of = |joint: usize| {
+                    let q = motion.q.channel(joint);
+                    let columns = vec![
+                        q.iter().map(|q| q.sin()).collect(),
+                        q.iter().map(|q| q.cos()).collect(),
+                        motion.qdd.channel(joint).to_vec(),
+                    ];
+                    ((3 * joint..3 * joint + 3).collect(), columns)
+                };
+                (0..dof).map(of).collect()
+            }
+        };
+        let mut joints = Vec::with_capacity(dof);
+        for (joint, (mut parameters, mut columns)) in bodies.into_iter().enumerate() {
+            let valid: Vec<usize> = {
+                let moves = &rows.moves[description.position_of[joint]];
+                (0..moves.len()).filter(|&row| moves[row]).collect()
+            };
+            for (place, column) in drive_columns(motion.qd.channel(joint), &valid).into_iter().enumerate() {
+                parameters.push(nonnegative.len());
+                nonnegative.push(place > 0);
+                columns.push(column);
+            }
+            let known = known.as_ref().map(|known| known.channel(joint));
+            joints.push(JointTable::new(parameters, &columns, known, &valid, rows));
+        }
+        Tables { joints, nonnegative }
+    }
+}
+
+/// A constant, and the direction of motion weighted by hats of the speed; `valid` rows place their knots.
+fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
+    let mut speeds: Vec<f64> = valid.iter().map(|&row| velocity[row].abs()).collect();
+    speeds.sort_by(f64::total_cmp);
+    let quantile = |share: f64| speeds.get(((speeds.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(0.0);
+    let knots = FRICTION_KNOTS.map(quantile);
+    let mut columns = vec![vec![1.0; velocity.len()]];
+    columns.extend(
+        (0..knots.len()).map(|knot| velocity.iter().map(|v| v.signum() * hat(&knots, knot, v.abs())).collect()),
+    );
+    columns
+}
+
+/// Piecewise linear, one at its own knot and zero at the others, constant beyond the ends.
+fn hat(knots: &[f64], own: usize, x: f64) -> f64 {
+    let x = x.clamp(knots[0], knots[knots.len() - 1]);
+    let rise = |from: f64, to: f64| if to > from { (x - from) / (to - from) } else { f64::from(x >= to) };
+    if own > 0 && x < knots[own] {
+        return rise(knots[own - 1], knots[own]).max(0.0);
+    }
+    match knots.get(own + 1) {
+        Some(&next) if x > knots[own] => (1.0 - rise(knots[own], next)).max(0.0),
+        _ => 1.0,
+    }
+}
+
+impl JointTable {
+    fn new(
+        parameters: Vec<usize>,
+        columns: &[Vec<f64>],
+        known: Option<&[f64]>,
+        valid: &[usize],
+        rows: &Rows,
+    ) -> JointTable {
+        let (blocks, width, channels) = (rows.log.len(), columns.len(), rows.tau.channels());
+        let mut table = JointTable {
+            parameters,
+            gram: Vec::with_capacity(blocks),
+            with_known: Vec::with_capacity(blocks),
+            known_squares: Vec::with_capacity(blocks),
+            with_torque: vec![Vec::with_capacity(blocks); channels],
+            known_torque: vec![Vec::with_capacity(blocks); channels],
+            squares: vec![Vec::with_capacity(blocks); channels],
+            rows: Vec::with_capacity(blocks),
+        };
+        for block in 0..blocks {
+            let own: Vec<usize> = valid.iter().copied().filter(|&row| rows.block[row] == block).collect();
+            let part = DMatrix::from_fn(own.len(), width, |row, c| columns[c][own[row]]);
+            let of = |signal: &[f64]| DVector::from_iterator(own.len(), own.iter().map(|&row| signal[row]));
+            let known = known.map_or_else(|| DVector::zeros(own.len()), of);
+            table.gram.push(part.tr_mul(&part));
+            table.with_known.push(part.tr_mul(&known));
+            table.known_squares.push(known.norm_squared());
+            for channel in 0..channels {
+                let torque = of(rows.tau.channel(channel));
+                table.with_torque[channel].push(part.tr_mul(&torque));
+                table.known_torque[channel].push(known.dot(&torque));
+                table.squares[channel].push(torque.norm_squared());
+            }
+            table.rows.push(own.len());
+        }
+        table
+    }
+}

@@ -1,0 +1,105 @@
+//! The rows on which descriptions of the logs are compared: few, band-limited, and cut into blocks of time.
+
+use super::super::{View, rms};
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+use crate::robot::{JointKind, Robot};
+
+/// Spacing of the rows, s. Gravity, inertia and friction of an arm act below 10 Hz; more rows would only repeat them.
+const SPACING_S: f64 = 0.05;
+
+/// Most rows of all logs together: a search over a hundred descriptions then takes seconds.
+const MOST_ROWS: usize = 1500;
+
+/// Blocks of time that are aimed at. Each is held out in turn, and each counts as one observation in the paired comparison,
+/// since residuals within it are dependent.
+const BLOCKS: f64 = 20.0;
+
+/// Shortest block, s: noise and what friction does after a reversal are dependent for less.
+const SHORTEST_BLOCK_S: f64 = 0.5;
+
+/// Samples at either end of a log whose derivatives are one-sided, s.
+const EDGE_S: f64 = 0.08;
+
+/// A joint slower than this share of its own root mean square speed may stick: its direction is not certain.
+const STICKS: f64 = 0.1;
+
+/// Range (rad) and speed (rad/s) below which a joint counts as standing still; a tenth of them, in metres, where it slides.
+const STILL: [f64; 2] = [0.02, 0.06];
+
+/// No joint is faster, rad/s or m/s: such a velocity comes from a jump of the position.
+const FASTEST: f64 = 50.0;
+
+/// Rows of all logs, one after the other.
+pub struct Rows {
+    /// Smoothed motion as logged, `[channel][row]`.
+    pub motion: Motion,
+    /// Smoothed torque as logged, `[channel][row]`.
+    pub tau: Channels,
+    /// Block of every row.
+    pub block: Vec<usize>,
+    /// Log of every block.
+    pub log: Vec<usize>,
+    /// Whether a position channel surely moves, `[channel][row]`.
+    pub moves: Vec<Vec<bool>>,
+    /// Whether a torque channel holds measurements that change.
+    pub measured: Vec<bool>,
+    /// Root mean square of every torque channel.
+    pub size: Vec<f64>,
+}
+
+impl Rows {
+    /// The rows of some logs of one arm.
+    pub fn new(views: &[&View], robot: Option<&Robot>) -> Option<Rows> {
+        let first = views.first()?;
+        let dof = first.dof();
+        let seconds: f64 = views.iter().map(|view| view.log.duration()).sum();
+        let spacing = SPACING_S.max(seconds / MOST_ROWS as f64);
+        let length = (seconds / BLOCKS).max(SHORTEST_BLOCK_S);
+        let mut picked: Vec<(usize, usize)> = Vec::new();
+        let (mut block, mut log) = (Vec::new(), Vec::new());
+        for (place, view) in views.iter().enumerate() {
+            let samples = view.log.samples();
+            let edge = ((EDGE_S / view.period).round() as usize).min(samples / 4);
+            let step = ((spacing / view.period).round() as usize).max(1);
+            let own: Vec<usize> = (edge..samples - edge).step_by(step).collect();
+            let blocks = ((view.log.duration() / length).round() as usize).max(1);
+            block.extend((0..own.len()).map(|row| log.len() + row * blocks / own.len()));
+            log.extend(std::iter::repeat_n(place, blocks));
+            picked.extend(own.into_iter().map(|sample| (place, sample)));
+        }
+        let pick = |tables: Vec<&Channels>| -> Channels {
+            let channel = |joint: usize| picked.iter().map(|&(place, row)| tables[place].channel(joint)[row]).collect();
+            Channels::from_vectors(&(0..dof).map(channel).collect::<Vec<Vec<f64>>>())
+        };
+        let motion = Motion {
+            q: pick(views.iter().map(|view| &view.q).collect()),
+            qd: pick(views.iter().map(|view| &view.qd).collect()),
+            qdd: pick(views.iter().map(|view| &view.qdd).collect()),
+        };
+        let tau = pick(views.iter().map(|view| &view.tau).collect());
+        let moves = (0..dof).map(|joint| {
+            let slides = robot.is_some_and(|robot| robot.joints[joint].kind == JointKind::Prismatic);
+            moves(motion.q.channel(joint), motion.qd.channel(joint), if slides { 0.1 } else { 1.0 })
+        });
+        let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);
+        Some(Rows {
+            moves: moves.collect(),
+            measured: tau.iter().map(measured).collect(),
+            size: tau.iter().map(rms).collect(),
+            motion,
+            tau,
+            block,
+            log,
+        })
+    }
+}
+
+/// Where a position surely changes; nowhere for one that stands still throughout.
+fn moves(q: &[f64], qd: &[f64], unit: f64) -> Vec<bool> {
+    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    let fastest = qd.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let still = high - low < STILL[0] * unit || fastest < STILL[1] * unit;
+    let sticks = STICKS * rms(qd);
+    qd.iter().map(|v| !still && v.abs() > sticks && v.abs() < FASTEST).collect()
+}

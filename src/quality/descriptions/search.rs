@@ -1,0 +1,189 @@
+//! The search for the smallest set of changes that explains all logs.
+//!
+//! Sets grow by one change at a time. Those of one size are sorted by a fit of all rows, the best are judged on held-out
+//! blocks, and a set replaces a smaller one only where the paired comparison finds it clearly better. Sets of the same size
+//! that cannot be told from the best are its rivals.
+
+use super::change::Description;
+use super::compare::{Comparison, compare};
+use super::fit::{Evaluation, Fit};
+use super::jumps::contradicts;
+use super::physics::Physics;
+use super::rows::Rows;
+use super::tilt::free_direction;
+use rayon::prelude::*;
+
+/// Most changes of a set. More at once are no slip of a recorder; the columns should then be looked at one by one.
+const MOST: usize = 3;
+
+/// Sets of one size that are judged on held-out blocks.
+const JUDGED: usize = 8;
+
+/// Sets of one size that are grown, whether or not they are clearly better: two changes may only help together.
+const GROWN: usize = 3;
+
+/// Gain over the logs as they are from which a set that is not clearly better is grown all the same.
+const PROMISING: f64 = 0.3;
+
+/// A torque that an accepted description explains has less than this share unexplained: of an arm whose geometry is known, and
+/// of joints by themselves, whose models lack the pull of the others.
+const EXPLAINED: f64 = 0.2;
+const EXPLAINED_ALONE: f64 = 0.5;
+
+/// Where every torque leaves less than this, nothing is wrong with the description.
+const CLEAN: f64 = 0.04;
+
+/// A description with what it leaves.
+pub struct Tried {
+    /// The description.
+    pub description: Description,
+    /// What is left of the torques on held-out blocks.
+    pub evaluation: Evaluation,
+}
+
+/// The outcome of a search that found something.
+pub struct Found {
+    /// The smallest set of changes.
+    pub best: Tried,
+    /// Sets of the same size that are not clearly worse.
+    pub rivals: Vec<Tried>,
+    /// The best of those that are.
+    pub next: Option<Tried>,
+    /// Its gain over the logs as they are.
+    pub gain: Comparison,
+}
+
+/// The outcome of a search.
+pub struct Outcome {
+    /// The logs as they are.
+    pub start: Tried,
+    /// What explains them clearly better.
+    pub found: Option<Found>,
+}
+
+impl Found {
+    /// The same with the simplest of the best and its rivals in front.
+    pub fn simplest_first(mut self) -> Found {
+        let rank = |tried: &Tried| tried.description.changes.iter().map(|change| change.rank()).sum::<usize>();
+        for rival in &mut self.rivals {
+            if rank(rival) < rank(&self.best) {
+                std::mem::swap(rival, &mut self.best);
+            }
+        }
+        self
+    }
+}
+
+impl Tried {
+    /// Judges a description; none where nothing can be fitted.
+    pub fn new(physics: &Physics, rows: &Rows, description: Description) -> Option<Tried> {
+        let tables = physics.tables(rows, &description);
+        let evaluation = Fit::new(&tables, rows, &description).evaluate()?;
+        Some(Tried { description, evaluation })
+    }
+
+    /// Geometric mean over the torques of the shares left unexplained.
+    pub fn share(&self) -> f64 {
+        let logs: Vec<f64> = self.evaluation.unexplained.iter().flatten().map(|share| share.max(1e-9).ln()).collect();
+        (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp()
+    }
+}
+
+/// Searches from the description `start`.
+/// `with_motion` are the torques that jump with the motion at reversals.
+pub fn search(physics: &Physics, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
+    let start = Tried::new(physics, rows, start)?;
+    let explained = |tried: &Tried| tried.evaluation.unexplained.iter().flatten().all(|share| *share < CLEAN);
+    let mut found: Option<Found> = None;
+    if explained(&start) {
+        return Some(Outcome { start, found });
+    }
+    let (mut seen, mut grown) = (vec![start.description.clone()], vec![start.description.clone()]);
+    let mut tried = 0;
+    for size in 0..MOST {
+        let mut candidates: Vec<Description> = Vec::new();
+        for next in grown.iter().flat_map(|from| from.neighbours(&rows.measured, !matches!(physics, Physics::Alone))) {
+            let known = seen.iter().chain(&candidates).any(|other| other.same_as(&next));
+            if !known && !contradicts(with_motion, &next) {
+                candidates.push(next);
+            }
+        }
+        if size == 0 && matches!(physics, Physics::Free(_)) {
+            let tilted = free_direction(physics, rows, &start.description);
+            candidates.extend(tilted.map(|change| start.description.with(change)));
+        }
+        tried += candidates.len();
+        let judged = judged(physics, rows, &candidates, &start);
+        seen.extend(candidates);
+        grown = judged.iter().take(GROWN).map(|(tried, _)| tried.description.clone()).collect();
+        let promising = judged.first().is_some_and(|(_, gain)| gain.gain > PROMISING);
+        let limit = if matches!(physics, Physics::Alone) { EXPLAINED_ALONE } else { EXPLAINED };
+        let better = chosen(judged, limit, found.as_ref().map_or(&start, |found| &found.best), rows, tried);
+        match better {
+            Some(better) => found = Some(better),
+            None if found.is_some() || !promising => break,
+            None => {}
+        }
+        if found.as_ref().is_some_and(|found| explained(&found.best)) {
+            break;
+        }
+    }
+    Some(Outcome { start, found })
+}
+
+/// The best candidates with their gains over the start, the best first.
+fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tried) -> Vec<(Tried, Comparison)> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for place in 0..candidates.len() {
+        match groups.iter_mut().find(|group| candidates[group[0]].same_motion(&candidates[place])) {
+            Some(group) => group.push(place),
+            None => groups.push(vec![place]),
+        }
+    }
+    let merits = |group: &Vec<usize>| -> Vec<(usize, f64)> {
+        let tables = physics.tables(rows, &candidates[group[0]]);
+        let merit = |&place: &usize| Some((place, Fit::new(&tables, rows, &candidates[place]).merit()?));
+        group.iter().filter_map(merit).collect()
+    };
+    let mut order: Vec<(usize, f64)> = groups.par_iter().map(merits).collect::<Vec<_>>().concat();
+    // Of equal merit, the simplest kind of change first.
+    order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    order.truncate(JUDGED);
+    order.sort_by_key(|(place, _)| *place);
+    let judge = |&(place, _): &(usize, f64)| {
+        let tried = Tried::new(physics, rows, candidates[place].clone())?;
+        // A torque that is given the motion of a joint at rest is not explained: it only drops out.
+        let lacks = |(before, after): (&Option<f64>, &Option<f64>)| before.is_some() && after.is_none();
+        if start.evaluation.unexplained.iter().zip(&tried.evaluation.unexplained).any(lacks) {
+            return None;
+        }
+        let gain = compare(&start.evaluation, &tried.evaluation, &rows.log)?;
+        Some((tried, gain))
+    };
+    let mut judged: Vec<(Tried, Comparison)> = order.par_iter().filter_map(judge).collect();
+    judged.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    judged
+}
+
+/// The best of the judged ones, where it is clearly better than `reference`, with its rivals and the next.
+fn chosen(judged: Vec<(Tried, Comparison)>, limit: f64, reference: &Tried, rows: &Rows, tried: usize) -> Option<Found> {
+    let top = compare(&reference.evaluation, &judged.first()?.0.evaluation, &rows.log)?;
+    let explains = |channel: usize| judged[0].0.evaluation.unexplained[channel].is_some_and(|share| share < limit);
+    let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
+    let most = (0..top.channels.len()).max_by(|&a, &b| gains(a).total_cmp(&gains(b)))?;
+    if !top.is_better(tried) || !explains(most) {
+        return None;
+    }
+    let mut judged = judged.into_iter();
+    let (best, gain) = judged.next()?;
+    let (mut rivals, mut next) = (Vec::new(), None);
+    for (other, _) in judged {
+        let distinct = compare(&other.evaluation, &best.evaluation, &rows.log).is_none_or(|c| c.is_distinct());
+        match distinct {
+            false => rivals.push(other),
+            true if next.is_none() => next = Some(other),
+            true => {}
+        }
+    }
+    Some(Found { best, rivals, next, gain }.simplest_first())
+}

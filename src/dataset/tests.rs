@@ -110,7 +110,7 @@ fn a_part_of_a_file() {
         .collect();
     let parts = "[[train]]\nfile = \"log.csv\"\nto_s = 6.0\n[[test]]\nfile = \"log.csv\"\nfrom_s = 6.0\n";
     let case = Case::new(parts, &format!("t,q1,q2,tau1,tau2\n{rows}"));
-    let logs = case.dataset().unwrap().logs(&case.robot()).unwrap();
+    let logs = super::ready(case.dataset().unwrap().sieved(&case.robot()).unwrap(), &case.robot()).unwrap();
     assert_eq!((logs.train[0].samples(), logs.test[0].samples()), (1200, 800));
     assert!(logs.train[0].time[1199] < 6.0 && logs.test[0].time[0] >= 6.0);
     let beyond = Case::new("[[train]]\nfile = \"log.csv\"\nfrom_s = 20\n", &format!("t,q1,q2,tau1,tau2\n{rows}"));
@@ -208,7 +208,7 @@ fn a_corrected_dataset_reads_the_corrected_log() {
             description.apply(&mut expected);
             let dataset = case.dataset().unwrap();
             let units = quality::UnitChanges::default();
-            let text = corrected(Some(&dataset), &Named::default(), &robot.joint_names(), &description, units).unwrap();
+            let text = corrected(Some(&dataset), &Named::default(), &robot, &description, units).unwrap();
             let path = case.folder.path().join("corrected.toml");
             std::fs::write(&path, &text).unwrap();
             let again = Dataset::load(&path).unwrap();

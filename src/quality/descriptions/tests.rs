@@ -138,7 +138,7 @@ fn simulated(robot: &Robot, oddity: Oddity, seconds: f64, seed: u64) -> Sieved {
     }
     let time = (0..samples).map(|i| i as f64 / rate_hz).collect();
     let recording = Recording { joints: robot.joint_names(), time, q, qd: None, tau, ..Recording::default() };
-    Sieved { lines: (2..samples + 2).collect(), rejected: Vec::new(), notes: Vec::new(), recording }
+    Sieved { lines: (2..samples + 2).collect(), recording, ..Sieved::default() }
 }
 
 /// Arms with their right description.

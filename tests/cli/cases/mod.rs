@@ -40,7 +40,7 @@ fn copy(from: &Path, to: &Path) {
                 assert!(output.status.success(), "{}", path.display());
                 std::fs::write(place.with_extension(""), output.stdout).unwrap();
             }
-            false => drop(std::fs::write(&place, std::fs::read(&path).unwrap()).unwrap()),
+            false => std::fs::write(&place, std::fs::read(&path).unwrap()).unwrap(),
         }
     }
 }

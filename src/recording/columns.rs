@@ -392,7 +392,9 @@ impl Resolver<'_> {
             time: column,
             nanoseconds: nanoseconds.filter(|_| time.part == Part::Seconds),
             factor: time.factor,
-            open_unit: time.factor.is_none() && time.rank != names::OWN_TIME && time.part == Part::Whole,
+            open_unit: time.factor.is_none()
+                && !matches!(time.rank, names::OWN_TIME | names::INDEX)
+                && time.part == Part::Whole,
             is_index: time.rank == names::INDEX,
         })
     }

@@ -10,9 +10,6 @@ use std::path::Path;
 /// Share of the rows with the stamp of the row before, but other values, from which on the clock is coarse.
 const COARSE: f64 = 0.05;
 
-/// Share of steps back in time from which on stamps are not what they seem.
-const BACKWARD: f64 = 0.02;
-
 /// A step this many times longer than the coarse clock's, or than rows are apart, is a gap.
 const GAP: f64 = 4.0;
 
@@ -24,6 +21,9 @@ const LONG_AGO_S: f64 = 1e6;
 
 /// Positions that come back to those of the row before last this many times closer than to the last one are of two sources.
 const ALTERNATING: f64 = 5.0;
+
+/// Fewer rows may alternate by chance.
+const FEWEST_OF_TWO: usize = 50;
 
 /// Smallest mean step between rows of two sources, in any unit of position: noise alternates below.
 const APART: f64 = 1e-3;
@@ -71,7 +71,7 @@ pub fn clock(
         layout.set_time(columns.len() - 1);
         clock.mended.push(format!("time is {} and {} together", header[column], header[nanoseconds]));
     } else {
-        if let (Source::Text(text), true) = (source, backward(&columns[column]) > BACKWARD) {
+        if let (Source::Text(text), true) = (source, backward(&columns[column]) > 0.0) {
             clock.mended.extend(zeros_lost(&text.cells(column), &mut columns[column]));
         }
         clock.mended.extend(in_seconds(&mut columns[column], layout, map.time_factor));
@@ -182,7 +182,7 @@ fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
     };
     let alternates = |signal: &&&[f64]| {
         let (one, two) = (path(signal, 1), path(signal, 2));
-        one > ALTERNATING * two && one > APART * signal.len() as f64
+        signal.len() >= FEWEST_OF_TWO && one > ALTERNATING * two && one > APART * signal.len() as f64
     };
     positions.iter().any(|signal| alternates(&signal)).then(|| {
         "the rows alternate between two sources: two programs write the joints' states, as two publishers on one topic do; stop \

@@ -228,3 +228,147 @@ fn sines_at(log: &str, clock: impl Fn(f64) -> f64) -> String {
     }
     out
 }
+
+/// Names that drivers and loggers give their columns, and what they put between the cells.
+#[test]
+fn names_and_clocks_of_other_programs() {
+    let case = Case::new(&[]);
+    let log = sines("t,q1,tau1", one_joint);
+    let rows: Vec<(f64, &str, &str)> = log
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            (cells[0].parse().unwrap(), cells[1], cells[2])
+        })
+        .collect();
+    let table = |header: &str, row: &dyn Fn(usize, f64, &str, &str) -> String| {
+        let lines = rows.iter().enumerate().map(|(index, (t, q, tau))| row(index, *t, q, tau));
+        std::iter::once(header.to_owned()).chain(lines).collect::<Vec<_>>().join("\n")
+    };
+    let nanoseconds = |t: f64| 1_700_000_000_000_000_000 + (1e9 * t).round() as i64;
+    for (what, content) in [
+        (
+            "RTDE with blanks",
+            table("timestamp actual_q_0 actual_current_0", &|_, t, q, tau| format!("{t:.4} {q} {tau}")),
+        ),
+        ("stamp in two", {
+            table("header.stamp.sec,header.stamp.nanosec,elbow_position,elbow_effort", &|_, t, q, tau| {
+                let ns = nanoseconds(t);
+                format!("{},{},{q},{tau}", ns / 1_000_000_000, ns % 1_000_000_000)
+            })
+        }),
+        ("PlotJuggler", {
+            table("__time,/joint_states/elbow/position,/joint_states/elbow/effort", &|_, t, q, tau| {
+                format!("{:.4},{q},{tau}", 1.7e9 + t)
+            })
+        }),
+        ("quantity before name", {
+            table("__time,/joint_states/position/elbow,/joint_states/effort/elbow", &|_, t, q, tau| {
+                format!("{t:.4},{q},{tau}")
+            })
+        }),
+        (
+            "nanoseconds",
+            table("time_ns,state.q[0],state.tau_J[0]", &|_, t, q, tau| format!("{},{q},{tau}", nanoseconds(t))),
+        ),
+        ("milliseconds", table("timestamp,q0,tau0", &|_, t, q, tau| format!("{:.1},{q},{tau}", 1e3 * t))),
+        ("pandas", table(",time,q_elbow,tau_elbow", &|index, t, q, tau| format!("{index},{t:.4},{q},{tau}"))),
+        ("lists", table("stamp;positions;torques", &|_, t, q, tau| format!("{t:.4};[{q}, 0.1];[{tau}, {q}]"))),
+        ("dates", {
+            table("datetime,elbow.pos,elbow.effort", &|_, t, q, tau| format!("2024-05-01 12:00:{t:07.4},{q},{tau}"))
+        }),
+        ("rostopic echo -p", {
+            table("%time,field.name0,field.position0,field.effort0", &|_, t, q, tau| {
+                format!("{},elbow,{q},{tau}", nanoseconds(t))
+            })
+        }),
+        ("zeros lost in the fraction", {
+            table("stamp,q1,tau1", &|_, t, q, tau| {
+                let ns = nanoseconds(t);
+                format!("{}.{},{q},{tau}", ns / 1_000_000_000 - 1_700_000_000, ns % 1_000_000_000)
+            })
+        }),
+    ] {
+        case.write("log.txt", &content);
+        let output = case.tauscope(&["inspect", "log.txt"]);
+        let (said, error) = (text(&output.stdout), text(&output.stderr));
+        assert!(said.contains("1000 rows over 3.996 s at 250 Hz"), "{what}: {said}{error}");
+    }
+    let echo = rows.iter().map(|(t, q, tau)| {
+        let ns = nanoseconds(*t);
+        format!("{},{},base,elbow,{q},,{tau}", ns / 1_000_000_000, ns % 1_000_000_000)
+    });
+    case.write("echo.csv", &echo.collect::<Vec<_>>().join("\n"));
+    let said = text(&case.tauscope(&["inspect", "echo.csv"]).stdout);
+    assert!(said.contains("1000 rows over 3.996 s at 250 Hz") && said.contains(" elbow "), "{said}");
+    case.write("rows.csv", &table(",q1,tau1", &|index, _, q, tau| format!("{index},{q},{tau}")));
+    assert_refusal(&case.tauscope(&["inspect", "rows.csv"]), &["rows.csv:1: t", "counts the rows", "rate_hz"]);
+}
+
+const ONE: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
+<child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="99" velocity="9"/></joint><link name="l1">
+<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
+
+/// Positions in one file, torques in another, and no time in either.
+#[test]
+fn columns_in_several_files() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ONE);
+    let log = sines("t,q1,tau1", one_joint);
+    let column = |place: usize, name: &str| {
+        let cells = log.lines().skip(1).map(|line| line.split(',').nth(place).unwrap());
+        std::iter::once(name).chain(cells).collect::<Vec<_>>().join("\n")
+    };
+    case.write("q.csv", &column(1, "q0"));
+    case.write("tau.csv", &column(2, "tau1"));
+    assert_refusal(
+        &case.tauscope(&["inspect", "q.csv"]),
+        &["no column of time", "none of torque", "rate_hz", "files = ["],
+    );
+    let dataset = |parts: &str| {
+        case.write("d.toml", &format!("schema = \"tauscope.dataset/1\"\nrobot = \"one.urdf\"\n{parts}"));
+    };
+    dataset(
+        "[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nrate_hz = 250\nto_s = 3.0\n[[test]]\nfiles = [\"q.csv\", \"tau.csv\"]\n\
+         rate_hz = 250\nfrom_s = 3.0\n",
+    );
+    let output = case.tauscope(&["identify", "--dataset", "d.toml", "--out", "out", "--json"]);
+    assert_done(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["without_effects"]["test_rms_nm"][0].as_f64().unwrap() > 0.0, "{json}");
+    dataset("[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nfile = \"q.csv\"\n");
+    assert_refusal(&case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o2"]), &["d.toml", "files = ["]);
+    case.write(
+        "short.csv",
+        &log.lines().take(500).map(|line| line.split(',').nth(2).unwrap()).collect::<Vec<_>>().join("\n"),
+    );
+    dataset("[[train]]\nfiles = [\"q.csv\", \"short.csv\"]\nrate_hz = 250\n");
+    assert_refusal(
+        &case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o3"]),
+        &["1000 and 499 rows", "matched"],
+    );
+}
+
+/// A turn that wraps, and two programs that write into one log: the cause alone is reported.
+#[test]
+fn whole_turns_and_two_sources() {
+    let case = Case::new(&[]);
+    let turning = |t: f64| {
+        let q = 2.9 + 1.5 * (3.0 * t).sin();
+        let wrapped = (q + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+        format!("{wrapped:.7},{:.7},{:.5}", 4.5 * (3.0 * t).cos(), 5.0 * (3.0 * t).cos() - 3.0 * (3.0 * t).sin())
+    };
+    case.write("log.csv", &sines("t,q1,qd1,tau1", turning));
+    let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);
+    assert!(said.contains("whole turns") && !said.contains("warning"), "{said}");
+    let log = sines("t,q1,tau1", one_joint);
+    let mixed = log.lines().enumerate().map(|(index, line)| match index > 0 && index % 2 == 0 {
+        true => format!("{},0.3,0.0", line.split(',').next().unwrap()),
+        false => line.to_owned(),
+    });
+    case.write("log.csv", &mixed.collect::<Vec<_>>().join("\n"));
+    let output = case.tauscope(&["inspect", "log.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("two publishers on one topic"), "{}", text(&output.stderr));
+}

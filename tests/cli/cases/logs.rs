@@ -6,7 +6,7 @@ use super::case;
 fn inspected(case: &Case, arguments: &[&str]) -> String {
     let output = case.tauscope(&[&["inspect"], arguments].concat());
     assert_done(&output);
-    text(&output.stdout).to_owned()
+    text(&output.stdout)
 }
 
 #[track_caller]

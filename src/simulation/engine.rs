@@ -37,7 +37,7 @@ pub(super) enum Engine {
     /// Rapier.
     Rapier(Box<RapierArm>),
     /// Own equations of motion.
-    Recursive(RecursiveArm),
+    Recursive(Box<RecursiveArm>),
 }
 
 /// An arm under its own equations of motion.
@@ -56,12 +56,12 @@ impl Engine {
     pub fn new(kind: EngineKind, robot: &Robot) -> Result<Self> {
         Ok(match kind.of(robot) {
             EngineKind::Rapier => Engine::Rapier(Box::new(RapierArm::new(robot)?)),
-            EngineKind::Recursive => Engine::Recursive(RecursiveArm {
+            EngineKind::Recursive => Engine::Recursive(Box::new(RecursiveArm {
                 chain: Chain::new(robot),
                 inertial: robot.inertial_parameters(),
                 armature: robot.joints.iter().map(|joint| joint.drive.armature).collect(),
                 last: None,
-            }),
+            })),
         })
     }
 
@@ -71,7 +71,7 @@ impl Engine {
         match self {
             Engine::Rapier(arm) => arm.forward_dynamics(q, qd, tau, qdd),
             Engine::Recursive(arm) => {
-                let RecursiveArm { chain, inertial, armature, last } = arm;
+                let RecursiveArm { chain, inertial, armature, last } = &mut **arm;
                 match last {
                     Some(equations) => equations.update(chain, inertial, armature, q, qd),
                     None => *last = Some(EquationsOfMotion::new(chain, inertial, armature, q, qd)),

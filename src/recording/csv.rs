@@ -4,7 +4,7 @@
 //! joints' names; tables that the recording lacks are left out. Numbers have the fewest digits that read back as the same
 //! bits. Robot and provenance are not kept; [`super::parquet`] keeps them.
 //!
-//! Read: columns in any order, called in one of the ways of [`super::names`]. Velocity, acceleration and truth may be missing.
+//! Read: columns in any order, called in one of the ways of `super::names`. Velocity, acceleration and truth may be missing.
 //! Semicolons, tabs and blanks may stand between the cells, numbers then with a decimal comma; comments (`#`, `%`) above the
 //! header; lists in cells.
 
@@ -31,7 +31,7 @@ pub fn write(path: &Path, recording: &Recording) -> Result<()> {
 /// Writes a recording with the names of its joints in the header: `elbow_position`, `elbow_velocity`, `elbow_effort`.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_named(path: &Path, recording: &Recording) -> Result<()> {
     let columns = written::table(recording, true)?;
     let failed = |source| Error::io(path, "write the recording", source);

@@ -3,16 +3,16 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | what can be wrong, and what it makes of the signals | [`change`] |
-//! | which rows are compared | [`rows`] |
-//! | what is known of the arm | [`physics`] |
-//! | what a description leaves | [`fit`] |
-//! | whether one leaves clearly less than another | [`compare`] |
-//! | which set of changes is the smallest | [`search`] |
-//! | which way friction acts, without a model | [`jumps`] |
-//! | a free direction of gravity | [`tilt`] |
-//! | how large torques are | [`scale`] |
-//! | what is said | [`findings`] |
+//! | what can be wrong, and what it makes of the signals | `change` |
+//! | which rows are compared | `rows` |
+//! | what is known of the arm | `physics` |
+//! | what a description leaves | `fit` |
+//! | whether one leaves clearly less than another | `compare` |
+//! | which set of changes is the smallest | `search` |
+//! | which way friction acts, without a model | `jumps` |
+//! | a free direction of gravity | `tilt` |
+//! | how large torques are | `scale` |
+//! | what is said | `findings` |
 
 mod change;
 mod compare;

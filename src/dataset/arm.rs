@@ -164,8 +164,7 @@ impl LoggedArm {
             named.push(lenient::joint_names(path, &map)?.names);
         }
         for (name, kind) in others.into_iter().filter(|(name, _)| named.iter().all(|names| names.contains(name))) {
-            let read =
-                |path: &&Path| Some(lenient::load(path, Some(std::slice::from_ref(&name)), &map).ok()?.recording);
+            let read = |path: &&Path| Some(lenient::positions(path, std::slice::from_ref(&name), &map).ok()?.recording);
             let Some(mut recordings) = paths.iter().map(read).collect::<Option<Vec<Recording>>>() else { continue };
             if let Some(dataset) = dataset {
                 let factor = dataset.spec.units.position.factor();

@@ -64,6 +64,8 @@ pub struct Demand {
     pub lenient: bool,
     /// The rows come at a rate that is given, and no column of time is looked for.
     pub timeless: bool,
+    /// No joint needs a torque.
+    pub positions_alone: bool,
 }
 
 impl Layout {
@@ -160,7 +162,10 @@ impl Layout {
             Ok(Some(columns))
         };
         let (qd, qdd) = (optional(names::VELOCITY)?, optional(names::ACCELERATION)?);
-        let tau = resolver.all(QUANTITIES[names::TORQUE], &measured[3], Some(count))?;
+        let tau = match demand.positions_alone && measured[names::TORQUE].is_empty() {
+            true => vec![ABSENT; count],
+            false => resolver.all(QUANTITIES[names::TORQUE], &measured[names::TORQUE], Some(count))?,
+        };
         let whole_truth = truth.iter().all(|found| found.keys().copied().eq(1..=count));
         let truth_columns = whole_truth.then(|| std::array::from_fn(|kind| truth[kind].values().copied().collect()));
         if truth_columns.is_none() && truth.iter().any(|found| !found.is_empty()) {

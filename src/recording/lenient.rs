@@ -91,18 +91,32 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) 
 /// # Errors
 /// Those of [`load`]; files of different length without time; no file at all.
 pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    read(paths, joints, map, false)
+}
+
+/// The motion of joints of which no torque is wanted, whose torques may be missing: those of a gripper, or of another arm.
+///
+/// # Errors
+/// Those of [`load`], but for torques.
+pub fn positions(path: impl AsRef<Path>, joints: &[String], map: &ColumnMap) -> Result<Sieved> {
+    read(&[path.as_ref().to_owned()], Some(joints), map, true)
+}
+
+fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions_alone: bool) -> Result<Sieved> {
     let Some(path) = paths.first() else { return Err(Error::request("files", "name at least one file")) };
     // Joints under other names are found by their columns, not by the arm's names.
     let wanted = joints.filter(|_| map.q.is_none());
     let mut sources = paths.iter().map(|path| source::open(path, wanted, map)).collect::<Result<Vec<Source>>>()?;
-    if let ([source], None, Some(problem)) = (sources.as_slice(), &map.tau, sources[0].without_effort(wanted)) {
+    if let ([source], None, Some(problem)) = (sources.as_slice(), &map.tau, sources[0].without_effort(wanted))
+        && !positions_alone
+    {
         return Err(Error::input(path, source.line(), "effort", problem));
     }
     let header = sources.iter().flat_map(Source::header).cloned().collect();
     let mut header = map.rename(path, header)?;
     let by_time = source::hide_times(&sources, &mut header);
     let own = sources[0].own_joints();
-    let demand = Demand { lenient: true, timeless: map.rate_hz.is_some() };
+    let demand = Demand { lenient: true, timeless: map.rate_hz.is_some(), positions_alone };
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
     let (mut columns, lines, unreadable) = source::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
 
@@ -112,7 +126,7 @@ pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnM
         let problem = "holds no position in any row; log it, or choose joints that were logged";
         return Err(Error::input(path, None, name.as_str(), problem));
     }
-    if layout.torques().iter().all(|column| *column == columns::ABSENT) {
+    if !positions_alone && layout.torques().iter().all(|column| *column == columns::ABSENT) {
         let problem = "the torques of all joints are empty or not a number: the driver did not report them; log them, or motor \
                        currents";
         return Err(Error::input(path, None, "torque", problem));

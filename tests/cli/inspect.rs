@@ -372,3 +372,22 @@ fn whole_turns_and_two_sources() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("two publishers on one topic"), "{}", text(&output.stderr));
 }
+
+/// Joints are taken by name from a log that holds more, in every format; one that has no torque costs its own equation alone.
+#[test]
+fn logs_with_more_joints_than_the_robot() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ONE);
+    let row = |t: f64| format!("0.1,{},0.0", one_joint(t));
+    case.write("log.csv", &sines("t,finger_position,a_position,a_effort,other_position", row));
+    for to in ["log.parquet", "log.mcap", "log.db3", "back.csv"] {
+        assert_done(&case.tauscope(&["inspect", "log.csv", "--convert", to]));
+        let said = text(&case.tauscope(&["inspect", to, "--robot", "one.urdf"]).stdout);
+        assert!(
+            said.contains("1000 rows over 3.996 s") && said.contains(" a ") && !said.contains("finger "),
+            "{to}: {said}"
+        );
+        let all = text(&case.tauscope(&["inspect", to]).stdout);
+        assert!(all.contains("(finger): there is no torque of this joint"), "{to}: {all}");
+    }
+}

@@ -147,22 +147,17 @@ impl LoggedArm {
             .description
             .masters()
             .into_iter()
-            .map(|joint| {
-                let slides = joint.motion == description::Motion::Prismatic;
-                (joint.name.clone(), if slides { JointKind::Prismatic } else { JointKind::Revolute })
-            })
+            .filter_map(|joint| Some((joint.name.clone(), joint.kind()?)))
             .filter(|(name, _)| self.robot.held.iter().any(|(held, _)| held == name))
             .collect();
         let mut found = Vec::new();
+        if others.is_empty() {
+            return Ok(found);
+        }
         let mut paths: Vec<&Path> = logs.iter().map(|log| log.0.as_path()).collect();
         paths.dedup();
-        let mut named = Vec::new();
-        for path in &paths {
-            if others.is_empty() {
-                return Ok(found);
-            }
-            named.push(lenient::joint_names(path, &map)?.names);
-        }
+        let names = |path: &&Path| Ok(lenient::joint_names(path, &map)?.names);
+        let named = paths.iter().map(names).collect::<Result<Vec<_>>>()?;
         for (name, kind) in others.into_iter().filter(|(name, _)| named.iter().all(|names| names.contains(name))) {
             let read = |path: &&Path| Some(lenient::positions(path, std::slice::from_ref(&name), &map).ok()?.recording);
             let Some(mut recordings) = paths.iter().map(read).collect::<Option<Vec<Recording>>>() else { continue };

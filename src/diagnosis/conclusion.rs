@@ -74,8 +74,8 @@ pub struct Conclusion<'a> {
     seed: u64,
 }
 
-/// Diagnoses `robot` from logs; joints without torque, or that hardly move, are left out. Without `test` logs the last part of every training log is held out. `progress` is told
-/// the number of effects found so far.
+/// Diagnoses `robot` from logs; joints without torque, or that hardly move, are left out. Without `test` logs the last part of
+/// every training log is held out. `progress` receives the number of effects found so far.
 ///
 /// # Errors
 /// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.

@@ -53,7 +53,7 @@ impl BaseParameters {
         let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();
         // Row r of `triangle` holds q_r . column c, of unit columns.
         let mut triangle = DMatrix::zeros(columns, columns);
-        // What is left of columns that are regrouped.
+        // Residuals of the columns that are regrouped.
         let mut apart = vec![0.0; columns];
         for column in 0..columns {
             if norms[column] <= INDEPENDENT * largest {

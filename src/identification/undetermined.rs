@@ -1,7 +1,7 @@
 //! Parameters that logs cannot tell from others: by the digits of the sums or under the noise of the torque.
 //!
 //! Geometry that is written with few digits makes columns that are nearly, not quite, combinations of others, and a motion
-//! that leaves a joint almost at rest does the same. What is left of such a column, over the others, is below the noise: its
+//! that leaves a joint almost at rest does the same. The part of such a column that is orthogonal to the others is below the noise: its
 //! parameter is held at the description's value, and the others take over what it would have had.
 
 use super::joint_regression::JointRegression;

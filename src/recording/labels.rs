@@ -34,7 +34,7 @@ pub fn of_joint_state_message(cells: &[String]) -> Option<Vec<String>> {
     (count > 0 && place == cells.len()).then_some(header)
 }
 
-/// The header with the names of joints that the first row holds: of columns `name0` or `name[0]` beside `position0` or
+/// The header with the names of joints that the first row holds: of columns `name0` or `name[0]` next to `position0` or
 /// `position[0]`.
 pub fn named(header: Vec<String>, first: &[String]) -> Vec<String> {
     let split = |column: &str| -> Option<(String, String, usize)> {

@@ -37,7 +37,7 @@ pub struct ColumnMap {
 /// A log without its unusable rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sieved {
-    /// What is left; it may be empty. Time is in seconds, all else in the units of the file.
+    /// The accepted rows; there may be none. Time is in seconds, all else in the units of the file.
     pub recording: Recording,
     /// Line (CSV), row (Parquet) or message (ROS 2) of every sample, counted from 1.
     pub lines: Vec<usize>,

@@ -1,7 +1,7 @@
 //! The result of `tauscope robot`: joints, bodies and notes of a robot's file.
 
 use super::console::{significant, table};
-use crate::robot::description::{Description, Motion};
+use crate::robot::description::{Description, JointDescription};
 use crate::robot::{JointKind, Robot};
 use serde::Serialize;
 
@@ -45,13 +45,13 @@ struct JointResult {
 
 /// The robot as JSON.
 pub fn result(file: &Description, robot: &Robot) -> RobotResult {
-    let joint = |described: &crate::robot::description::JointDescription| {
-        let kind = if described.motion == Motion::Prismatic { JointKind::Prismatic } else { JointKind::Revolute };
+    let joint = |described: &JointDescription| {
+        let kind = described.kind()?;
         let name = described.name.clone();
         let Some(body) = (0..robot.bodies()).find(|&body| robot.body(body).name == name) else {
             let position = robot.held.iter().find(|(held, _)| *held == name).map(|(_, position)| *position);
             let [follows, carried_by] = [None, None];
-            return JointResult {
+            return Some(JointResult {
                 name,
                 kind,
                 role: "held",
@@ -61,11 +61,11 @@ pub fn result(file: &Description, robot: &Robot) -> RobotResult {
                 position,
                 carried_by,
                 mass_kg: None,
-            };
+            });
         };
         let coupling = robot.coupling(body);
         let follows = (body >= robot.dof()).then(|| robot.joints[coupling.coordinate].name.clone());
-        JointResult {
+        Some(JointResult {
             kind,
             role: if follows.is_some() { "follower" } else { "coordinate" },
             multiplier: follows.as_ref().map(|_| coupling.multiplier),
@@ -75,13 +75,13 @@ pub fn result(file: &Description, robot: &Robot) -> RobotResult {
             carried_by: robot.parent(body).map(|parent| robot.body(parent).name.clone()),
             mass_kg: Some(robot.body(body).inertia.mass()),
             name,
-        }
+        })
     };
     RobotResult {
         name: robot.name.clone(),
         dof: robot.dof(),
         gravity_m_s2: robot.gravity.into(),
-        joints: file.moving().into_iter().map(joint).collect(),
+        joints: file.moving().into_iter().filter_map(joint).collect(),
         notes: robot.notes.clone(),
     }
 }

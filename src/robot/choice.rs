@@ -3,7 +3,6 @@
 use super::description::{self, Description, JointDescription, Motion};
 use super::{Drive, Follower, Inertia, Joint, JointKind, Pose, Robot, Tree};
 use crate::error::{Error, Result};
-use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -60,16 +59,20 @@ impl Description {
         self.depth_first().into_iter().map(|joint| &self.joints[joint]).filter(|joint| moves(joint)).collect()
     }
 
+    fn link(&self, name: &str) -> Result<usize> {
+        self.links.iter().position(|link| link.name == name).ok_or_else(|| {
+            let names: Vec<&str> = self.links.iter().map(|link| link.name.as_str()).collect();
+            let problem = format!("{} has no such link; its links are {}", self.source.display(), names.join(", "));
+            Error::request(format!("link `{name}`"), problem)
+        })
+    }
+
     /// The joints between the base and a link, from the base outwards.
     ///
     /// # Errors
     /// If there is no such link; the error lists the links there are.
     pub fn path_to(&self, link: &str) -> Result<Vec<&JointDescription>> {
-        let Some(mut at) = self.links.iter().position(|own| own.name == link) else {
-            let names: Vec<&str> = self.links.iter().map(|link| link.name.as_str()).collect();
-            let problem = format!("{} has no such link; its links are {}", self.source.display(), names.join(", "));
-            return Err(Error::request(format!("link `{link}`"), problem));
-        };
+        let mut at = self.link(link)?;
         let mut path = Vec::new();
         while let Some(joint) = self.joint_above(at) {
             path.push(&self.joints[joint]);
@@ -246,7 +249,7 @@ impl Description {
                 Motion::Revolute | Motion::Prismatic => {}
             }
             held.push((joint.name.clone(), position));
-            let unit = if joint.motion == Motion::Prismatic { "m" } else { "rad" };
+            let unit = if joint.kind() == Some(JointKind::Prismatic) { "m" } else { "rad" };
             let list = if choice.hold.contains_key(&joint.name) { &mut given } else { &mut middle };
             list.push(format!("{} {position:.4} {unit}", joint.name));
         }
@@ -265,7 +268,7 @@ impl Description {
 
 /// Whether a joint of the file can have a coordinate.
 fn moves(joint: &JointDescription) -> bool {
-    matches!(joint.motion, Motion::Revolute | Motion::Prismatic)
+    joint.kind().is_some()
 }
 
 /// The bodies of a robot, as they are put together.
@@ -291,7 +294,7 @@ impl Assembly<'_> {
         let joint = Joint {
             name: given.name.clone(),
             link: file.links[given.child].name.clone(),
-            kind: if given.motion == Motion::Prismatic { JointKind::Prismatic } else { JointKind::Revolute },
+            kind: given.kind().unwrap_or(JointKind::Revolute),
             origin: mount.then(&given.origin),
             axis: given.axis,
             limits: given.limits,
@@ -317,19 +320,12 @@ impl Assembly<'_> {
     /// Pose of the child of a joint that does not move, in the parent link.
     fn standing(&self, joint: usize) -> Pose {
         let given = &self.file.joints[joint];
-        let Place::Held(position) = self.places[joint] else { return given.origin };
-        if position == 0.0 {
-            return given.origin;
+        match (self.places[joint], given.kind()) {
+            (Place::Held(position), Some(kind)) if position != 0.0 => {
+                given.origin.then(&kind.motion(&given.axis, position))
+            }
+            _ => given.origin,
         }
-        let motion = match given.motion {
-            Motion::Prismatic => Pose { translation: position * given.axis, ..Pose::identity() },
-            _ => Pose {
-                rotation: nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(given.axis), position)
-                    .into_inner(),
-                translation: Vector3::zeros(),
-            },
-        };
-        given.origin.then(&motion)
     }
 
     /// The links that move as one with `link`, with their poses in it; of those that hang on fixed joints alone the deepest is
@@ -381,11 +377,10 @@ impl Assembly<'_> {
     /// The body that carries the flange, and its pose there: the link asked for, or the one behind the most fixed joints on the
     /// body with the most moving joints before it.
     fn flange(&self, choice: &Choice, made: &[(Joint, Option<usize>)]) -> Result<(usize, Pose)> {
-        if let Some(tip) = &choice.tip {
-            let last = self.file.path_to(tip)?.last().map_or(self.file.root(), |_| self.link(tip));
-            if let (Some(body), pose) = self.carrier(last) {
-                return Ok((body, pose));
-            }
+        if let Some(tip) = &choice.tip
+            && let (Some(body), pose) = self.carrier(self.file.link(tip)?)
+        {
+            return Ok((body, pose));
         }
         let depth = |mut body: usize| {
             let mut depth = 0;
@@ -408,10 +403,6 @@ impl Assembly<'_> {
             }
         }
         Ok((tip, deepest.1))
-    }
-
-    fn link(&self, name: &str) -> usize {
-        self.file.links.iter().position(|link| link.name == name).unwrap_or(0)
     }
 }
 

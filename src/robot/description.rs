@@ -1,6 +1,6 @@
 //! A robot as its file describes it: a tree of links and joints of every kind, before it is decided which joints move.
 
-use super::{Drive, Inertia, Limits, Pose, file_kind};
+use super::{Drive, Inertia, JointKind, Limits, Pose, file_kind};
 use crate::error::{Error, Result};
 use nalgebra::Vector3;
 use std::collections::{HashMap, HashSet};
@@ -81,6 +81,17 @@ pub struct JointDescription {
     pub mimic: Option<Mimic>,
     /// Line in the file, for error messages.
     pub line: Option<usize>,
+}
+
+impl JointDescription {
+    /// How it moves if it can have a coordinate; None where it does not turn or slide.
+    pub fn kind(&self) -> Option<JointKind> {
+        match self.motion {
+            Motion::Revolute => Some(JointKind::Revolute),
+            Motion::Prismatic => Some(JointKind::Prismatic),
+            Motion::Fixed | Motion::Floating | Motion::Planar => None,
+        }
+    }
 }
 
 /// A robot as described by a file. Its reader guarantees: names are unique, every link but one has exactly one joint above

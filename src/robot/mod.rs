@@ -60,6 +60,20 @@ pub enum JointKind {
     Prismatic,
 }
 
+impl JointKind {
+    /// Pose of the moved joint frame in the joint frame at zero, for a joint of this kind with the unit vector `axis`.
+    pub fn motion(self, axis: &Vector3<f64>, q: f64) -> Pose {
+        match self {
+            JointKind::Revolute => {
+                let rotation =
+                    nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_unchecked(*axis), q).into_inner();
+                Pose { rotation, translation: Vector3::zeros() }
+            }
+            JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * axis },
+        }
+    }
+}
+
 /// Limits of a joint, in rad (or m), rad/s (or m/s), and N m (or N). Infinite where the URDF gives none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
@@ -173,13 +187,6 @@ impl Robot {
 impl Joint {
     /// Pose of the moved joint frame in the joint frame at zero.
     pub fn motion(&self, q: f64) -> Pose {
-        match self.kind {
-            JointKind::Revolute => {
-                let rotation =
-                    nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_unchecked(self.axis), q).into_inner();
-                Pose { rotation, translation: Vector3::zeros() }
-            }
-            JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * self.axis },
-        }
+        self.kind.motion(&self.axis, q)
     }
 }

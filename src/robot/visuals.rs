@@ -1,8 +1,7 @@
 //! What an arm looks like: the visual shapes of its URDF, each on the body that carries it, and capsules for bodies that
 //! have none.
 
-use super::Robot;
-use super::{Pose, urdf};
+use super::{JointKind, Pose, Robot, urdf};
 use std::path::{Path, PathBuf};
 
 /// Radius of a capsule over the reach of the arm.
@@ -113,14 +112,11 @@ impl Walk<'_> {
         let origin = urdf::pose_of(&joint.origin);
         let Some((_, position)) = self.robot.held.iter().find(|(name, _)| *name == joint.name) else { return origin };
         let axis = nalgebra::Vector3::from(joint.axis.xyz.0).try_normalize(1e-9).unwrap_or(nalgebra::Vector3::x());
-        let motion = match joint.joint_type {
-            urdf_rs::JointType::Prismatic => Pose { translation: *position * axis, ..Pose::identity() },
-            _ => Pose {
-                rotation: nalgebra::Rotation3::new(*position * axis).into_inner(),
-                translation: nalgebra::Vector3::zeros(),
-            },
+        let kind = match joint.joint_type {
+            urdf_rs::JointType::Prismatic => JointKind::Prismatic,
+            _ => JointKind::Revolute,
         };
-        origin.then(&motion)
+        origin.then(&kind.motion(&axis, *position))
     }
 
     fn add(&mut self, link: &str, visual: &urdf_rs::Visual, body: usize, place: &Pose) {

@@ -93,7 +93,7 @@ impl Comparison {
             && self.least_of_logs > -of_rms(GROWS)
     }
 
-    /// Whether the reference is clearly worse than the candidate, which is to be told from it.
+    /// Whether the reference is clearly worse than the candidate, from which it must be separable.
     pub fn is_distinct(&self) -> bool {
         self.p < ALPHA && self.gain > 2.0 * DISTINCT.ln()
     }

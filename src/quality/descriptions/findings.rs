@@ -66,7 +66,7 @@ fn origin(factor: f64, factors: &[Option<f64>]) -> String {
     }
 }
 
-/// The findings of a verdict: one per change, at its column, with what is left unexplained under it and its alternatives.
+/// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives.
 pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     let changes = &verdict.description.changes;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);

@@ -1,6 +1,6 @@
 //! The models under which descriptions are compared, as inner products of their columns.
 //!
-//! Every joint has, beside the columns of the bodies, nuisance columns of its drive: a constant and the size of its friction
+//! Every joint has, in addition to the columns of the bodies, nuisance columns of its drive: a constant and the size of its friction
 //! at three speeds. The sizes cannot be negative, since friction takes power at any speed; how they change with speed is
 //! free, so that neither falling nor Stribeck-like friction looks like a fault of the description.
 

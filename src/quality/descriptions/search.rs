@@ -2,7 +2,7 @@
 //!
 //! Sets grow by one change at a time. Those of one size are sorted by a fit of all rows, the best are judged on held-out
 //! blocks, and a set replaces a smaller one only where the paired comparison finds it clearly better. Sets of the same size
-//! that cannot be told from the best are its rivals.
+//! that are not separable from the best are its rivals.
 
 use super::change::Description;
 use super::compare::{Comparison, compare};
@@ -37,7 +37,7 @@ const CLEAN: f64 = 0.04;
 pub struct Tried {
     /// The description.
     pub description: Description,
-    /// What is left of the torques on held-out blocks.
+    /// Residuals of the torques on held-out blocks.
     pub evaluation: Evaluation,
 }
 

@@ -1,7 +1,7 @@
 //! A URDF with other inertias and drives, everything else as it was.
 
 use super::super::xml::{attribute, child, children};
-use super::super::{Drive, Inertia, Pose, Robot};
+use super::super::{Drive, Inertia, JointKind, Pose, Robot};
 use super::edits::{Edit, applied, settled};
 use super::joint_type;
 use super::write::{origin, to_urdf};
@@ -73,7 +73,7 @@ fn mimicry(text: &str, joint: Node, robot: &Robot, body: usize) -> Option<Edit> 
 /// The edits that fix a joint at a position.
 fn fixed_at(text: &str, joint: Node, position: f64) -> Vec<Edit> {
     let mut edits = Vec::new();
-    let slides = joint_type(&joint) == "prismatic";
+    let kind = if joint_type(&joint) == "prismatic" { JointKind::Prismatic } else { JointKind::Revolute };
     edits.extend(joint.attribute_node("type").map(|kind| (kind.range_value(), "fixed".to_owned())));
     edits.extend(child(&joint, "mimic").map(|mimic| (mimic.range(), String::new())));
     if position != 0.0 {
@@ -86,16 +86,9 @@ fn fixed_at(text: &str, joint: Node, position: f64) -> Vec<Edit> {
             .map_or([[0.0; 3]; 2], |origin| [numbers(&origin, "xyz", [0.0; 3]), numbers(&origin, "rpy", [0.0; 3])]);
         let axis = child(&joint, "axis").map_or([1.0, 0.0, 0.0], |axis| numbers(&axis, "xyz", [1.0, 0.0, 0.0]));
         let axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::from(axis));
-        let motion = match slides {
-            true => Pose { translation: position * axis.into_inner(), ..Pose::identity() },
-            false => Pose {
-                rotation: nalgebra::Rotation3::from_axis_angle(&axis, position).into_inner(),
-                translation: nalgebra::Vector3::zeros(),
-            },
-        };
         let [xyz, [roll, pitch, yaw]] = given;
         let rotation = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
-        let place = Pose { rotation, translation: xyz.into() }.then(&motion);
+        let place = Pose { rotation, translation: xyz.into() }.then(&kind.motion(&axis, position));
         edits.push(with_child(text, joint, "origin", &origin(&place)));
     }
     edits

@@ -43,6 +43,7 @@ pub type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
 ///
 /// # Errors
 /// An unreadable file, or one of a kind that is not read.
+#[cfg_attr(not(feature = "bags"), allow(unused_variables, reason = "only bags are read by joint and topic"))]
 pub fn open(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<Source> {
     Ok(match format::of(path)? {
         Format::Text => Source::Text(Text::open(path)?),
@@ -92,6 +93,7 @@ impl Source {
     }
 
     /// Why there is no torque in messages about `joints` whose positions are there.
+    #[cfg_attr(not(feature = "bags"), allow(unused_variables, reason = "only bags are read by joint and topic"))]
     pub fn without_effort(&self, joints: Option<&[String]>) -> Option<String> {
         match self {
             #[cfg(feature = "bags")]

@@ -12,6 +12,7 @@ use super::extended::ExtendedModel;
 use super::found::Found;
 use super::gap::{Residuals, Share};
 use super::inertias::{Gain, all_inertias};
+use super::input::{Input, split};
 use super::known::Known;
 use super::residual_structure::residual_structure;
 use super::resimulation::resimulate;
@@ -32,9 +33,6 @@ use crate::scenario::Measured;
 use crate::signal::white_noise;
 use crate::simulation::engine::EngineKind;
 
-/// Share of a log that is held out where there is no other to judge by.
-const HELD_OUT: f64 = 0.3;
-
 /// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz; and by how much of itself a clock may go slow.
 const SLOWEST_RATE_HZ: f64 = 50.0;
 const SLOW_CLOCK: f64 = 0.01;
@@ -47,19 +45,6 @@ const SLOWEST: f64 = 0.5;
 
 /// How many times what the fitted model leaves its simulation may leave and still be a simulation of it.
 const STRAYS: f64 = 5.0;
-
-/// What a diagnosis is given.
-#[derive(Debug, Clone, Default)]
-pub struct Input<'a> {
-    /// Logs to find from.
-    pub train: Vec<&'a Recording>,
-    /// Logs of other motions to judge by; the last part of every training log where there are none.
-    pub test: Vec<&'a Recording>,
-    /// Logs from before a change: the question is then what changed since.
-    pub reference: Vec<&'a Recording>,
-    /// Effects that the simulation has already.
-    pub present: Vec<Placed>,
-}
 
 /// The answer with all it rests on.
 #[derive(Debug)]
@@ -163,17 +148,6 @@ fn identified<'a>(
     let found = select(&mut session, options, progress)?.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
     Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
-}
-
-/// The first and the last part of every log.
-pub(super) fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
-    let end = |log: &Recording| ((1.0 - HELD_OUT) * log.samples() as f64) as usize;
-    logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
-}
-
-/// The logs that a diagnosis judges by: the test logs, or else the last part of every training log.
-pub fn held_out(input: &Input) -> Vec<Recording> {
-    if input.test.is_empty() { split(&input.train).1 } else { input.test.iter().map(|&log| log.clone()).collect() }
 }
 
 /// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.

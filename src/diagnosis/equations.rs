@@ -1,7 +1,7 @@
 //! Which joints have an equation in a diagnosis: those whose torque is logged and that surely move for long enough. The others
 //! move with them and are left out, with a line each.
 
-use super::conclusion::{Input, split};
+use super::input::{Input, split};
 use super::cutoffs::cutoff;
 use super::rows::{FEWEST_ROWS, Rows};
 use super::screening::{Consequence, DataFault};

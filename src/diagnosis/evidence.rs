@@ -1,9 +1,9 @@
 //! What a diagnosis rests on: the held-out rows with what each model leaves of them, and the first scan's candidates.
 
 use super::arm::Moved;
-use super::candidates::{Family, columns_in};
+use super::candidates::columns_in;
 use super::column::{Column, combined};
-use super::scan::Scan;
+use super::scan::Ranked;
 use super::session::{Member, Session};
 use crate::error::Result;
 
@@ -32,32 +32,6 @@ pub struct Evidence {
     pub effects: Vec<Vec<Vec<f64>>>,
     /// The best of every family before anything was found, the best first.
     pub ranking: Vec<Ranked>,
-}
-
-/// The likeliest candidate of a family and its test.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ranked {
-    /// What and where.
-    pub family: Family,
-    /// Whitened sum of squares it takes: chi-square without the effect.
-    pub statistic: f64,
-    /// Degrees of freedom of that.
-    pub freedom: usize,
-    /// Logarithm of the probability of as much without the effect, not corrected for the number of candidates.
-    pub log_p: f64,
-}
-
-/// The tests of a scan, one per family, the best first.
-pub fn ranking(scan: &Scan) -> Vec<Ranked> {
-    scan.best_per_family()
-        .into_iter()
-        .map(|judged| Ranked {
-            family: judged.candidate.family(),
-            statistic: judged.test.statistic,
-            freedom: judged.test.freedom,
-            log_p: judged.test.log_p(),
-        })
-        .collect()
 }
 
 impl Evidence {

@@ -88,3 +88,29 @@ impl Scan {
         smallest
     }
 }
+
+/// The likeliest candidate of a family and its test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranked {
+    /// What and where.
+    pub family: Family,
+    /// Whitened sum of squares it takes: chi-square without the effect.
+    pub statistic: f64,
+    /// Degrees of freedom of that.
+    pub freedom: usize,
+    /// Logarithm of the probability of as much without the effect, not corrected for the number of candidates.
+    pub log_p: f64,
+}
+
+/// The tests of a scan, one per family, the best first.
+pub fn ranking(scan: &Scan) -> Vec<Ranked> {
+    scan.best_per_family()
+        .into_iter()
+        .map(|judged| Ranked {
+            family: judged.candidate.family(),
+            statistic: judged.test.statistic,
+            freedom: judged.test.freedom,
+            log_p: judged.test.log_p(),
+        })
+        .collect()
+}

@@ -8,7 +8,7 @@ use super::candidates::{Candidate, Family};
 use super::column::{Column, rms};
 use super::contest::{Chosen, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Refused, Standing};
-use super::evidence::{Ranked, ranking};
+use super::scan::{Ranked, ranking};
 use super::found::{Found, beside_play, members};
 use super::multiplicity::Multiplicity;
 use super::play::rattling_gears;

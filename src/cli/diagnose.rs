@@ -4,11 +4,10 @@ use super::arm::ArmArguments;
 use super::{DONE, Global, corrected, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Named};
-use crate::diagnosis::equations::{self, Observed};
-use crate::diagnosis::screening::{
-    Consequence, Screened, all_faults, check_length, correct, screen_all, shared_verdict, still_joints,
+use crate::diagnosis::{
+    Consequence, Input, Observed, Options, Screened, all_faults, check_length, conclude, correct, held_out, observed,
+    screen_all, shared_verdict, still_joints,
 };
-use crate::diagnosis::{Input, Options, conclude, held_out};
 use crate::effects::{self, Placed};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -152,7 +151,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         candidates: arguments.candidates.clone(),
     };
     let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
-    let Observed { model, left_out } = equations::observed(&robot, &input, &still)?;
+    let Observed { model, left_out } = observed(&robot, &input, &still)?;
     faults.extend(left_out);
     bar.set_message("testing every effect on every joint");
     let conclusion = conclude(&model, &input, &options, &mut |found| {

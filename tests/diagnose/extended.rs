@@ -2,8 +2,7 @@
 
 use super::{SETUP, logs, with};
 use tauscope::channels::Channels;
-use tauscope::diagnosis::extended::torque;
-use tauscope::diagnosis::{Input, Options, conclude};
+use tauscope::diagnosis::{Input, Options, conclude, torque};
 use tauscope::dynamics::Motion;
 use tauscope::effects::{Placed, Site, find};
 use tauscope::identification::effect_model::Trust;

@@ -3,7 +3,7 @@
 use super::{SETUP, logs, with};
 use std::sync::LazyLock;
 use tauscope::channels::Channels;
-use tauscope::diagnosis::screening::{Consequence, DataFault, screen};
+use tauscope::diagnosis::{Consequence, DataFault, screen};
 use tauscope::effects::{LIBRARY, Placed, Scope, Site};
 use tauscope::quality::Kind;
 use tauscope::recording::Recording;

@@ -1,7 +1,7 @@
 //! Positions are smoothed as each encoder and the torque ask for.
 
 use super::{SETUP, logs};
-use tauscope::diagnosis::session::Session;
+use tauscope::diagnosis::Session;
 use tauscope::identification::effect_model::Trust;
 use tauscope::identification::model::Model;
 use tauscope::recording::Recording;

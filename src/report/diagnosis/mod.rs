@@ -4,14 +4,9 @@ mod text;
 
 pub use text::{extrapolation, impacts, lines, mend, mixed_rates, place, sampling, stopped_lines};
 
-use crate::diagnosis::candidates::Family;
-use crate::diagnosis::conclusion::Resimulation;
-use crate::diagnosis::found::Found;
-use crate::diagnosis::gap::Share;
-use crate::diagnosis::inertias::Gain;
-use crate::diagnosis::residual_structure::ResidualStructure;
-use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::{
+    Consequence, DataFault, Diagnosis, Family, Found, Gain, ResidualStructure, Resimulation, Share, Verdict,
+};
 use crate::effects::{self, Placed, Role, Scope};
 use crate::quality::Kind;
 use crate::robot::Robot;
@@ -325,7 +320,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     }
 }
 
-fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::derived::Derived]) -> Finding {
+fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::Derived]) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
     let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));

@@ -1,15 +1,9 @@
 //! The answer in a few lines.
 
 use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
-use crate::diagnosis::answer::predicts_worse;
-use crate::diagnosis::candidates::Family;
-use crate::diagnosis::conclusion::Resimulation;
-use crate::diagnosis::disagreement;
-use crate::diagnosis::found::Found;
-use crate::diagnosis::gap::Share;
-use crate::diagnosis::impacts::Play;
-use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::{
+    Consequence, DataFault, Diagnosis, Family, Found, LOGS_DISAGREE, Play, Resimulation, Share, Verdict, predicts_worse,
+};
 use crate::quality::Kind;
 use crate::report::console::{by_joint, significant, table};
 use crate::robot::{Joint, Robot};
@@ -62,7 +56,7 @@ pub fn lines(
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
-        let why = match left.structure == disagreement::STRUCTURE {
+        let why = match left.structure == LOGS_DISAGREE {
             true => ": these do not go with the training logs".to_owned(),
             false => format!(", and {} does so", none(diagnosis)),
         };

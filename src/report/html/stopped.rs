@@ -2,7 +2,7 @@
 
 use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
-use crate::diagnosis::screening::{Consequence, DataFault};
+use crate::diagnosis::{Consequence, DataFault};
 use crate::recording::Recording;
 use crate::report::diagnosis::mend;
 use crate::report::svg::Color;

@@ -1,7 +1,7 @@
 //! One blind run as it is drawn, before anything is simulated.
 
 use super::fault::Fault;
-use crate::diagnosis::candidates;
+use crate::diagnosis::{is_candidate, places};
 use crate::effects::{Effect, LIBRARY, Placed, Role};
 use crate::identification::effect_model::Trust;
 use crate::random;
@@ -121,19 +121,19 @@ pub fn draw(setup: &Setup, seed: u64, severity: f64, correlation_s: f64, trust: 
     let mut source = random::stream(seed, "blind case", 0);
     let effects = visible(trust);
     let effect = effects[source.random_range(0..effects.len())];
-    let joint = source.random_range(candidates::places(effect, setup.known.dof()));
+    let joint = source.random_range(places(effect, setup.known.dof()));
     let hidden = vec![Placed::typical(effect, joint)];
     Case { class: Class::Asked, hidden, severity, correlation_s, trust, ..Case::plain(seed) }
 }
 
 /// Effects of the library that can be told from the baseline under `trust`.
 pub fn visible(trust: Trust) -> Vec<&'static dyn Effect> {
-    LIBRARY.iter().copied().filter(|effect| candidates::is_candidate(*effect, trust, &[])).collect()
+    LIBRARY.iter().copied().filter(|effect| is_candidate(*effect, trust, &[])).collect()
 }
 
 /// `effect` on a place drawn out of all on an arm of `dof` joints, with drawn shapes and signs.
 pub fn drawn(effect: &'static dyn Effect, dof: usize, source: &mut ChaCha8Rng) -> Placed {
-    let joint = source.random_range(candidates::places(effect, dof));
+    let joint = source.random_range(places(effect, dof));
     let mut placed = Placed::typical(effect, joint);
     let factor = SHAPE_FACTOR.powf(source.random_range(-1.0..1.0));
     for (parameter, value) in effect.parameters().iter().zip(&mut placed.parameters) {

@@ -1,10 +1,7 @@
 //! The answer of a blind run against what was hidden.
 
 use super::case::{Case, Class};
-use crate::diagnosis::candidates::Family;
-use crate::diagnosis::found::Found;
-use crate::diagnosis::screening::{Consequence, DataFault};
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::{Consequence, DataFault, Diagnosis, Family, Found, Verdict};
 use crate::effects::Placed;
 
 /// Most names of a set that counts as an answer.

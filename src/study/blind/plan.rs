@@ -3,7 +3,7 @@
 use super::case::{ArmKind, Case, Class, MotionKind, drawn, visible};
 use super::fault::Fault;
 use super::outside::OUTSIDE;
-use crate::diagnosis::candidates;
+use crate::diagnosis::is_candidate;
 use crate::effects::Effect;
 use crate::identification::effect_model::Trust;
 use crate::random;
@@ -103,7 +103,7 @@ impl Plan {
                     case.correlation_s = CORRELATIONS_S[round % CORRELATIONS_S.len()];
                     case.trust = TRUSTS[round / CORRELATIONS_S.len() % TRUSTS.len()];
                 }
-                if !candidates::is_candidate(effect, case.trust, &[]) {
+                if !is_candidate(effect, case.trust, &[]) {
                     case.trust = Trust::Nominal;
                 }
                 case.hidden.push(drawn(effect, dof, &mut source));
@@ -140,7 +140,7 @@ mod tests {
                 let own: Vec<&Case> =
                     cases.iter().filter(|c| c.class == class && c.hidden[0].effect.about().name == name).collect();
                 assert_eq!(own.len(), 3, "{name}");
-                assert!(own.iter().all(|case| candidates::is_candidate(effect, case.trust, &[])), "{name}");
+                assert!(own.iter().all(|case| is_candidate(effect, case.trust, &[])), "{name}");
             }
         }
         assert!(cases.iter().filter(|case| case.class == Class::Quiet).count() >= 100);

@@ -6,11 +6,7 @@
 
 use super::case::{Case, visible};
 use super::sizing::{references, session};
-use crate::diagnosis::candidates::places;
-use crate::diagnosis::column::Column;
-use crate::diagnosis::session::Session;
-use crate::diagnosis::side::Side;
-use crate::diagnosis::whitening::Whitener;
+use crate::diagnosis::{Column, Session, Side, Whitener, places};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::excitation::Motion;

@@ -2,10 +2,7 @@
 
 use super::case::Case;
 use super::motion::{TRAIN, reference_log};
-use crate::diagnosis::column::{Column, rms};
-use crate::diagnosis::roles;
-use crate::diagnosis::score::Projection;
-use crate::diagnosis::session::Session;
+use crate::diagnosis::{Column, Projection, Session, is_level, rms};
 use crate::effects::{Nature, Placed, Role, Site};
 use crate::error::{Error, Result};
 use crate::excitation::Motion;
@@ -36,7 +33,7 @@ pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
     let logs = references(setup, case, &motions[..TRAIN]);
     let session = session(setup, &model, &logs, case)?;
     let mut placed = placed.clone();
-    if roles::is_level(placed.effect) {
+    if is_level(placed.effect) {
         let largest = session.largest_torque(placed.joint);
         let (mut low, mut high) = (0.1 * largest, largest);
         for _ in 0..HALVINGS {

@@ -1,8 +1,7 @@
 //! Every candidate with its test, and how small what was not found would have to be.
 
 use super::{named, probability, spaced};
-use crate::diagnosis::Diagnosis;
-use crate::diagnosis::candidates::Family;
+use crate::diagnosis::{Diagnosis, Family};
 use crate::effects;
 use crate::report::console::significant;
 use crate::report::html::{Block, Section};
@@ -13,7 +12,7 @@ const RANKED: usize = 12;
 
 /// The first scan, the likeliest candidate first.
 pub fn ranked(robot: &Robot, diagnosis: &Diagnosis) -> Section {
-    let row = |(index, ranked): (usize, &crate::diagnosis::evidence::Ranked)| {
+    let row = |(index, ranked): (usize, &crate::diagnosis::Ranked)| {
         vec![
             (index + 1).to_string(),
             named(robot, ranked.family),

@@ -1,8 +1,7 @@
 //! What was found: parameters with intervals, law, and what is easily taken for it.
 
 use super::{NORMAL_95, named, probability, sentence, spaced};
-use crate::diagnosis::Diagnosis;
-use crate::diagnosis::found::Found;
+use crate::diagnosis::{Diagnosis, Found};
 use crate::effects::{About, Role};
 use crate::report::console::significant;
 use crate::report::diagnosis::{NOT_SIZED, impacts};

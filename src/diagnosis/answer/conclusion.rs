@@ -1,0 +1,367 @@
+//! The whole way from logs to the answer, and from the answer back to the simulator.
+
+use super::derived::derived;
+use super::diagnosis::{self, Diagnosis, next_experiment, not_found, take_back};
+use super::equations::{Observed, observed};
+use super::extended::ExtendedModel;
+use super::gap::{Residuals, Share};
+use super::inertias::{Gain, all_inertias};
+use super::residual_structure::residual_structure;
+use super::resimulation::resimulate;
+use super::traces::Evidence;
+use crate::channels::Channels;
+use crate::diagnosis::Options;
+use crate::diagnosis::lack_of_fit::{Unexplained, disagreement, unexplained};
+use crate::diagnosis::logs::{Input, split};
+use crate::diagnosis::model::{Arm, Known, Member, Session, Side};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, combined, rms};
+use crate::diagnosis::search::{Found, Selection, select};
+use crate::effects::Placed;
+use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::recording::Recording;
+use crate::robot::Robot;
+use crate::scenario::Measured;
+use crate::signal::white_noise;
+use crate::simulation::engine::EngineKind;
+
+/// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz; and by how much of itself a clock may go slow.
+const SLOWEST_RATE_HZ: f64 = 50.0;
+const SLOW_CLOCK: f64 = 0.01;
+
+/// Rates closer than this factor are one.
+const SAME_RATE: f64 = 1.2;
+
+/// Least acceleration that a motion is allowed, rad/s2.
+const SLOWEST: f64 = 0.5;
+
+/// How many times what the fitted model leaves its simulation may leave and still be a simulation of it.
+const STRAYS: f64 = 5.0;
+
+/// The answer with all it rests on.
+#[derive(Debug)]
+pub struct Conclusion<'a> {
+    /// The answer.
+    pub diagnosis: Diagnosis,
+    pub(super) session: Session<'a>,
+    present: Vec<Placed>,
+    pub(super) members: Vec<Member>,
+    pub(super) whitener: Whitener,
+    pub(super) first_whitener: Whitener,
+    seed: u64,
+}
+
+/// Diagnoses `robot` from logs; joints without torque, or that hardly move, are left out. Without `test` logs the last part of
+/// every training log is held out. `progress` receives the number of effects found so far.
+///
+/// # Errors
+/// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
+pub fn diagnose(
+    robot: &Robot,
+    train: &[&Recording],
+    test: &[&Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Diagnosis> {
+    let input = Input { train: train.to_vec(), test: test.to_vec(), ..Input::default() };
+    let Observed { model, .. } = observed(robot, &input, &[])?;
+    Ok(conclude(&model, &input, options, progress)?.diagnosis)
+}
+
+/// Diagnoses the arm of `model`; `progress` is told the number of effects found so far.
+///
+/// # Errors
+/// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
+pub fn conclude<'a>(
+    model: &'a Model,
+    input: &Input<'a>,
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Conclusion<'a>> {
+    let robot = model.robot();
+    let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
+    if let Some(log) = logs.find(|log| log.joints() != robot.dof()) {
+        let problem = format!("has {} joints, the arm {}; give logs of this arm", log.joints(), robot.dof());
+        return Err(Error::request("log", problem));
+    }
+    let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
+    if let Some(log) = logs.find(|log| log.rate_hz() < (1.0 - SLOW_CLOCK) * SLOWEST_RATE_HZ) {
+        let problem = format!(
+            "is sampled at {:.3} Hz, and a diagnosis needs {SLOWEST_RATE_HZ} Hz or more: it follows torque in steps of a \
+             fiftieth of a second, and could not tell starts, stops and reversals, impacts, ripple or delays apart from \
+             each other; log faster, or use `tauscope identify`, which takes any rate",
+            log.rate_hz()
+        );
+        return Err(Error::request("log", problem));
+    }
+    let described = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };
+    let (known, before) = match input.reference.is_empty() {
+        true => (described, Vec::new()),
+        false => identified(model, described, &input.reference, options, progress)?,
+    };
+    let (early, late) = split(&input.train);
+    let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
+    let held_out = input.test.is_empty();
+    let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
+    let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
+    let simulation = as_described(&session, &input.present)?;
+    let mut selection = select(&mut session, options, progress)?;
+    let mut left = unexplained(&session, &selection, options.alpha)?;
+    let mut inertias = None;
+    if options.trust == Trust::Nominal && input.reference.is_empty() {
+        let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
+        if let Some(free) = all_inertias(&session, (&selection, &left), free, train, test, options, progress)? {
+            (session, selection, left) = (free.session, free.selection, free.unexplained);
+            inertias = Some(free.gain);
+        }
+    }
+    let present = input.present.clone();
+    let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present };
+    answer(session, selection, left, circumstances, options)
+}
+
+/// The arm as its reference logs show it, with the effects found there: they were there before the change.
+fn identified<'a>(
+    model: &'a Model,
+    described: Known<'a>,
+    reference: &[&'a Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<(Known<'a>, Vec<Found>)> {
+    let (early, late) = split(reference);
+    let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
+    let mut effects = described.effects.clone();
+    let session = Session::knowing(model, options.trust, described.clone(), &early, &late);
+    // Short logs have too little in their last parts: then nothing is held out, and the level of the tests alone decides.
+    let mut session = match session {
+        Ok(session) => session,
+        Err(_) => Session::knowing(model, options.trust, described, reference, reference)?,
+    };
+    let found = select(&mut session, options, progress)?.found;
+    effects.extend(found.iter().map(|found| found.member.placed.clone()));
+    Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
+}
+
+/// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.
+fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
+    let (rows, robot) = (&session.test.rows, session.model.robot());
+    let mut residual = Column::new(rows.torque.iter().cloned());
+    let described = Arm::new(robot, Trust::Nominal);
+    residual.add(-1.0, &described.believed(rows));
+    let baseline = described.baseline(session.model, rows);
+    residual.add(-1.0, &combined(&baseline, &drives(session.model, robot)));
+    for torque in described.added_throughout(present, rows)? {
+        residual.add(-1.0, &torque);
+    }
+    Ok(residual)
+}
+
+/// Friction and rotors of the URDF in the order of a trusted arm's baseline.
+fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
+    let standard = Model::standard_values(robot);
+    let friction = (0..model.base().len()).filter(|&b| model.is_friction(b)).map(|b| standard[model.base().kept()[b]]);
+    let rotors = robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint));
+    friction.chain(rotors.map(|(_, joint)| joint.drive.armature)).collect()
+}
+
+/// What is known beside the search itself.
+struct Circumstances {
+    /// What the arm as described leaves of the held-out logs.
+    simulation: Column,
+    /// Effects that were there before a change.
+    before: Vec<Found>,
+    /// What re-identified inertias gain where those trusted are wrong as a whole.
+    inertias: Option<Gain>,
+    /// Whether the last part of the training logs was held out.
+    held_out_from_training: bool,
+    /// Effects that the simulation has already.
+    present: Vec<Placed>,
+}
+
+fn answer<'a>(
+    session: Session<'a>,
+    selection: Selection,
+    mut unexplained: Vec<Unexplained>,
+    circumstances: Circumstances,
+    options: &Options,
+) -> Result<Conclusion<'a>> {
+    let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
+    let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
+        selection;
+    let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
+    let valid = |side: &'_ Side| side.rows.valid.clone();
+    let train = session.baseline_residual_on(&session.train, &first_whitener)?;
+    let baseline = session.baseline_residual_on(&session.test, &first_whitener)?;
+    let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
+    let noise_floor = whitener.noise_std();
+    let test = &session.test.rows;
+    let solved = session.solved(&members, &whitener)?;
+    let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
+    let trained = session.residual_on(&session.train, &members, &whitener)?;
+    let left = [(&session.train.rows, &trained), (test, &extended)];
+    for other in disagreement(left, &baseline, &noise_floor, &prediction_std) {
+        unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
+        unexplained.push(other);
+    }
+    let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
+    let closed = residuals.gap_closed(&amiss(&unexplained), options.seed);
+    let baseline_test_rms = rms(&test.valid, &baseline);
+    let extended_test_rms = rms(&test.valid, &extended);
+    let simulation_test_rms = rms(&test.valid, &simulation);
+    take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
+    let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
+    let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
+    for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
+        match diagnosis::of_sampling(&session, &found, &noise_floor)? {
+            Some(short) => of_sampling.push(short),
+            None => named.push(((found, derived), effect)),
+        }
+    }
+    let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
+    evidence.effects = effects;
+    let diagnosis = Diagnosis {
+        verdict: diagnosis::verdict(&found, inertias.is_some(), &unexplained),
+        alpha: options.alpha,
+        candidates: options.candidates.clone(),
+        cutoffs_hz: session.cutoffs_hz.clone(),
+        passband: session.passband,
+        rates_hz: rates_hz(&session),
+        held_out_from_training,
+        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
+        effective_tests: multiplicity.all(),
+        gap_closed: closed.value,
+        gap_closed_interval: closed.interval,
+        next_experiment: next_experiment(
+            &found,
+            &unexplained,
+            session.model.robot(),
+            [&simulation_test_rms, &extended_test_rms],
+        ),
+        test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
+        simulation_test_rms,
+        baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
+        extended_test_rms,
+        prediction_std,
+        structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
+        derived,
+        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
+        noise_floor,
+        inertias,
+        against_reference: session.train.rows.before > 0,
+        before,
+        found,
+        of_sampling,
+        sign_widths: session.arm.sign_widths.clone(),
+        unexplained,
+        evidence,
+    };
+    Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
+}
+
+/// Rates of all logs, each once, the lowest first; clocks are never alike to the last digit.
+fn rates_hz(session: &Session) -> Vec<f64> {
+    let logs = session.train.rows.logs.iter().chain(&session.test.rows.logs);
+    let mut rates_hz: Vec<f64> = logs.map(|log| 1.0 / log.period).collect();
+    rates_hz.sort_by(f64::total_cmp);
+    rates_hz.dedup_by(|high, low| *high < SAME_RATE * *low);
+    rates_hz
+}
+
+/// Joints with something unexplained.
+fn amiss(unexplained: &[Unexplained]) -> Vec<usize> {
+    unexplained.iter().map(|left| left.joint).collect()
+}
+
+/// What the models leave of the held-out logs when the simulator runs them along their motions.
+#[derive(Debug, Clone)]
+pub struct Resimulation {
+    /// The forward dynamics.
+    pub engine: EngineKind,
+    /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
+    pub described_rms: Option<Vec<f64>>,
+    /// That of the fitted baseline.
+    pub baseline_rms: Vec<f64>,
+    /// That of the extended model.
+    pub extended_rms: Vec<f64>,
+    /// Share of the baseline's weighted sum of squares that the extended model gains.
+    pub gain: Share,
+    /// Share of the gap between baseline and noise floor that it closes.
+    pub gap_closed: Share,
+    /// Positions of the extended model's arm along every held-out log, rad.
+    pub positions: Vec<Channels>,
+}
+
+impl Conclusion<'_> {
+    /// The arm with everything found.
+    ///
+    /// # Errors
+    /// If no bodies can be found.
+    pub fn extended(&self) -> Result<ExtendedModel> {
+        ExtendedModel::new(&self.session, &self.members, &self.whitener)
+    }
+
+    /// The session: logs and arm.
+    pub fn session(&self) -> &Session<'_> {
+        &self.session
+    }
+
+    /// Runs the arm as described, the fitted baseline and `extended` along the held-out motions under the forward dynamics of `engine`.
+    ///
+    /// # Errors
+    /// If the baseline or the extended model cannot be simulated.
+    pub fn resimulate(&self, extended: &ExtendedModel, engine: EngineKind) -> Result<Resimulation> {
+        let rows = &self.session.test.rows;
+        let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener)?;
+        let described = ExtendedModel::described(self.session.model.robot(), &self.present);
+        let fitted = resimulate(engine, &[&baseline, extended], rows)?;
+        let (baseline, extended) = (&fitted[0], &fitted[1]);
+        let noise = &self.diagnosis.noise_floor;
+        let (before, after) = (&baseline.residual, &extended.residual);
+        let residuals = Residuals { before, after, valid: &baseline.valid, noise };
+        let extended_rms = rms(&extended.valid, &extended.residual);
+        let fitted = &self.diagnosis.extended_test_rms;
+        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
+        if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
+            let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
+                           for a simulation (friction or inertia that would have to be negative)";
+            return Err(Error::request(format!("joint `{}`", self.session.model.robot().joints[joint].name), problem));
+        }
+        let described = resimulate(engine, &[&described], rows).ok();
+        Ok(Resimulation {
+            engine,
+            described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
+            baseline_rms: rms(&baseline.valid, &baseline.residual),
+            extended_rms,
+            gain: residuals.gain(self.seed),
+            gap_closed: residuals.gap_closed(&amiss(&self.diagnosis.unexplained), self.seed),
+            positions: extended.positions.clone(),
+        })
+    }
+}
+
+impl Conclusion<'_> {
+    /// Rate, accelerations and noise of the training logs `train`.
+    pub fn measured(&self, train: &[&Recording]) -> Measured {
+        let rows = &self.session.train.rows;
+        let period = rows.logs.first().map_or(1.0, |log| log.period);
+        let joints = 0..rows.dof();
+        let fastest = |joint: usize| {
+            let all = rows.logs.iter().flat_map(|log| log.motion.qdd.channel(joint));
+            all.fold(0.0f64, |most, a| most.max(a.abs())).max(SLOWEST)
+        };
+        let noise = |signal: fn(&Recording) -> &Channels, joint: usize| {
+            let each = train.iter().map(|log| white_noise(signal(log).channel(joint)));
+            each.sum::<f64>() / train.len().max(1) as f64
+        };
+        Measured {
+            rate_hz: 1.0 / period,
+            acceleration: joints.clone().map(fastest).collect(),
+            position_noise: joints.clone().map(|joint| noise(|log| &log.q, joint)).collect(),
+            torque_noise: joints
+                .map(|joint| noise(|log| &log.tau, joint).max(self.diagnosis.noise_floor[joint]))
+                .collect(),
+        }
+    }
+}

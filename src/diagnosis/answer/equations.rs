@@ -1,0 +1,59 @@
+//! Which joints have an equation in a diagnosis: those whose torque is logged and that surely move for long enough. The others
+//! move with them and are left out, with a line each.
+
+use crate::diagnosis::logs::{Consequence, DataFault, FEWEST_ROWS, Input, Rows, cutoff, split};
+use crate::error::Result;
+use crate::identification::equations::{no_torque, with_torque};
+use crate::identification::model::Model;
+use crate::quality::Kind;
+use crate::recording::Recording;
+use crate::robot::Robot;
+
+/// The model of the joints that have an equation.
+#[derive(Debug)]
+pub struct Observed {
+    /// The model.
+    pub model: Model,
+    /// The joints that have none, and why.
+    pub left_out: Vec<DataFault>,
+}
+
+/// What is said of a joint that is left out, and where.
+const HARDLY_MOVES: &str =
+    "the joint hardly moves: nothing is looked for in its drive, its torque is left out, and the others are diagnosed";
+const ALL: &str = "all logs";
+
+/// The joints of `robot` with an equation in the logs; those in `still` hardly move. Where no joint has one all keep theirs, and
+/// the diagnosis says what is wrong; so it does where a joint moves in the logs to identify from and not in those to judge by.
+///
+/// # Errors
+/// If a log is too short.
+pub fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<Observed> {
+    let all: Vec<&Recording> = input.train.iter().chain(&input.test).chain(&input.reference).copied().collect();
+    let mut equations = with_torque(robot.dof(), all.iter().copied());
+    let without = |joint: usize, kind: Kind, text: String| DataFault {
+        kind,
+        log: ALL.to_owned(),
+        place: format!("tau{} ({})", joint + 1, robot.joints[joint].name),
+        text,
+        consequence: Consequence::LeftOut,
+    };
+    let unlogged = (0..robot.dof()).filter(|&joint| !equations[joint]);
+    let mut left_out: Vec<DataFault> = unlogged.map(|joint| without(joint, Kind::NoTorque, no_torque())).collect();
+    let early = if input.test.is_empty() { split(&input.train).0 } else { Vec::new() };
+    let train = if input.test.is_empty() { early.iter().collect() } else { input.train.clone() };
+    let train: Vec<&Recording> = input.reference.iter().copied().chain(train).collect();
+    let moving = Rows::new(&train, cutoff(&all)?, 0)?.valid;
+    for joint in 0..robot.dof() {
+        let moves = moving[joint].iter().filter(|&&ok| ok).count() >= FEWEST_ROWS;
+        if equations[joint] && (still.contains(&joint) || !moves) {
+            equations[joint] = false;
+            left_out.push(without(joint, Kind::HardlyMoves, HARDLY_MOVES.to_owned()));
+        }
+    }
+    let none = equations.iter().all(|has| !has);
+    match none || equations.iter().all(|has| *has) {
+        true => Ok(Observed { model: Model::new(robot), left_out: Vec::new() }),
+        false => Ok(Observed { model: Model::with_equations(robot, &equations), left_out }),
+    }
+}

@@ -1,0 +1,147 @@
+//! The model of the arm with everything that was found in it: bodies, drives, gravity, and effects that are no part of
+//! these, in a form that the simulator takes.
+
+use crate::channels::Channels;
+use crate::diagnosis::model::{Arm, Member, Session, linear};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::gram;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::effects::{Along, Placed, Role, Site, contributions};
+use crate::error::Result;
+use crate::identification::consistent;
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::robot::{Drive, Robot};
+use nalgebra::DMatrix;
+
+/// Violation of a body's conditions, relative, that is rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// A model of the arm that can be simulated.
+#[derive(Debug, Clone)]
+pub struct ExtendedModel {
+    /// Bodies that can exist, drives and gravity.
+    pub robot: Robot,
+    /// What the arm does beyond, without the friction of its drives.
+    pub effects: Vec<Placed>,
+}
+
+impl ExtendedModel {
+    /// The model fitted with `members`, who may be none.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate, or no bodies can be found.
+    pub fn new(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Self> {
+        let solved = session.solved(members, whitener)?;
+        let mut arm = session.arm.clone();
+        arm.take(session.model, &solved.values);
+        let fitted = session.known.fitted();
+        let mut known = session.known.effects.clone();
+        let first = session.train.baseline.len() - fitted.len();
+        for ((effect, index), change) in fitted.into_iter().zip(&solved.values[first..]) {
+            known[effect].parameters[index] += change;
+        }
+        let (mut robot, mut effects) = (arm.found().clone(), Vec::new());
+        for placed in known.into_iter().chain(members.iter().map(|member| member.placed.clone())) {
+            take_in(placed, &mut robot, &mut effects);
+        }
+        effects.iter_mut().for_each(|placed| bound(placed, session));
+        let gravity = robot.gravity;
+        let mut robot = with_bodies(session, &robot, whitener)?;
+        robot.gravity = gravity;
+        Ok(ExtendedModel { robot, effects })
+    }
+
+    /// An arm as it is described, with the effects that its simulation has.
+    pub fn described(robot: &Robot, present: &[Placed]) -> Self {
+        let (mut robot, mut effects) = (robot.clone(), Vec::new());
+        present.iter().for_each(|placed| take_in(placed.clone(), &mut robot, &mut effects));
+        ExtendedModel { robot, effects }
+    }
+
+    /// Torque along a motion that is known: bodies, drives, and effects at the joints (those in gears and sensors are left
+    /// out), `[joint][time]`.
+    pub fn torque(&self, time: &[f64], motion: &Motion) -> Channels {
+        let mut effects = crate::scenario::drive_friction(&self.robot);
+        effects.extend(self.effects.iter().filter(|placed| placed.effect.about().site == Site::Joint).cloned());
+        torque(&self.robot, &effects, time, motion)
+    }
+}
+
+/// Torque of bodies, rotors and effects along a motion, `[joint][time]`.
+pub fn torque(robot: &Robot, effects: &[Placed], time: &[f64], motion: &Motion) -> Channels {
+    let chain = Chain::new(robot);
+    let mut sum = inverse_dynamics(&chain, &robot.inertial_parameters(), motion);
+    for (joint, spec) in robot.joints.iter().enumerate() {
+        let qdd = motion.qdd.channel(joint);
+        sum.channel_mut(joint).iter_mut().zip(qdd).for_each(|(value, a)| *value += spec.drive.armature * a);
+    }
+    let along = Along::new(robot, &chain, time, motion, 0.0);
+    for torque in contributions(effects, &along) {
+        sum.as_mut_slice().iter_mut().zip(torque.as_slice()).for_each(|(value, more)| *value += more);
+    }
+    sum
+}
+
+/// Bodies, rotors, friction and gravity go into the arm, all else beside it. An effect that is there already grows.
+fn take_in(placed: Placed, robot: &mut Robot, effects: &mut Vec<Placed>) {
+    let drive = &mut robot.joints[placed.joint].drive;
+    match placed.effect.about().name {
+        "coulomb_friction" => drive.coulomb += placed.parameters[0],
+        "viscous_friction" => drive.viscous += placed.parameters[0],
+        _ if placed.effect.about().site == Site::Body => {
+            placed.effect.alter(&placed.parameters, placed.joint, robot);
+        }
+        name => {
+            let same = |other: &&mut Placed| other.effect.about().name == name && other.joint == placed.joint;
+            match effects.iter_mut().find(same) {
+                Some(there) => linear(placed.effect)
+                    .into_iter()
+                    .filter(|&k| placed.effect.parameters()[k].role == Role::Amplitude)
+                    .for_each(|k| there.parameters[k] += placed.parameters[k]),
+                None => effects.push(placed),
+            }
+        }
+    }
+}
+
+/// Keeps the parameters of an effect inside their bounds, and a step of the integrator in whole parts of the sampling time.
+fn bound(placed: &mut Placed, session: &Session) {
+    for (parameter, value) in placed.effect.parameters().iter().zip(&mut placed.parameters) {
+        *value = value.clamp(parameter.lower, parameter.upper);
+    }
+    if let (Site::Integrator, Some(log)) = (placed.effect.about().site, session.train.rows.logs.first()) {
+        let step = &mut placed.parameters[0];
+        *step = log.period / (log.period / *step).round().max(1.0);
+    }
+}
+
+/// The arm with bodies that can exist and drives that take power: its own where they are such, else those nearest to its
+/// base parameters in the metric of their covariance.
+fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<Robot> {
+    let sound = |drive: &Drive| [drive.armature, drive.viscous, drive.coulomb].iter().all(|v| *v >= 0.0);
+    let mut joints = robot.joints.iter();
+    if joints.all(|joint| {
+        sound(&joint.drive) && joint.inertia.mass() > 0.0 && joint.inertia.physical_fault(ROUNDING).is_none()
+    }) {
+        return Ok(robot.clone());
+    }
+    let model = session.model;
+    let normal = normal(session, whitener);
+    let beta = model.base().values(&Model::standard_values(robot));
+    let solution = consistent::solve(model, &normal, &beta)?;
+    Ok(solution.robot(robot))
+}
+
+/// Inner products of the base parameters' columns on whitened training rows.
+fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
+    let arm = Arm::new(session.model.robot(), Trust::Structure).with_sign_widths(session.arm.sign_widths.clone());
+    let base = arm.baseline(session.model, &session.train.rows);
+    let mut normal = gram(&whitener.apply_all(&base));
+    // What these rows do not tell stays where it is.
+    let largest = normal.diagonal().max();
+    for k in 0..normal.nrows() {
+        normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12 * largest;
+    }
+    normal
+}

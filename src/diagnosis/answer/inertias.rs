@@ -1,0 +1,92 @@
+//! Whether it is not one effect but the description as a whole that is wrong: inertias believed, and none of them right.
+//!
+//! Against wrong inertias single effects explain a little each, and never all. Where trusted inertias leave structure or ask
+//! for several wrong links, the search is made once more with all base parameters free; if that predicts the held-out logs
+//! surely better, and leaves less without a name, the inertias are what is wrong.
+
+use crate::diagnosis::Options;
+use crate::diagnosis::evidence::Gains;
+use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
+use crate::diagnosis::model::{Known, Session};
+use crate::diagnosis::regression::rms;
+use crate::diagnosis::search::{Found, Selection, select};
+use crate::effects::Site;
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::recording::Recording;
+
+/// Wrong bodies beyond which it is simpler to say that all of them are.
+const WRONG_BODIES: usize = 2;
+
+/// Joints with structure left beyond which trusted inertias are doubted.
+const DOUBTFUL_JOINTS: usize = 1;
+
+/// What re-identified inertias gain on the held-out logs over those of the description.
+#[derive(Debug, Clone)]
+pub struct Gain {
+    /// Lower bound (84 %) of the share of the whitened sum of squares.
+    pub lower_bound: f64,
+    /// Root mean square of the residual before and after, `[joint]`, N m.
+    pub rms: [Vec<f64>; 2],
+}
+
+/// The search with all inertias free.
+#[derive(Debug)]
+pub(super) struct Free<'a> {
+    /// Logs and arm.
+    pub session: Session<'a>,
+    /// What was found with the inertias free.
+    pub selection: Selection,
+    /// What stays unexplained then.
+    pub unexplained: Vec<Unexplained>,
+    /// What it gains on the held-out logs over the search with inertias trusted.
+    pub gain: Gain,
+}
+
+/// The search with all inertias free, if those of the description are what is wrong: what was found with them trusted, and what that
+/// left unexplained, decides whether it is made.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn all_inertias<'a>(
+    trusted: &Session<'a>,
+    (selection, left): (&Selection, &[Unexplained]),
+    known: Known<'a>,
+    train: &[&Recording],
+    test: &[&Recording],
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Option<Free<'a>>> {
+    let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
+    let bodies = selection.found.iter().filter(is_body).count();
+    let left = surely_left(left);
+    if bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS {
+        return Ok(None);
+    }
+    let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
+    let free = select(&mut session, options, progress)?;
+    let unexplained = unexplained(&session, &free, options.alpha)?;
+    let left_free = surely_left(&unexplained);
+    if left_free > left || (left_free == left && free.found.len() >= selection.found.len()) {
+        return Ok(None);
+    }
+    // Both are seen on rows that count for both, in the noise of the better one.
+    let mut rows = session.test.rows.clone();
+    for (valid, other) in rows.valid.iter_mut().zip(&trusted.test.rows.valid) {
+        valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
+    }
+    let (before, after) = (&selection.held_out, &free.held_out);
+    let joints: Vec<usize> = (0..rows.dof()).collect();
+    let lower_bound = Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound();
+    let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
+    let gain = Gain { lower_bound, rms };
+    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, unexplained, gain }))
+}
+
+/// Number of joints of which something surely stays unexplained.
+fn surely_left(unexplained: &[Unexplained]) -> usize {
+    unexplained.iter().filter(|left| left.sure).count()
+}
+
+/// Least share of the whitened sum of squares that all inertias together must gain to be called wrong.
+const LEAST_GAIN: f64 = 0.1;

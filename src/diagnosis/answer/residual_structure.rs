@@ -1,0 +1,156 @@
+//! Where a residual lives: against position, velocity, acceleration, torque and time, and in which second of the motion.
+
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::Column;
+
+/// Bins of a variable, equally filled.
+const BINS: usize = 20;
+
+/// Rows in a stretch (one second).
+const STRETCH: usize = 50;
+
+/// Share from which on a variable is worth naming.
+const WORTH_NAMING: f64 = 0.2;
+
+/// Where the residual of one joint lives.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ResidualStructure {
+    /// Root mean square, N m.
+    pub rms_nm: f64,
+    /// Share of its sum of squares that follows each variable, whatever the law, beyond what noise would.
+    pub follows: Follows,
+    /// The second in which it is largest.
+    pub worst: Option<Worst>,
+}
+
+/// Shares of a residual that follow a variable of its own joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+#[allow(missing_docs, reason = "the names say it")]
+pub struct Follows {
+    pub position: f64,
+    pub velocity: f64,
+    pub acceleration: f64,
+    pub torque: f64,
+    pub time: f64,
+}
+
+/// The second of the logs in which a residual is largest.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Worst {
+    /// Number of the log, from 0.
+    pub log: usize,
+    /// Start, s.
+    pub from_s: f64,
+    /// End, s.
+    pub to_s: f64,
+    /// Root mean square there, N m.
+    pub rms_nm: f64,
+}
+
+impl Follows {
+    /// The variable that the most follows, in words, with the share. Along one motion all that is slow follows time, so time
+    /// is named only where none of the others is worth naming.
+    pub fn most(&self) -> (&'static str, f64) {
+        let all = [
+            ("position", self.position),
+            ("velocity", self.velocity),
+            ("acceleration", self.acceleration),
+            ("torque", self.torque),
+        ];
+        let most = all.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or(all[0]);
+        if most.1 < WORTH_NAMING && self.time > most.1 { ("time", self.time) } else { most }
+    }
+}
+
+/// The structure of a residual over `rows`, of every joint.
+pub(super) fn residual_structure(rows: &Rows, residual: &Column) -> Vec<ResidualStructure> {
+    (0..rows.dof())
+        .map(|joint| {
+            let kept: Vec<usize> = (0..rows.len()).filter(|&row| rows.valid[joint][row]).collect();
+            let values: Vec<f64> = kept.iter().map(|&row| residual.part(joint).map_or(0.0, |part| part[row])).collect();
+            let share = |signal: Vec<f64>| {
+                let own: Vec<f64> = kept.iter().map(|&row| signal[row]).collect();
+                follows(&own, &values)
+            };
+            let motion = |which: fn(&crate::dynamics::Motion) -> &crate::channels::Channels| {
+                share(rows.means(|log| which(&log.motion).channel(joint).to_vec()))
+            };
+            ResidualStructure {
+                rms_nm: (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt(),
+                follows: Follows {
+                    position: motion(|motion| &motion.q),
+                    velocity: motion(|motion| &motion.qd),
+                    acceleration: motion(|motion| &motion.qdd),
+                    torque: share(rows.torque[joint].clone()),
+                    time: share((0..rows.len()).map(|row| row as f64).collect()),
+                },
+                worst: worst(rows, &kept, &values),
+            }
+        })
+        .collect()
+}
+
+/// Share of the variance of `values` between bins of `variable`, less what noise would give.
+fn follows(variable: &[f64], values: &[f64]) -> f64 {
+    let count = values.len();
+    if count < 4 * BINS {
+        return 0.0;
+    }
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| variable[a].total_cmp(&variable[b]));
+    let mean = values.iter().sum::<f64>() / count as f64;
+    // A residual of one sign follows no variable, but is structure all the same: shares are of the mean square.
+    let total: f64 = values.iter().map(|v| v * v).sum();
+    let within: f64 = (0..BINS)
+        .map(|bin| {
+            let own = &order[bin * count / BINS..(bin + 1) * count / BINS];
+            let middle = own.iter().map(|&k| values[k]).sum::<f64>() / own.len() as f64;
+            own.iter().map(|&k| (values[k] - middle).powi(2)).sum::<f64>()
+        })
+        .sum();
+    let about_mean = total - count as f64 * mean * mean;
+    if total <= 0.0 {
+        return 0.0;
+    }
+    let expected = within / (count - BINS) as f64 * (count - 1) as f64;
+    ((about_mean - expected) / total).max(0.0)
+}
+
+fn worst(rows: &Rows, kept: &[usize], values: &[f64]) -> Option<Worst> {
+    let mut stretches: Vec<(usize, usize, f64, usize)> = Vec::new();
+    for (&row, value) in kept.iter().zip(values) {
+        let log = rows.starts.partition_point(|&start| start <= row) - 1;
+        let stretch = (row - rows.starts[log]) / STRETCH;
+        match stretches.last_mut().filter(|last| (last.0, last.1) == (log, stretch)) {
+            Some(last) => (last.2, last.3) = (last.2 + value * value, last.3 + 1),
+            None => stretches.push((log, stretch, value * value, 1)),
+        }
+    }
+    let mean = |&(.., sum, count): &(usize, usize, f64, usize)| sum / count as f64;
+    let long = stretches.iter().filter(|(.., count)| *count >= STRETCH / 4);
+    let (log, stretch, sum, count) = *long.max_by(|a, b| mean(a).total_cmp(&mean(b)))?;
+    let times = rows.logs[log].blocks(&rows.logs[log].time);
+    let at = |row: usize| times.get(row.min(times.len().max(1) - 1)).copied().unwrap_or(0.0);
+    Some(Worst {
+        log,
+        from_s: at(stretch * STRETCH),
+        to_s: at((stretch + 1) * STRETCH),
+        rms_nm: (sum / count as f64).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_of_the_variable_is_seen_and_noise_is_not() {
+        let count = 2000;
+        let variable: Vec<f64> = (0..count).map(|k| (0.37 * f64::from(k)).sin()).collect();
+        let law: Vec<f64> = variable.iter().map(|x| x * x - 0.5).collect();
+        assert!(follows(&variable, &law) > 0.95);
+        let other: Vec<f64> = (0..count).map(|k| (1.618 * f64::from(k * k)).sin()).collect();
+        assert!(follows(&variable, &other) < 0.05);
+        assert_eq!(follows(&variable, &vec![0.0; count as usize]), 0.0);
+    }
+}

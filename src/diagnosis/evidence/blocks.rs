@@ -1,0 +1,92 @@
+//! Whether evidence is spread over the motion: what rests on a moment or two may be anything that went wrong there.
+
+use super::judging::Judged;
+use crate::diagnosis::model::{Member, Session, is_event};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Column;
+use crate::error::Result;
+use std::ops::Range;
+
+/// Rows in a stretch (one second): longer than the memory of noise and filters.
+pub(super) const STRETCH: usize = 50;
+
+/// The same for an event, which may last no longer than that: a tenth of a second.
+const MOMENT: usize = 5;
+
+/// Stretches that an effect must be seen without.
+const WITHOUT: usize = 2;
+
+/// The stretch of so many rows with the largest sum.
+pub(super) fn best_stretch(of_rows: &[f64], width: usize) -> Range<usize> {
+    let width = width.min(of_rows.len());
+    let mut sum: f64 = of_rows[..width].iter().sum();
+    let mut best = (sum, 0);
+    for end in width..of_rows.len() {
+        sum += of_rows[end] - of_rows[end - width];
+        if sum > best.0 {
+            best = (sum, end + 1 - width);
+        }
+    }
+    best.1..best.1 + width
+}
+
+/// Row of the logs and whitened residual before and after, of every row that counts on every joint of both.
+pub(super) fn row_by_row<'a>(
+    whitener: &'a Whitener,
+    before: &'a Column,
+    after: &'a Column,
+) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+    before.parts.iter().flat_map(|(joint, values)| {
+        let others = after.part(*joint).unwrap_or_default();
+        whitener.places(*joint).iter().zip(values).zip(others).map(|((place, b), a)| (*place, *b, *a))
+    })
+}
+
+/// Logarithm of the probability of what a candidate takes beyond the model with `members` outside the stretches in which it
+/// takes most.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn without_best_stretches(
+    session: &Session,
+    members: &[Member],
+    whitener: &Whitener,
+    winner: &Judged,
+) -> Result<f64> {
+    let present = session.all_columns(&session.train, members)?;
+    let mut rows = session.train.rows.clone();
+    let mut whitener = whitener.clone();
+    let width = if is_event(winner.candidate.placed.effect) { MOMENT } else { STRETCH };
+    for _ in 0..WITHOUT {
+        let fit = whitener.fit(&present, &session.train.torque);
+        let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
+        let mut gains = vec![0.0; rows.len()];
+        for (place, before, after) in row_by_row(&whitener, &fit.residual, &with.residual) {
+            gains[place] += before * before - after * after;
+        }
+        let best = best_stretch(&gains, width);
+        rows.valid.iter_mut().for_each(|valid| valid[best.clone()].fill(false));
+        whitener = whitener.on(&rows);
+    }
+    let fit = whitener.fit(&present, &session.train.torque);
+    let log_p = session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p());
+    tracing::debug!(log_p, "without the best stretches");
+    Ok(log_p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_stretch_is_where_most_is_gained() {
+        let mut rows = vec![0.1; 400];
+        rows[120] = 30.0;
+        rows[165] = 20.0;
+        let best = best_stretch(&rows, STRETCH);
+        assert_eq!(best.len(), STRETCH);
+        assert!(best.contains(&120) && best.contains(&165));
+        assert_eq!(best_stretch(&rows, MOMENT), 116..121);
+        assert_eq!(best_stretch(&[1.0, 2.0], STRETCH), 0..2);
+    }
+}

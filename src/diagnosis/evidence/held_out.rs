@@ -1,0 +1,195 @@
+//! What an effect takes away on rows that it was not fitted to, with its chance.
+
+use super::blocks::{STRETCH, best_stretch, row_by_row};
+use super::generic::slow_cosines;
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::model::Nuisances;
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, Projection, fisher};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
+/// training logs, and the held-out logs, often fewer, must not contradict it.
+const SURELY: f64 = 1.0;
+
+/// What goes with a prediction on held-out rows is seen there again if it is less likely than this by chance.
+pub const SEEN_AGAIN: f64 = 0.05;
+
+/// Factor on the chance that noise alone makes up to which nothing else need be in the residual.
+const CALM: f64 = 1.5;
+
+/// What is gained of the whitened sum of squares on the joints that an effect acts on.
+///
+/// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
+/// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
+#[derive(Debug, Clone)]
+pub struct Gains {
+    /// Gain in each row of the logs.
+    of_rows: Vec<f64>,
+    /// Standard deviation of their sum.
+    std: f64,
+    /// The same were the residual after white.
+    expected_std: f64,
+    /// Sum of squares before.
+    before: f64,
+    /// Probability that noise alone goes with what the effect predicts as well.
+    chance: f64,
+}
+
+impl Gains {
+    /// From residuals before and after over `rows` rows of the logs.
+    pub fn new(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> Self {
+        Self::of_white(unseen, [before, after].map(|residual| unseen.apply(&residual.only(joints))), rows)
+    }
+
+    /// The same beside a constant torque on every joint of every log: what reads wrong by a constant, as sensors do, hides what
+    /// an effect of motion gains.
+    pub fn beside_constants(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: &Rows) -> Self {
+        let mut constants = Nuisances::default();
+        joints.iter().for_each(|&joint| constants.add(&slow_cosines(rows, joint, 0..1), f64::INFINITY));
+        Self::beside(unseen, before, after, joints, &constants, rows.len())
+    }
+
+    /// The same beside columns that may be in the residual for other reasons.
+    pub fn beside(
+        unseen: &Whitener,
+        before: &Column,
+        after: &Column,
+        joints: &[usize],
+        others: &Nuisances,
+        rows: usize,
+    ) -> Self {
+        let others = others.only(joints);
+        let left = |residual: &Column| {
+            let fit = Projection::new(&[], &unseen.apply(&residual.only(joints)));
+            others.beside(&fit, unseen).residual.only(joints)
+        };
+        Self::of_white(unseen, [left(before), left(after)], rows)
+    }
+
+    fn of_white(unseen: &Whitener, [before, after]: [Column; 2], rows: usize) -> Self {
+        let mut of_rows = vec![0.0; rows];
+        let mut chance = vec![0.0; rows / STRETCH + 1];
+        let mut scores = vec![None; rows / STRETCH + 1];
+        let mut predicted = 0.0;
+        for (place, b, a) in row_by_row(unseen, &before, &after) {
+            of_rows[place] += b * b - a * a;
+            chance[place / STRETCH] += 2.0 * a * (b - a);
+            *scores[place / STRETCH].get_or_insert(0.0) += b * (b - a);
+            predicted += (b - a).powi(2);
+        }
+        let scores: Vec<f64> = scores.into_iter().flatten().collect();
+        let std = chance.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
+        let expected_std = 2.0 * predicted.sqrt();
+        let before = before.dot(&before).max(f64::MIN_POSITIVE);
+        Gains { of_rows, std, expected_std, before, chance: chance_of(&scores, predicted) }
+    }
+
+    /// Probability that noise alone goes as well with the torque that the effect predicts, one-sided. The prediction knows
+    /// nothing of these rows, so that no choice among candidates enters.
+    pub fn chance(&self) -> f64 {
+        self.chance
+    }
+
+    /// Probability of that in one of `tries` and of as much as was seen on the training rows, which has a chance of `level` by
+    /// itself: the two are independent.
+    pub fn together(&self, level: f64, tries: f64) -> f64 {
+        fisher([level, (tries * self.chance).min(1.0)].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp()
+    }
+
+    /// The share of the sum of squares that is gained.
+    pub fn share(&self) -> f64 {
+        self.of_rows.iter().sum::<f64>() / self.before
+    }
+
+    /// Lower bound, by one standard deviation (84 %), of the share of the sum of squares that is gained.
+    pub fn lower_bound(&self) -> f64 {
+        self.share() - SURELY * self.std / self.before
+    }
+
+    /// Whether the rows speak against it: by one standard deviation (84 %) nothing is gained.
+    pub fn is_contradicted(&self) -> bool {
+        self.share() + SURELY * self.std / self.before < 0.0
+    }
+
+    /// Whether the chance in the gain is that of the noise: the residual holds little else.
+    pub fn is_calm(&self) -> bool {
+        self.std < CALM * self.expected_std
+    }
+
+    /// The share that is gained outside the stretch that gains most.
+    pub fn without_best_stretch(&self) -> f64 {
+        let best: f64 = self.of_rows[best_stretch(&self.of_rows, STRETCH)].iter().sum();
+        self.share() - best / self.before
+    }
+}
+
+/// Probability of the sum of `scores` without the effect: their variance as the noise has it, or as they scatter (Student),
+/// whichever is larger.
+fn chance_of(scores: &[f64], variance: f64) -> f64 {
+    let sum: f64 = scores.iter().sum();
+    let count = scores.len() as f64;
+    let (Ok(normal), Ok(student)) = (Normal::new(0.0, 1.0), StudentsT::new(0.0, 1.0, count - 1.0)) else { return 1.0 };
+    let scatter: f64 = scores.iter().map(|score| (score - sum / count).powi(2)).sum::<f64>() * count / (count - 1.0);
+    if !(variance > 0.0 && scatter > 0.0) {
+        return 1.0;
+    }
+    normal.sf(sum / variance.sqrt()).max(student.sf(sum / scatter.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::logs::FEWEST_ROWS;
+    use crate::random;
+    use crate::recording::Recording;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn the_chance_of_scores_is_the_larger_of_two() {
+        // Sum 6 of variance 4: 3 standard deviations; scatter 2/3 of 4 scores around 1.5: Student's t of 6 / sqrt(20 / 3), 3 degrees.
+        let scores = [0.0, 1.0, 2.0, 3.0];
+        let t: f64 = 6.0 / (5.0 * 4.0 / 3.0f64).sqrt();
+        let expected = StudentsT::new(0.0, 1.0, 3.0).unwrap().sf(t);
+        assert!((chance_of(&scores, 4.0) - expected).abs() < 1e-15 && expected > 0.03);
+        // A variance that is larger than the scatter.
+        assert!((chance_of(&scores, 36.0) - 0.158_655_253_931_457).abs() < 1e-9);
+        assert!(chance_of(&[-1.0, -2.0, -1.5], 3.0) > 0.9);
+        assert_eq!(chance_of(&[1.0], 1.0), 1.0);
+    }
+
+    #[test]
+    fn an_offset_hides_no_gain_beside_constants() {
+        let time: Vec<f64> = (0..10_000).map(|k| f64::from(k) / 500.0).collect();
+        let mut source = random::stream(1, "offset", 0);
+        let noise: Vec<f64> = (0..10_000).map(|_| StandardNormal.sample(&mut source)).collect();
+        let log = Recording {
+            joints: vec!["a".into()],
+            q: Channels::from_vectors(&[time.iter().map(|t| t.sin()).collect()]),
+            tau: Channels::from_vectors(&[noise]),
+            time,
+            ..Default::default()
+        };
+        let rows = Rows::new(&[&log], 10.0, FEWEST_ROWS).unwrap();
+        let left = Column::new(rows.torque.iter().cloned());
+        let unseen = Whitener::new(&rows, &left, &[]);
+        // An effect with a mean, all of which is there, and an offset against it.
+        let effect = Column::on(0, rows.signal(|log| log.time.iter().map(|t| 0.5 + (0.7 * t).sin()).collect()));
+        let mut after = left;
+        after.add(1.0, &Column::on(0, vec![-1.5; rows.len()]));
+        let mut before = after.clone();
+        before.add(1.0, &effect);
+        let plain = Gains::new(&unseen, &before, &after, &[0], rows.len());
+        let beside = Gains::beside_constants(&unseen, &before, &after, &[0], &rows);
+        assert!(plain.lower_bound() < 0.0, "{plain:?}");
+        assert!(beside.lower_bound() > 0.5, "{}", beside.lower_bound());
+        assert!(!beside.is_contradicted());
+        // What predicts what is not there is contradicted, what predicts nothing is not.
+        let noise = Column::new(rows.torque.iter().cloned());
+        let mut wrong = noise.clone();
+        wrong.add(1.0, &effect);
+        assert!(Gains::new(&unseen, &noise, &wrong, &[0], rows.len()).is_contradicted());
+        assert!(!Gains::new(&unseen, &noise, &noise, &[0], rows.len()).is_contradicted());
+    }
+}

@@ -1,0 +1,239 @@
+//! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
+
+use crate::diagnosis::model::{
+    Candidate, Member, Moved, Session, bends, bounded, columns_in, forms, inertial_prior, is_believable, is_level,
+    is_sensible, largest_share, linear, shapes, sizes, within_bounds,
+};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};
+use crate::effects::{Parameter, Placed, Role};
+use crate::error::Result;
+use rayon::prelude::*;
+
+/// Halvings of the step in the search for a shape.
+const HALVINGS: usize = 6;
+
+/// Times the size at which a departure's column is taken is moved to its estimate.
+const SECANTS: usize = 3;
+
+/// Share of a level within which its column's factor must lie: it is cut off wholly or not at all.
+const LEVEL_FACTOR: std::ops::Range<f64> = 0.5..2.0;
+
+/// Factor within which the estimate of a departure must agree with the size at which its column was taken.
+const SIZE_FACTOR: f64 = 2.0;
+
+/// Standard deviations by which an estimate may lie beyond a bound.
+const BEYOND_BOUND: f64 = 3.0;
+
+/// By how much more surely, in the logarithm of the probability, a form of a law must show that is not the usual one.
+const UNUSUAL: f64 = 3.0;
+
+/// A candidate with its test in some whitening.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// Its columns, whitened.
+    pub whitened: Vec<Column>,
+    /// Its test.
+    pub test: Test,
+}
+
+impl Judged {
+    /// The candidate as part of the model.
+    pub fn member(&self) -> Member {
+        Member::new(&self.candidate, &self.test.values)
+    }
+
+    /// Logarithm of the probability by chance, by which shapes and forms of one family compare.
+    pub fn likeliness(&self) -> f64 {
+        let placed = &self.candidate.placed;
+        let unusual =
+            |(parameter, value): (&Parameter, &f64)| parameter.role == Role::Held && *value != parameter.typical;
+        let is_unusual = placed.effect.parameters().iter().zip(&placed.parameters).any(unusual);
+        self.test.log_p() + if is_unusual { UNUSUAL } else { 0.0 }
+    }
+}
+
+impl Session<'_> {
+    /// Tests a candidate; None where it cannot be told from what the fit has, or its estimate makes no sense.
+    pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
+        let mut candidate = candidate.clone();
+        let mut whitened = whitener.apply_all(&candidate.columns);
+        let effect = candidate.placed.effect;
+        let spread = inertial_prior(self.model.robot(), &candidate.placed);
+        loop {
+            let test = fit.test_with_prior(&whitened, &spread)?;
+            if !test.values.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            if self.is_physical(&candidate, &test) {
+                let mut placed = candidate.placed.clone();
+                linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
+                let believable = is_level(effect)
+                    || is_believable(self.model.robot(), &placed) && self.is_in_proportion(&candidate, &test);
+                return believable.then_some(Judged { candidate, whitened, test });
+            }
+            // An amplitude beyond its bound is one that is not there; the others may do without it.
+            let parameters = effect.parameters();
+            let beyond = linear(effect).into_iter().enumerate().filter(|(k, index)| {
+                let Parameter { role, lower, upper, .. } = parameters[*index];
+                let there = role == Role::Amplitude && !whitened[*k].parts.is_empty();
+                there && lower <= 0.0 && upper >= 0.0 && !(lower..=upper).contains(&test.values[*k])
+            });
+            let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
+                (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())
+            })?;
+            candidate.columns[worst] = Column::default();
+            whitened[worst] = Column::default();
+            if !whitened.iter().any(Column::is_sound) {
+                return None;
+            }
+        }
+    }
+
+    /// Tests effects at the parameters of each of `placed`.
+    fn judged_at(
+        &self,
+        placed: &[Placed],
+        log: Option<usize>,
+        whitener: &Whitener,
+        fit: &Projection,
+    ) -> Result<Vec<Option<Judged>>> {
+        let columns = columns_in(&self.arm, &self.train.rows, log, placed, Moved::Tested)?;
+        let candidates = placed.par_iter().cloned().zip(columns);
+        let judged = candidates.map(|(placed, columns)| self.judge(&Candidate { placed, log, columns }, whitener, fit));
+        Ok(judged.collect())
+    }
+
+    /// Whether the torque of an estimate is not more than what can be of its joint's: on the rows that count, and for friction
+    /// in all others too, to which a law that hardly reaches the rows that count is carried on.
+    fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
+        if candidate.placed.effect.about().dry {
+            let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+            let friction = combined(&candidate.columns, &test.values);
+            if friction.parts.iter().any(|(joint, values)| largest(values) > largest(&self.train.rows.torque[*joint])) {
+                return false;
+            }
+        }
+        let Some(share) = largest_share(&candidate.placed) else { return true };
+        let valid = &self.train.rows.valid;
+        let joint = candidate.placed.joint;
+        let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
+        let all = Column::on(joint, self.train.rows.torque[joint].clone());
+        of_effect <= share * rms(valid, &all)[joint]
+    }
+
+    /// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
+    fn is_physical(&self, candidate: &Candidate, test: &Test) -> bool {
+        let change = self.train.rows.before > 0;
+        let effect = candidate.placed.effect;
+        if is_level(effect) {
+            let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
+            return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
+        }
+        if candidate.one_sided() && !change && test.values[0] <= 0.0 {
+            return false;
+        }
+        if let [only] = linear(effect)[..]
+            && bends(effect, only)
+        {
+            // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
+            // as straight, and stands for everything below it.
+            let sizes = sizes(&effect.parameters()[only], candidate.placed.joint, &self.train.rows);
+            let smallest = sizes.first().copied().unwrap_or_default();
+            let size = candidate.placed.parameters[only];
+            let share = test.values[0] / size;
+            if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
+                return false;
+            }
+        }
+        let estimates = test.values.iter().zip(&test.std);
+        linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
+            let Parameter { lower, upper, role, .. } = effect.parameters()[index];
+            (change && role == Role::Amplitude)
+                || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
+        })
+    }
+
+    /// A candidate in the form of its law that is the likeliest, with its shapes and sizes where its test is largest.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let (placed, log) = (start.candidate.placed.clone(), start.candidate.log);
+        let mut best = self.refined_in_form(start, whitener, fit)?;
+        for (index, parameter) in placed.effect.parameters().iter().enumerate() {
+            for value in forms(placed.effect, parameter).iter().filter(|value| **value != placed.parameters[index]) {
+                let mut other = placed.clone();
+                other.parameters[index] = *value;
+                let start = self.judged_at(&[other], log, whitener, fit)?;
+                let Some(start) = start.into_iter().next().flatten() else { continue };
+                let refined = self.refined_in_form(start, whitener, fit)?;
+                if refined.likeliness() < best.likeliness() {
+                    best = refined;
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// Moves the shapes and sizes of a candidate to where its test is largest.
+    fn refined_in_form(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
+        let effect = start.candidate.placed.effect;
+        let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
+        let mut best = start;
+        let shapes = shapes(effect);
+        let mut share = 0.25;
+        for _ in 0..HALVINGS {
+            for &index in &shapes {
+                let parameter = &effect.parameters()[index];
+                let sideways = |sign: f64| {
+                    let mut placed = best.candidate.placed.clone();
+                    let value = &mut placed.parameters[index];
+                    let wanted = moved(parameter, *value, sign * share);
+                    *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
+                    is_sensible(&placed).then_some(placed)
+                };
+                // Both sides at once: most steps succeed on neither.
+                let sides: Vec<Placed> = [1.0, -1.0].into_iter().filter_map(sideways).collect();
+                let judged = self.judged_at(&sides, log, whitener, fit)?;
+                let better = |judged: &Judged| judged.test.statistic > best.test.statistic;
+                if let Some(judged) = judged.into_iter().flatten().find(better) {
+                    best = judged;
+                }
+            }
+            share *= 0.5;
+            if shapes.is_empty() {
+                break;
+            }
+        }
+        let departs = linear(effect).iter().any(|&k| effect.parameters()[k].role == Role::Departure);
+        for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
+            let mut placed = best.candidate.placed.clone();
+            for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
+                let parameter = &effect.parameters()[index];
+                // A size of next to nothing drowns in rounding.
+                let least = 1e-3 * parameter.typical.abs();
+                let size = if value.abs() < least { least } else { value };
+                placed.parameters[index] = bounded(parameter, size);
+            }
+            match self.judged_at(&[placed], log, whitener, fit)?.into_iter().next().flatten() {
+                Some(judged) => best = judged,
+                None => break,
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// A value moved by a share of itself where it is positive and wide, else of its range.
+fn moved(parameter: &Parameter, value: f64, share: f64) -> f64 {
+    let (low, high) = (parameter.lower, parameter.upper);
+    match parameter.unit {
+        "1/turn" => value + 2.0 * share,
+        "s" if low == 0.0 => value + 4.0 * share,
+        _ if low >= 0.0 && (low == 0.0 || high / low > 10.0) => value * (4.0 * share).exp(),
+        _ => value + 0.4 * share * (high - low),
+    }
+}

@@ -1,0 +1,22 @@
+//! How sure one candidate effect is.
+//!
+//! In: a fit and a candidate. Out: score tests over the grid of shapes, p-values corrected for all tests made, the gain on
+//! held-out rows and between blocks, and tests adjusted for slow noise and errors in variables.
+
+mod adjusted;
+mod blocks;
+mod cross_validation;
+mod generic;
+mod held_out;
+mod judging;
+mod multiplicity;
+mod scan;
+
+pub use adjusted::{against_slow_noise, beside};
+pub use blocks::without_best_stretches;
+pub use cross_validation::left_by_others;
+pub use generic::{Block, Reach, blocks, modulated, slow_cosines};
+pub use held_out::{Gains, SEEN_AGAIN};
+pub use judging::Judged;
+pub use multiplicity::{Multiplicity, family_wise};
+pub use scan::{Ranked, Scan, ranking};

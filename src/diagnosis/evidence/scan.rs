@@ -1,0 +1,114 @@
+//! The tests of all candidates against one fit.
+
+use super::judging::Judged;
+use super::multiplicity::{Multiplicity, Scanned};
+use crate::diagnosis::model::{Candidate, Family, Session, Slot, is_shift, linear};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Projection;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// Probability above which a shift of torque in time shows nothing beside what errors of the positions do.
+const MIMICKED: f64 = 1e-3;
+
+/// The tests of all candidates against one fit.
+#[derive(Debug)]
+pub struct Scan {
+    judged: Vec<Judged>,
+    /// Which of them may be a name: all but lags and delays of which nothing is left beside errors of the positions. These look
+    /// surer than anything where encoders are coarse, and would stand beside every name.
+    stand: Vec<bool>,
+    /// Whether a change is looked for, which may go either way.
+    change: bool,
+}
+
+impl Scan {
+    /// Tests all candidates; those that cannot be told or make no sense are left out.
+    pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
+        let judged: Vec<Judged> =
+            all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
+        let beside_errors = OnceLock::new();
+        let stands = |judged: &Judged| {
+            let placed = &judged.candidate.placed;
+            if !is_shift(placed.effect) {
+                return true;
+            }
+            // The errors are the same beside all of them.
+            let fit: &Projection =
+                beside_errors.get_or_init(|| session.train.errors_beside(placed).beside(fit, whitener));
+            fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
+        };
+        let stand = judged.iter().map(stands).collect();
+        Scan { judged, stand, change: session.train.rows.before > 0 }
+    }
+
+    /// How many independent tests the scan is worth.
+    pub fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
+        let scanned: Vec<Scanned> = self
+            .judged
+            .iter()
+            .map(|one| Scanned {
+                kind: one.candidate.family().effect,
+                columns: &one.whitened,
+                test: &one.test,
+                one_sided: one.candidate.one_sided() && !self.change,
+            })
+            .collect();
+        Multiplicity::new(fit, &scanned, &whitener.rows(), seed)
+    }
+
+    /// The likeliest candidate that may be a name of every family, the best first.
+    pub fn best_per_family(&self) -> Vec<&Judged> {
+        let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
+        for (judged, _) in self.judged.iter().zip(&self.stand).filter(|(_, stands)| **stands) {
+            let place = best.entry(judged.candidate.slot()).or_insert(judged);
+            if judged.likeliness() < place.likeliness() {
+                *place = judged;
+            }
+        }
+        let mut best: Vec<&Judged> = best.into_values().collect();
+        best.sort_by(|a, b| a.test.log_p().total_cmp(&b.test.log_p()));
+        best
+    }
+
+    /// For every family the index of its first linear parameter and the smallest standard deviation of it over the
+    /// family's grid.
+    pub fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
+        let mut smallest = BTreeMap::new();
+        for judged in &self.judged {
+            let (index, std) = (linear(judged.candidate.placed.effect)[0], judged.test.std[0]);
+            let place = smallest.entry(judged.candidate.family()).or_insert((index, std));
+            if std > 0.0 && std < place.1 {
+                *place = (index, std);
+            }
+        }
+        smallest
+    }
+}
+
+/// The likeliest candidate of a family and its test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranked {
+    /// What and where.
+    pub family: Family,
+    /// Whitened sum of squares it takes: chi-square without the effect.
+    pub statistic: f64,
+    /// Degrees of freedom of that.
+    pub freedom: usize,
+    /// Logarithm of the probability of as much without the effect, not corrected for the number of candidates.
+    pub log_p: f64,
+}
+
+/// The tests of a scan, one per family, the best first.
+pub fn ranking(scan: &Scan) -> Vec<Ranked> {
+    scan.best_per_family()
+        .into_iter()
+        .map(|judged| Ranked {
+            family: judged.candidate.family(),
+            statistic: judged.test.statistic,
+            freedom: judged.test.freedom,
+            log_p: judged.test.log_p(),
+        })
+        .collect()
+}

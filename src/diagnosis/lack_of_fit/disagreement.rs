@@ -1,0 +1,66 @@
+//! Held-out logs that do not go with the training logs: of another arm, under another load, after something happened. Whatever is named
+//! from the training logs, they do not judge it.
+
+use super::structure::Unexplained;
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::{Column, rms};
+
+/// What is said of such a joint.
+pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
+
+/// Rows over which what is left is averaged: half a second. What smooth positions do to steps of the motion turns over within less, and
+/// a load or another arm is there for longer.
+const AVERAGED: usize = 25;
+
+/// Factors by which the averages of the held-out rows must exceed those of the training rows, the noise of a single row and what the model is
+/// unsure of, root mean square.
+const FOREIGN: f64 = 3.0;
+const BEYOND_NOISE: f64 = 2.0;
+
+/// Share of what the baseline leaves of the held-out rows up to which what was found goes with them too: its law is carried on there.
+const CARRIED_ON: f64 = 0.5;
+
+/// What a model leaves of one kind of rows.
+type Left<'a> = (&'a Rows, &'a Column);
+
+/// The joints on which the model leaves far more of the held-out rows than of the training rows, of its noise and of what it is unsure of
+/// (root mean square, `[joint]`, N m), and not much less than the `baseline` leaves of the held-out rows.
+pub fn disagreement(
+    [train, test]: [Left; 2],
+    baseline: &Column,
+    noise: &[f64],
+    prediction_std: &[f64],
+) -> Vec<Unexplained> {
+    let on_joint = |joint: usize| {
+        let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
+        let expected = (FOREIGN * trained).max(BEYOND_NOISE * noise[joint]).max(FOREIGN * prediction_std[joint]);
+        let expected = expected.max(CARRIED_ON * averages(test.0, baseline, joint));
+        tracing::debug!(joint, trained, held_out, expected, "held-out rows beside training rows");
+        (held_out > expected).then(|| Unexplained {
+            joint,
+            share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
+            structure: LOGS_DISAGREE,
+            family_wise_p: 0.0,
+            sure: true,
+            instead_of: Vec::new(),
+        })
+    };
+    (0..train.0.dof()).filter_map(on_joint).collect()
+}
+
+/// Root mean square of what is left on a joint, averaged over the rows that count of each half second.
+fn averages(rows: &Rows, left: &Column, joint: usize) -> f64 {
+    let Some(values) = left.part(joint) else { return 0.0 };
+    let (mut sum, mut count) = (0.0, 0usize);
+    for ends in rows.starts.windows(2) {
+        let log: Vec<(f64, bool)> = (ends[0]..ends[1]).map(|row| (values[row], rows.valid[joint][row])).collect();
+        for part in log.chunks(AVERAGED) {
+            let counting: Vec<f64> = part.iter().filter(|(_, ok)| *ok).map(|(value, _)| *value).collect();
+            if 2 * counting.len() >= AVERAGED {
+                sum += (counting.iter().sum::<f64>() / counting.len() as f64).powi(2);
+                count += 1;
+            }
+        }
+    }
+    (sum / count.max(1) as f64).sqrt()
+}

@@ -1,0 +1,13 @@
+//! Structure in the residual that no effect of the library explains.
+//!
+//! In: residuals of the extended model. Out: per joint what the residual still follows (generic functions of the state,
+//! spectral lines, disagreement of the logs), with size and p-value.
+
+mod disagreement;
+mod harmonics;
+mod structure;
+mod unexplained;
+
+pub use disagreement::{LOGS_DISAGREE, disagreement};
+pub use structure::Unexplained;
+pub use unexplained::unexplained;

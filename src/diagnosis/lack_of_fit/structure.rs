@@ -1,0 +1,321 @@
+//! Generic functions of a joint as structure of what a model leaves: what training and held-out rows show of them, and which names on
+//! the joint they stand for.
+
+use crate::diagnosis::evidence::{Block, Gains, SEEN_AGAIN, against_slow_noise, modulated};
+use crate::diagnosis::model::{Member, Noise, Nuisances, Session, Side, linear};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
+use crate::diagnosis::search::{Selection, members};
+use crate::error::Result;
+use std::borrow::Cow;
+
+/// Share of the level of named effects at which training and held-out logs together show structure: the columns are many and
+/// general, and what they find cannot be checked against a law.
+const STRICTER: f64 = 0.2;
+
+/// Share of the level of named effects at which the training logs by themselves make structure sure.
+const SURE: f64 = 0.02;
+
+/// Probability by chance up to which structure on the training logs is looked for on the held-out logs.
+const LOOKED_FOR: f64 = 0.5;
+
+/// Probability of a block in the noise that does not know it up to which the noise is estimated anew with it.
+const SUGGESTED: f64 = 0.1;
+
+/// Least share of what is left on a joint that structure must have to be worth telling: with many rows that of any simplification of
+/// a simulator or a sensor is sure.
+const WORTH_TELLING: f64 = 0.03;
+
+/// A name is empty beside structure when what it adds to that is more likely than this without it.
+const EMPTY: f64 = 1e-3;
+
+/// Share of what a name takes by itself that structure must take beyond it to stand for it: less may be any simplification of its law.
+const LITTLE: f64 = 0.02;
+
+/// Level, over all kinds of structure of a joint, at which training and held-out logs together show that a name on it is not all: that
+/// something is there is known, and what is asked is only whether the name is it.
+const NOT_ALL: f64 = 0.01;
+
+/// Probability by chance of what held-out logs alone must say for that.
+const LEANS: f64 = 0.2;
+
+/// Probability below which the held-out logs by themselves make sure what tells nothing of other logs.
+pub(super) const CONFIRMED: f64 = 0.01;
+
+/// Structure that no candidate carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unexplained {
+    /// The joint.
+    pub joint: usize,
+    /// Share of what is left on it (sum of squares, whitened) that follows the structure.
+    pub share: f64,
+    /// What it follows.
+    pub structure: &'static str,
+    /// Probability of as much without structure, on any joint.
+    pub family_wise_p: f64,
+    /// Whether training and held-out logs each show it surely: names on the joint are weighed against it.
+    pub sure: bool,
+    /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
+    pub instead_of: Vec<usize>,
+}
+
+/// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not told by its impacts, which the rows do not
+/// show.
+pub(super) fn is_weighed(member: &Member, joint: usize) -> bool {
+    !member.held && member.placed.joints() == [joint]
+}
+
+/// Where structure is looked for.
+#[derive(Debug)]
+pub(super) struct Place {
+    /// The joint.
+    pub joint: usize,
+    /// Number of kinds of blocks there.
+    pub kinds: f64,
+    /// Number of all tests on all joints.
+    pub tests: f64,
+    /// Whether a name on the joint may turn out to be structure.
+    pub has_names: bool,
+}
+
+/// The noise on training and held-out rows, and the fit of the model in it.
+#[derive(Debug, Clone)]
+pub(super) struct Under {
+    /// Makes the noise of the training rows white.
+    pub whitener: Whitener,
+    /// Makes that of the held-out rows white.
+    pub unseen: Whitener,
+    /// The fit to the training rows.
+    pub fit: Projection,
+    /// The fit with what errors of the positions put into the torque.
+    pub beside_errors: Projection,
+}
+
+/// What the training rows show of a block.
+#[derive(Debug)]
+pub(super) struct Seen<'a> {
+    /// The noise in which they show it.
+    under: Cow<'a, Under>,
+    whitened: Vec<Column>,
+    test: Test,
+    /// Probability of as much by chance.
+    p: f64,
+    /// The same over all tests.
+    pub family_wise_p: f64,
+}
+
+/// What the held-out rows show of it.
+struct Again {
+    /// Probability of as much by chance.
+    chance: f64,
+    /// Whether they gain by it, also outside the second that gains most.
+    gained: bool,
+    /// Whether they surely gain by it.
+    surely: bool,
+}
+
+/// The model as found, on training and held-out rows.
+#[derive(Debug)]
+pub(super) struct Fitted<'a> {
+    /// Logs and arm.
+    pub session: &'a Session<'a>,
+    /// The effects in it.
+    pub members: Vec<Member>,
+    /// Which of them have no rivals.
+    firm: Vec<bool>,
+    /// Its columns, those of the baseline first, and columns of what errors of the positions put into the torque.
+    columns: Vec<Column>,
+    errors: Nuisances,
+    /// The same on the held-out rows.
+    unseen_columns: Vec<Column>,
+    unseen_errors: Nuisances,
+    /// The noise under the model.
+    pub under: Under,
+    /// Residual on the held-out rows.
+    pub before: &'a Column,
+    /// Level of training and held-out logs together.
+    together: f64,
+    /// Level of the training logs from which structure is sure.
+    pub sure: f64,
+}
+
+impl Under {
+    fn new(session: &Session, whitener: Whitener, fit: Projection, errors: &Nuisances) -> Self {
+        let beside_errors = errors.beside(&fit, &whitener);
+        Under { unseen: whitener.on(&session.test.rows), whitener, fit, beside_errors }
+    }
+
+    /// The share of what is left on a joint that `statistic` is. The fit minimises over all joints, so that it can give more than this
+    /// joint has.
+    pub fn share(&self, joint: usize, statistic: f64) -> f64 {
+        let left: f64 = self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
+        (statistic / left.max(f64::MIN_POSITIVE)).min(1.0)
+    }
+
+    /// Columns whitened, and their test beside errors of the positions.
+    fn test(&self, columns: &[Column]) -> Option<(Vec<Column>, Test)> {
+        let whitened = self.whitener.apply_all(columns);
+        let test = self.beside_errors.test(&whitened)?;
+        Some((whitened, test))
+    }
+}
+
+impl<'a> Fitted<'a> {
+    /// The model that a search came to; `alpha` is the level of named effects.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
+        let members = members(&selection.found);
+        let columns = session.all_columns(&session.train, &members)?;
+        let errors = |side: &Side| {
+            let mut errors = side.errors.all();
+            errors.add(&side.bands, f64::INFINITY);
+            errors
+        };
+        let train_errors = errors(&session.train);
+        let fit = selection.whitener.fit(&columns, &session.train.torque);
+        Ok(Fitted {
+            under: Under::new(session, selection.whitener.clone(), fit, &train_errors),
+            unseen_columns: session.all_columns(&session.test, &members)?,
+            unseen_errors: errors(&session.test),
+            before: &selection.held_out,
+            together: STRICTER * alpha,
+            sure: SURE * alpha,
+            session,
+            firm: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
+            members,
+            columns,
+            errors: train_errors,
+        })
+    }
+
+    /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training
+    /// and held-out rows.
+    pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
+        let Session { train, test, .. } = self.session;
+        let mut first = train.baseline.len();
+        let mut changing = Vec::new();
+        for (member, is_firm) in self.members.iter().zip(&self.firm) {
+            let own = first..first + linear(member.placed.effect).len();
+            first += member.columns();
+            // What happened in one log is not in others.
+            if *is_firm && is_weighed(member, joint) && member.candidate.log.is_none() {
+                let on = |side, columns: &[Column]| modulated(self.session, side, joint, &columns[own.clone()]);
+                changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.unseen_columns)));
+            }
+        }
+        changing
+    }
+
+    /// What the training rows show of a block; None where that is no more than chance brings.
+    pub fn seen(&self, place: &Place, block: &Block) -> Option<Seen<'_>> {
+        let rows = &self.session.train.rows;
+        let plain = self.under.test(&block.columns)?;
+        if plain.1.log_p() > SUGGESTED.ln() {
+            return None;
+        }
+        let mut all = vec![(Cow::Borrowed(&self.under), plain)];
+        // What stands out from the motion for moments only is taken for noise where nothing in the model is like it.
+        if !block.over_time {
+            let own = self.noise_with(place.joint, block);
+            let tested = own.test(&block.columns);
+            all.extend(tested.map(|tested| (Cow::Owned(own), tested)));
+        }
+        let seen = all.into_iter().filter_map(|(under, (whitened, test))| {
+            // Beside a name only the kinds of this joint count. Slow noise only adds to what chance alone brings.
+            let tries = if place.has_names { place.kinds } else { place.tests };
+            let p = (tries * test.log_p().exp() <= LOOKED_FOR)
+                .then(|| against_slow_noise(rows, &under.whitener, &under.beside_errors, &whitened, &test).exp())?;
+            tracing::debug!(place.joint, block.structure, p, plain = test.log_p(), "structure");
+            let family_wise_p = (place.tests * p).min(1.0);
+            (tries * p <= LOOKED_FOR).then_some(Seen { under, whitened, test, p, family_wise_p })
+        });
+        seen.min_by(|a, b| a.p.total_cmp(&b.p))
+    }
+
+    /// The noise with a block in the model, and the fit of the model without it in that.
+    fn noise_with(&self, joint: usize, block: &Block) -> Under {
+        let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
+        let Noise { whitener, .. } = self.session.noise_with_more_on(joint, &self.under.whitener, &with);
+        let fit = whitener.fit(&self.columns, &self.session.train.torque);
+        Under::new(self.session, whitener, fit, &self.errors)
+    }
+
+    /// A block as the structure of its joint, if the held-out rows show it too, and it is worth telling or stands for a name.
+    pub fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
+        let (joint, structure) = (place.joint, block.structure);
+        let Seen { under, whitened, test, p, family_wise_p } = seen;
+        let Again { chance, gained, surely } =
+            if block.over_time { self.seen_again(&under, again)? } else { self.gained(&under, joint, block, again) };
+        let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
+        tracing::debug!(joint, structure, chance, gained, surely, "structure on held-out rows");
+        // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
+        let goes_along = family_wise_p < self.sure && chance < CONFIRMED;
+        let sure = gained && family_wise_p < self.sure && surely;
+        let shown = sure || goes_along || (gained && with(family_wise_p) < self.together && chance < SEEN_AGAIN);
+        let is_not_all = place.has_names && chance < LEANS && with(place.kinds * p) < NOT_ALL;
+        let share = under.share(joint, test.statistic);
+        let weighs = sure || is_not_all;
+        let instead_of = if weighs { self.empty_beside(&under, joint, &whitened, &test) } else { Vec::new() };
+        tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
+        let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
+        told.then_some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of })
+    }
+
+    /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
+    fn seen_again(&self, under: &Under, again: &Block) -> Option<Again> {
+        let Session { test, .. } = self.session;
+        let model = [self.unseen_columns.as_slice(), self.unseen_errors.columns()].concat();
+        let fit = under.unseen.fit(&model, &test.torque);
+        let whitened = under.unseen.apply_all(&again.columns);
+        let found = fit.test(&whitened)?;
+        let chance = against_slow_noise(&test.rows, &under.unseen, &fit, &whitened, &found).exp();
+        let surely = chance < CONFIRMED;
+        Some(Again { chance, gained: surely, surely })
+    }
+
+    /// What the held-out rows say of a block that follows from the motion, as fitted to the training rows.
+    fn gained(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Again {
+        let gains = self.gains(under, joint, block, again);
+        let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
+        Again { chance: gains.chance(), gained, surely: gains.lower_bound() > 0.0 }
+    }
+
+    /// How much better the held-out rows are predicted with a block.
+    fn gains(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Gains {
+        let Session { train, test, .. } = self.session;
+        let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
+        let solved = solve(&under.whitener.apply_all(&with), &under.whitener.apply(&train.torque));
+        let mut after = test.torque.clone();
+        for (column, value) in self.unseen_columns.iter().chain(&again.columns).zip(solved.values) {
+            after.add(-value, column);
+        }
+        Gains::beside(&under.unseen, self.before, &after, &[joint], &self.unseen_errors, test.rows.len())
+    }
+
+    /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.
+    fn empty_beside(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
+        let more = more.statistic - more.freedom as f64;
+        let mut first = self.session.train.baseline.len();
+        let mut empty = Vec::new();
+        for (place, member) in self.members.iter().enumerate() {
+            let own = first..first + member.columns();
+            first = own.end;
+            if !is_weighed(member, joint) {
+                continue;
+            }
+            let others: Vec<Column> =
+                self.columns[..own.start].iter().chain(&self.columns[own.end..]).cloned().collect();
+            let fit = under.whitener.fit(&others, &self.session.train.torque);
+            let own = under.whitener.apply_all(&self.columns[own]);
+            let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
+            let beside = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
+            tracing::debug!(joint, family = ?member.candidate.family(), alone, beside, "name beside structure");
+            if beside > EMPTY.ln() && more > LITTLE * alone {
+                empty.push(place);
+            }
+        }
+        empty
+    }
+}

@@ -1,0 +1,111 @@
+//! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
+//! structure, and whether a name only stands for a part of it.
+
+use super::harmonics::Spectrum;
+use super::structure::{CONFIRMED, Fitted, Place, Under, Unexplained, is_weighed};
+use crate::diagnosis::evidence::{Block, Reach, SEEN_AGAIN, blocks, slow_cosines};
+use crate::diagnosis::model::Session;
+use crate::diagnosis::search::Selection;
+use crate::error::Result;
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::ops::Range;
+
+/// Slow cosines over each log.
+const COSINES: usize = 6;
+
+/// Kinds of structure that are looked for beside the blocks: drifts, and harmonics that come and go.
+const OTHER_KINDS: usize = 2;
+
+/// Tests every joint for structure at a family-wise level; it must also show in the held-out logs.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Vec<Unexplained>> {
+    let model = Fitted::new(session, selection, alpha)?;
+    let each: Vec<Option<Unexplained>> =
+        (0..session.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
+    Ok(each.into_iter().flatten().collect())
+}
+
+impl Fitted<'_> {
+    /// The likeliest structure of a joint.
+    fn left_on(&self, joint: usize) -> Option<Unexplained> {
+        let Session { train, test, .. } = self.session;
+        let reach = Reach::new(&train.rows, joint);
+        let again = blocks(self.session, test, joint, reach);
+        let mut kinds: Vec<(Block, Block)> = blocks(self.session, train, joint, reach).into_iter().zip(again).collect();
+        kinds.extend(self.changing_laws(joint));
+        let place = Place {
+            joint,
+            kinds: kinds.len() as f64,
+            tests: train.rows.dof() as f64 * (kinds.len() + OTHER_KINDS) as f64,
+            has_names: self.members.iter().any(|member| is_weighed(member, joint)),
+        };
+        let mut best: Option<Unexplained> = None;
+        for (block, again) in kinds {
+            let Some(seen) = self.seen(&place, &block) else { continue };
+            // What stands for a name comes before what does not, then the likelier.
+            let is_weaker = best.as_ref().is_some_and(|best| seen.family_wise_p >= best.family_wise_p);
+            let is_settled = best.as_ref().is_some_and(|best| !place.has_names || !best.instead_of.is_empty());
+            if is_weaker && is_settled {
+                continue;
+            }
+            let Some(mut told) = self.told(&place, &block, &again, seen) else { continue };
+            if told.instead_of.is_empty()
+                && (is_weaker || best.as_ref().is_some_and(|best| !best.instead_of.is_empty()))
+            {
+                continue;
+            }
+            let others = best.into_iter().flat_map(|best| best.instead_of);
+            let others: Vec<usize> = others.filter(|place| !told.instead_of.contains(place)).collect();
+            told.instead_of.extend(others);
+            best = Some(told);
+        }
+        best.or_else(|| self.wandering_harmonic(&place)).or_else(|| self.drift(&place))
+    }
+
+    /// What drifts over each log: the power at the slowest frequencies against that at those above them, since how strong slow noise
+    /// is the rows themselves do not tell.
+    fn drift(&self, place: &Place) -> Option<Unexplained> {
+        let rows = &self.session.train.rows;
+        let Under { whitener, fit, .. } = &self.under;
+        let cosines = |orders: Range<usize>| whitener.apply_all(&slow_cosines(rows, place.joint, orders));
+        let slow = cosines(1..COSINES + 1);
+        let test = fit.test(&slow)?;
+        let above = fit.with(&slow).test(&cosines(COSINES + 1..3 * COSINES + 1))?;
+        let (freedom, above_freedom) = (test.freedom as f64, above.freedom as f64);
+        let ratio = test.statistic / freedom / (above.statistic / above_freedom);
+        let family_wise_p = place.tests * FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
+        (family_wise_p < self.sure).then(|| Unexplained {
+            joint: place.joint,
+            share: self.under.share(place.joint, test.statistic),
+            structure: "drifts over time",
+            family_wise_p,
+            sure: true,
+            instead_of: Vec::new(),
+        })
+    }
+
+    /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
+    fn wandering_harmonic(&self, place: &Place) -> Option<Unexplained> {
+        let Session { train, test, .. } = self.session;
+        let Place { joint, tests, .. } = *place;
+        let Under { whitener, unseen, fit, .. } = &self.under;
+        let found = Spectrum::new(&train.rows, whitener, &fit.residual, joint).strongest()?;
+        let family_wise_p = tests * found.log_p.exp();
+        let residual = unseen.apply(&self.before.only(&[joint]));
+        let again = (family_wise_p < self.sure)
+            .then(|| Spectrum::new(&test.rows, unseen, &residual, joint).at(found.order))
+            .flatten()?;
+        tracing::debug!(joint, ?found, ?again, "harmonic");
+        (again.log_p < SEEN_AGAIN.ln()).then_some(Unexplained {
+            joint,
+            share: found.share,
+            structure: "is a harmonic of the joint's position that comes and goes",
+            family_wise_p,
+            sure: again.log_p < CONFIRMED.ln(),
+            instead_of: Vec::new(),
+        })
+    }
+}

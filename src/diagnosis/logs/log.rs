@@ -1,0 +1,183 @@
+//! One log made ready for the rows: its motion from smooth positions, its torque, and what passes either.
+
+use super::cutoffs::{ORDER, clear_of_noise};
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use crate::signal::{ZeroPhaseLowPass, block_means, smooth_derivatives};
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Length of a block, s.
+pub(super) const BLOCK_S: f64 = 0.02;
+
+/// Length of the low-pass' memory, in periods of its cut-off: the kink of a reversal is smeared over it.
+pub(super) const MEMORY: f64 = 1.0;
+
+/// The same at an end of the log at which the arm moves: the filter starts from a motion that it cannot know, and a tiny
+/// share of an arm's torque is much against its noise.
+pub(super) const MEMORY_OF_ENDS: f64 = 5.0;
+
+/// One log made ready, at its own rate.
+#[derive(Debug, Clone)]
+pub struct Log {
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// The motion from smooth positions.
+    pub motion: Motion,
+    /// The motion from positions smoothed no more than their noise asks, where `motion` is smoother.
+    pub whole: Option<Motion>,
+    /// Measured torque, `[joint][time]`; not a number where it must not be used.
+    pub torque: Channels,
+    /// Time between samples, s.
+    pub period: f64,
+    /// The low-pass that the positions of each joint went through.
+    pub low_pass: Vec<ZeroPhaseLowPass>,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passed: Option<ZeroPhaseLowPass>,
+    /// Samples in a block.
+    pub block: usize,
+    /// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion.
+    pub noisy: Vec<bool>,
+    /// Measured positions, rad or m.
+    measured: Channels,
+    /// [`Log::clear`], once it has been asked for.
+    clear: OnceLock<Motion>,
+}
+
+impl Log {
+    /// A log with the positions of each joint smoothed at its own cut-off, Hz, and at `whole_hz` where that is higher; `passed` is the
+    /// low-pass that the torque went through.
+    ///
+    /// # Errors
+    /// If the log is too short; the joint is named.
+    pub fn new(
+        recording: &Recording,
+        (cutoffs_hz, whole_hz): (&[f64], f64),
+        passed: Option<ZeroPhaseLowPass>,
+    ) -> Result<Self> {
+        let rate = recording.rate_hz();
+        let (motion, low_pass) = smooth(recording, cutoffs_hz)?;
+        let is_smoother = cutoffs_hz.iter().any(|hz| *hz < whole_hz);
+        let whole = if is_smoother { Some(smooth(recording, &vec![whole_hz; cutoffs_hz.len()])?.0) } else { None };
+        Ok(Log {
+            time: recording.time.clone(),
+            motion,
+            whole,
+            torque: recording.tau.clone(),
+            period: 1.0 / rate,
+            low_pass,
+            passed,
+            block: ((BLOCK_S * rate).round() as usize).max(1),
+            noisy: vec![false; recording.joints()],
+            measured: recording.q.clone(),
+            clear: OnceLock::new(),
+        })
+    }
+
+    /// The motion whose positions are `q`, smooth already.
+    ///
+    /// # Errors
+    /// If there are too few samples to differentiate.
+    pub fn motion_of(q: Channels, period: f64) -> Result<Motion> {
+        let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
+        for joint in 0..motion.joints() {
+            let Motion { q, qd, qdd } = &mut motion;
+            smooth_derivatives(q.channel(joint), period, qd.channel_mut(joint), qdd.channel_mut(joint))?;
+        }
+        Ok(motion)
+    }
+
+    /// The motion with its positions smoothed once more.
+    ///
+    /// # Errors
+    /// If there are too few samples to differentiate.
+    pub fn smoothed_again(&self) -> Result<Motion> {
+        let mut q = self.motion.q.clone();
+        for (joint, low_pass) in self.low_pass.iter().enumerate() {
+            low_pass.apply_in_place(q.channel_mut(joint))?;
+        }
+        Log::motion_of(q, self.period)
+    }
+
+    /// The motion with accelerations that stand clear of the encoder's noise. Near the ends, where so slow a low-pass knows too little, they
+    /// are those of [`Log::motion`].
+    ///
+    /// # Errors
+    /// If there are too few samples for the filters.
+    pub fn clear(&self) -> Result<&Motion> {
+        if let Some(clear) = self.clear.get() {
+            return Ok(clear);
+        }
+        let mut clear = self.motion.clone();
+        let (rate_hz, last) = (1.0 / self.period, self.time.len() - 1);
+        for joint in 0..clear.joints() {
+            let hz = clear_of_noise(self.measured.channel(joint), rate_hz)?;
+            let slow = clear.qdd.channel_mut(joint);
+            ZeroPhaseLowPass::new(ORDER, hz, rate_hz)?.apply_in_place(slow)?;
+            for (sample, (slow, all)) in slow.iter_mut().zip(self.motion.qdd.channel(joint)).enumerate() {
+                let periods = sample.min(last - sample) as f64 * self.period * hz;
+                let known = ((periods - MEMORY) / (MEMORY_OF_ENDS - MEMORY)).clamp(0.0, 1.0);
+                *slow += 0.5 * (1.0 + (PI * known).cos()) * (all - *slow);
+            }
+        }
+        Ok(self.clear.get_or_init(|| clear))
+    }
+
+    /// Means over the blocks of a signal of this log.
+    pub fn blocks(&self, signal: &[f64]) -> Vec<f64> {
+        block_means(signal, self.block).unwrap_or_default()
+    }
+
+    /// Means over the blocks of a part of the torque, as it would have been logged: through the low-pass that the torque went
+    /// through.
+    pub fn as_logged(&self, torque: &[f64]) -> Vec<f64> {
+        let Some(passed) = &self.passed else { return self.blocks(torque) };
+        let mut logged = vec![0.0; torque.len()];
+        match passed.apply(torque, &mut logged) {
+            Ok(()) => self.blocks(&logged),
+            // No log is so short that made it here.
+            Err(_) => self.blocks(torque),
+        }
+    }
+}
+
+/// The motion of a log with the positions of each joint smoothed by a low-pass, which is returned too.
+fn smooth(recording: &Recording, cutoffs_hz: &[f64]) -> Result<(Motion, Vec<ZeroPhaseLowPass>)> {
+    let rate = recording.rate_hz();
+    let low_pass: Vec<ZeroPhaseLowPass> =
+        cutoffs_hz.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate)).collect::<Result<_>>()?;
+    let mut q = recording.q.clone();
+    for (joint, low_pass) in low_pass.iter().enumerate() {
+        low_pass
+            .apply_in_place(q.channel_mut(joint))
+            .map_err(|e| Error::request(format!("joint `{}`", recording.joints[joint]), e.to_string()))?;
+    }
+    Ok((Log::motion_of(q, 1.0 / rate)?, low_pass))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::logs::cutoffs::tests::{RATE, swing};
+    use crate::diagnosis::logs::rows::{FEWEST_ROWS, Rows};
+
+    #[test]
+    fn clear_accelerations_are_those_of_the_motion() {
+        let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let (time, tau) = ((0..10_000).map(|k| f64::from(k) / RATE).collect(), Channels::zeros(1, 10_000));
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 20.0, FEWEST_ROWS).unwrap();
+        let (own, clear) = (&rows.logs[0].motion, rows.logs[0].clear().unwrap());
+        let rate = std::f64::consts::TAU * 0.4;
+        let error = |motion: &Motion| {
+            let true_at = |k: usize| -rate * rate * (rate * k as f64 / RATE).sin();
+            let errors = (1000..9000).map(|k| (motion.qdd.channel(0)[k] - true_at(k)).powi(2));
+            (errors.sum::<f64>() / 8000.0).sqrt()
+        };
+        assert!(error(clear) < 0.03 * error(own), "{} of {}", error(clear), error(own));
+        assert_eq!((&clear.q, &clear.qd), (&own.q, &own.qd));
+        assert_eq!(clear.qdd.channel(0)[9999], own.qdd.channel(0)[9999]);
+    }
+}

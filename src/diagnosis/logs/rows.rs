@@ -1,0 +1,348 @@
+//! From logs to the rows of the tests: smooth positions, means over short blocks, rows near reversals left out.
+//!
+//! Positions pass a zero-phase low-pass whose cut-off the data choose. Torque is not filtered: torque and every column
+//! become means over the same short blocks, which keeps white noise white.
+
+use super::cutoffs::POINTS;
+use super::log::{BLOCK_S, Log, MEMORY, MEMORY_OF_ENDS};
+use super::low_pass::LowPass;
+use crate::diagnosis::regression::Column;
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Velocity under which the direction of a joint is not certain, rad/s or m/s, but no more than this share of the joint's
+/// fastest and no less than the least; and the rows on either side that go with it.
+const REVERSAL_BAND: f64 = 0.03;
+const BAND_SHARE: f64 = 0.1;
+const LEAST_BAND: f64 = 0.003;
+const REVERSAL_NEIGHBOURS: usize = 2;
+
+/// Length of the memory of the low-pass that torque went through before it was logged, in periods of its cut-off.
+const MEMORY_OF_LOGGER: f64 = 2.5;
+
+/// Stretch at an end that tells whether the arm moves there, s.
+const END_S: f64 = 0.1;
+
+/// Share of the band within which the direction is not certain of a motion that is hardly smoothed.
+const HARDLY_SMOOTHED: f64 = 0.5;
+
+/// Share of a joint's motion that reversals may not take.
+const KEPT_SHARE: f64 = 0.85;
+
+/// Fewest rows that count on every joint, to identify from.
+pub const FEWEST_ROWS: usize = 100;
+/// Fewest rows that count on every joint, to judge by.
+pub const FEWEST_TEST_ROWS: usize = 30;
+
+/// All logs of one kind, their blocks one after the other. Signals over the rows have one value per block of every log.
+#[derive(Debug, Clone)]
+pub struct Rows {
+    /// The logs.
+    pub logs: Vec<Log>,
+    /// First row of every log, and the number of all rows at the end.
+    pub starts: Vec<usize>,
+    /// Rows that count, `[joint][row]`.
+    pub valid: Vec<Vec<bool>>,
+    /// Measured torque, `[joint][row]`.
+    pub torque: Vec<Vec<f64>>,
+    /// Rows over which the low-pass of each joint's positions smears what happens at once, to either side.
+    pub smear: Vec<usize>,
+    /// The first so many logs are from before the change in question: what changed plays no part there.
+    pub before: usize,
+    /// What smooth functions of each joint's motion can do, `[joint][column][row]`, once the noise has been asked for.
+    pub rich: OnceLock<Vec<Vec<Vec<f64>>>>,
+}
+
+impl Rows {
+    /// Makes logs ready with positions smoothed at `cutoff_hz`; `fewest` rows must count on every joint.
+    ///
+    /// # Errors
+    /// If a log is too short, or a joint hardly moves; named.
+    pub fn new(recordings: &[&Recording], cutoff_hz: f64, fewest: usize) -> Result<Self> {
+        let joints = recordings.first().map_or(0, |recording| recording.joints());
+        Self::logged_through(None, recordings, (&vec![cutoff_hz; joints], cutoff_hz), &vec![Some(fewest); joints])
+    }
+
+    /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row
+    /// counts only where the joint also moves surely with positions smoothed at `whole_hz`, above which they hold nothing but
+    /// noise: where friction holds a joint for a moment, smoother positions move on. So many rows as `fewest` says must count on each
+    /// joint; one for which it says nothing has no equation.
+    ///
+    /// # Errors
+    /// If a log is too short, or a joint hardly moves; named.
+    pub fn logged_through(
+        through: Option<LowPass>,
+        recordings: &[&Recording],
+        (cutoffs_hz, whole_hz): (&[f64], f64),
+        fewest: &[Option<usize>],
+    ) -> Result<Self> {
+        let first = recordings.first().ok_or_else(|| Error::request("logs", "there are none; give at least one"))?;
+        let dof = first.joints();
+        let mut rows = Rows {
+            logs: Vec::new(),
+            starts: vec![0],
+            valid: vec![Vec::new(); dof],
+            torque: vec![Vec::new(); dof],
+            smear: cutoffs_hz.iter().map(|hz| (0.5 * MEMORY / hz / BLOCK_S).ceil() as usize).collect(),
+            before: 0,
+            rich: OnceLock::new(),
+        };
+        let lowest_hz = cutoffs_hz.iter().copied().fold(f64::INFINITY, f64::min);
+        for recording in recordings {
+            let passed = through.map(|low_pass| low_pass.at_rate(recording.rate_hz())).transpose()?;
+            let log = Log::new(recording, (cutoffs_hz, whole_hz), passed)?;
+            let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
+            // What torque there was before and after the log, its low-pass knew.
+            let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
+            let ends = rests(recording)
+                .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / lowest_hz).max(unknown_s)));
+            for (joint, joint_cutoff_hz) in cutoffs_hz.iter().enumerate() {
+                // A torque that is not a number is one that must not be used.
+                let torque = log.blocks(recording.tau.channel(joint));
+                let valid = usable(&log, joint, blocks(MEMORY / joint_cutoff_hz), ends)
+                    .into_iter()
+                    .zip(&torque)
+                    .map(|(ok, value)| ok && value.is_finite());
+                rows.valid[joint].extend(valid);
+                rows.torque[joint].extend(torque.iter().map(|&value| if value.is_finite() { value } else { 0.0 }));
+            }
+            rows.starts.push(rows.torque[0].len());
+            rows.logs.push(log);
+        }
+        for (joint, (valid, &fewest)) in rows.valid.iter_mut().zip(fewest).enumerate() {
+            let Some(fewest) = fewest else {
+                valid.fill(false);
+                continue;
+            };
+            let count = valid.iter().filter(|&&ok| ok).count();
+            if count < fewest {
+                let problem = format!(
+                    "only {:.1} s of the logs are usable (where the joint surely moves); a \
+                     diagnosis needs {:.0} s or more: record a longer motion in which this joint takes part",
+                    count as f64 * BLOCK_S,
+                    fewest as f64 * BLOCK_S
+                );
+                return Err(Error::request(format!("joint `{}`", first.joints[joint]), problem));
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.torque.len()
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.torque[0].len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// These logs, and `others` after them.
+    pub fn and(&self, others: &Rows) -> Rows {
+        let (mut all, first) = (self.clone(), self.len());
+        all.rich = OnceLock::new();
+        all.logs.extend(others.logs.iter().cloned());
+        all.starts.extend(others.starts[1..].iter().map(|start| first + start));
+        all.valid.iter_mut().zip(&others.valid).for_each(|(valid, other)| valid.extend(other));
+        all.torque.iter_mut().zip(&others.torque).for_each(|(torque, other)| torque.extend(other));
+        all
+    }
+
+    /// Share of white noise, as means over blocks, that the low-pass lets through that torque went through; one without any.
+    pub fn share_as_logged(&self) -> f64 {
+        let Some((log, passed)) = self.logs.iter().find_map(|log| Some((log, log.passed.as_ref()?))) else {
+            return 1.0;
+        };
+        let (mut all, mut through) = (0.0, 0.0);
+        for k in 0..POINTS {
+            let hz = (k as f64 + 0.5) / POINTS as f64 * 0.5 / log.period;
+            // A mean over a block is a low-pass of its own (Dirichlet's kernel).
+            let phase = PI * hz * log.period;
+            let mean = (log.block as f64 * phase).sin() / (log.block as f64 * phase.sin());
+            all += mean * mean;
+            through += (mean * passed.gain(hz)).powi(2);
+        }
+        through / all
+    }
+
+    /// First row from after the change in question.
+    pub fn changed_from(&self) -> usize {
+        self.starts[self.before]
+    }
+
+    /// Signals over the rows, each in two where there are rows from before the change: one for before, one for after.
+    pub fn apart(&self, signals: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let change = self.changed_from();
+        if change == 0 {
+            return signals;
+        }
+        let part = |signal: &[f64], after: bool| -> Vec<f64> {
+            signal.iter().enumerate().map(|(row, &x)| if (row >= change) == after { x } else { 0.0 }).collect()
+        };
+        signals.iter().flat_map(|signal| [part(signal, false), part(signal, true)]).collect()
+    }
+
+    /// A signal over the rows with zeros before the change.
+    pub fn since_change(&self, mut signal: Vec<f64>) -> Vec<f64> {
+        signal[..self.changed_from()].fill(0.0);
+        signal
+    }
+
+    /// Leaves out the rows of a joint in which its error exceeds what is bearable on it, but no more than a share of those that
+    /// count: then the largest.
+    pub fn leave_out_largest(&mut self, errors: &[Column], bearable: &[f64], most: f64) {
+        for (joint, (valid, bearable)) in self.valid.iter_mut().zip(bearable).enumerate() {
+            let Some(error) = errors.iter().find_map(|error| error.part(joint)) else { continue };
+            let mut sizes: Vec<f64> = error.iter().zip(&*valid).filter(|(_, ok)| **ok).map(|(e, _)| e.abs()).collect();
+            sizes.sort_by(|a, b| b.total_cmp(a));
+            let limit = sizes.get((most * sizes.len() as f64) as usize).map_or(*bearable, |least| least.max(*bearable));
+            tracing::debug!(joint, bearable, limit, "error of the smoothing");
+            // An error that is not a number says nothing.
+            valid.iter_mut().zip(error).for_each(|(ok, error)| *ok &= error.is_nan() || error.abs() <= limit);
+        }
+    }
+
+    /// Leaves out the rows of all joints that hold samples `from..to` of a log.
+    pub fn leave_out_samples(&mut self, log: usize, from: usize, to: usize) {
+        let (start, end, block) = (self.starts[log], self.starts[log + 1], self.logs[log].block);
+        let near = (start + from / block).min(end)..(start + to.div_ceil(block)).min(end);
+        self.valid.iter_mut().for_each(|valid| valid[near.clone()].fill(false));
+    }
+
+    /// A part of the torque of one joint over the rows as it would have been logged, from what `of` gives for every log at its
+    /// own rate.
+    pub fn signal(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
+        self.logs.iter().flat_map(|log| log.as_logged(&of(log))).collect()
+    }
+
+    /// A signal that is no torque over the rows, from what `of` gives for every log at its own rate.
+    pub fn means(&self, of: impl Fn(&Log) -> Vec<f64>) -> Vec<f64> {
+        self.logs.iter().flat_map(|log| log.blocks(&of(log))).collect()
+    }
+}
+
+/// Whether all joints rest at the start and at the end of a log.
+fn rests(recording: &Recording) -> [bool; 2] {
+    let samples = recording.samples();
+    let stretch = ((END_S * recording.rate_hz()) as usize).clamp(1, samples - 1);
+    let moved = |from: usize| {
+        (0..recording.joints()).any(|joint| {
+            let q = recording.q.channel(joint);
+            (q[from + stretch] - q[from]).abs() > REVERSAL_BAND * END_S
+        })
+    };
+    [!moved(0), !moved(samples - 1 - stretch)]
+}
+
+/// Blocks of a joint away from the ends of the log and from reversals, of the motion and of the hardly smoothed one where there is
+/// one. The full memory of the low-pass is left out around reversals where that leaves most of the motion; a joint that turns round
+/// all the time keeps more.
+fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
+    let speed = log.motion.qd.channel(joint);
+    let fastest = speed.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let band = REVERSAL_BAND.min((BAND_SHARE * fastest).max(LEAST_BAND));
+    let is_slow = |block: &[f64], band: f64| {
+        let turns = block.iter().any(|v| v.signum() != block[0].signum());
+        turns || block.iter().any(|v| v.abs() < band)
+    };
+    let mut slow: Vec<bool> = speed.chunks_exact(log.block).map(|block| is_slow(block, band)).collect();
+    if let Some(whole) = &log.whole {
+        let blocks = whole.qd.channel(joint).chunks_exact(log.block);
+        slow.iter_mut().zip(blocks).for_each(|(slow, block)| *slow |= is_slow(block, HARDLY_SMOOTHED * band));
+    }
+    let away = |neighbours: usize| -> Vec<bool> {
+        (0..slow.len())
+            .map(|row| {
+                let near = row.saturating_sub(neighbours)..(row + neighbours + 1).min(slow.len());
+                row >= ends[0] && row + ends[1] < slow.len() && !slow[near].contains(&true)
+            })
+            .collect()
+    };
+    let count = |rows: &[bool]| rows.iter().filter(|&&ok| ok).count() as f64;
+    let most = away(REVERSAL_NEIGHBOURS);
+    let enough = KEPT_SHARE * count(&most);
+    let fewer = (REVERSAL_NEIGHBOURS + 1..=margin).rev().map(away);
+    fewer.into_iter().find(|rows| count(rows) >= enough).unwrap_or(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::logs::cutoffs::tests::{RATE, swing};
+
+    #[test]
+    fn rows_near_reversals_and_ends_do_not_count() {
+        let mut q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        // At rest in the beginning.
+        let start = q.channel(0)[125];
+        q.channel_mut(0)[..125].fill(start);
+        let tau = Channels::zeros(1, 10_000);
+        let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
+        assert_eq!(rows.len(), 1000);
+        // A reversal every half period of 2.5 s: blocks 31, 94, ..
+        assert!(!rows.valid[0][0] && !rows.valid[0][94] && !rows.valid[0][999]);
+        assert!(rows.valid[0][60] && rows.valid[0][120]);
+        // At the end the arm moves: nothing counts within five periods of the low-pass, 1 s.
+        assert!(rows.valid[0][950..].iter().all(|&ok| !ok) && rows.valid[0][930..950].contains(&true));
+        assert!(Rows::new(&[&log.time_slice(0.0..1.5)], 5.0, FEWEST_ROWS).unwrap_err().to_string().contains("`a`"));
+    }
+
+    #[test]
+    fn a_joint_that_friction_holds_does_not_count() {
+        // Where it is fastest, held for 0.06 s: smooth positions move on.
+        let mut q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let held = q.channel(0)[2500];
+        let jump = q.channel(0)[2530] - held;
+        q.channel_mut(0)[2500..2530].fill(held);
+        q.channel_mut(0)[2530..].iter_mut().for_each(|q| *q -= jump);
+        let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+        let tau = Channels::zeros(1, 10_000);
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let counts = |whole_hz: f64| {
+            let rows = Rows::logged_through(None, &[&log], (&[3.0], whole_hz), &[Some(FEWEST_ROWS)]).unwrap();
+            rows.valid[0][250..253].iter().filter(|&&ok| ok).count()
+        };
+        assert_eq!([counts(3.0), counts(20.0)], [3, 0]);
+    }
+
+    #[test]
+    fn rows_with_a_large_error_are_left_out_but_not_too_many() {
+        let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+        let log = Recording {
+            joints: vec!["a".into()],
+            time,
+            tau: q.map(|_, q| vec![0.0; q.len()]),
+            q,
+            ..Default::default()
+        };
+        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
+        let counting: Vec<usize> = (0..rows.len()).filter(|&row| rows.valid[0][row]).collect();
+        let error = |large: &[usize]| {
+            Column::on(
+                0,
+                (0..rows.len()).map(|row| if large.contains(&row) { -3.0 - row as f64 } else { 0.1 }).collect(),
+            )
+        };
+        let mut few = rows.clone();
+        few.leave_out_largest(&[error(&counting[40..43])], &[1.0], 0.1);
+        let left: Vec<usize> = (0..rows.len()).filter(|&row| few.valid[0][row]).collect();
+        assert_eq!(left, [&counting[..40], &counting[43..]].concat());
+        let mut many = rows.clone();
+        many.leave_out_largest(&[error(&counting)], &[1.0], 0.1);
+        let kept = many.valid[0].iter().filter(|&&ok| ok).count();
+        assert!((kept as f64 / counting.len() as f64 - 0.9).abs() < 0.01, "{kept} of {}", counting.len());
+        assert!(many.valid[0][counting[0]] && !many.valid[0][*counting.last().unwrap()]);
+    }
+}

@@ -1,0 +1,271 @@
+//! Candidates: every effect of the library at every place, at a grid of the parameters that are not linear.
+
+use super::arm::{Arm, Moved};
+use super::grid::grid;
+use super::roles::{acts_upon_arm, is_event, linear};
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::Column;
+use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role, Scope};
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use rayon::prelude::*;
+
+/// Share of a group's largest column below which a column is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// An effect at a place with its nonlinear parameters chosen.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The effect; its amplitudes play no part, its departures are the sizes at which columns are taken.
+    pub placed: Placed,
+    /// The training log in which it acts; None for all logs.
+    pub log: Option<usize>,
+    /// Torque per unit of every amplitude and departure, not whitened.
+    pub columns: Vec<Column>,
+}
+
+impl Candidate {
+    /// Whether the only column makes sense with a positive value only.
+    pub fn one_sided(&self) -> bool {
+        let parameters = self.placed.effect.parameters();
+        matches!(linear(self.placed.effect).as_slice(), [only] if parameters[*only].lower == 0.0)
+    }
+
+    /// Joints on which it has torque.
+    pub fn joints(&self) -> Vec<usize> {
+        if self.columns.is_empty() {
+            return self.placed.joints();
+        }
+        let mut joints: Vec<usize> =
+            self.columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints
+    }
+
+    /// Whether it has torque on any of `joints`.
+    pub fn acts_on(&self, joints: &[usize]) -> bool {
+        self.joints().iter().any(|joint| joints.contains(joint))
+    }
+
+    /// What it is, whatever its parameters, and where it acts.
+    pub fn slot(&self) -> Slot {
+        (self.family(), self.log)
+    }
+
+    /// What it is, whatever its parameters.
+    pub fn family(&self) -> Family {
+        Family { effect: self.placed.effect.about().name, joint: self.placed.joint }
+    }
+}
+
+/// An effect at a place, in one log or in all.
+pub type Slot = (Family, Option<usize>);
+
+/// An effect at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Family {
+    /// Name of the effect.
+    pub effect: &'static str,
+    /// Its joint (the first of a pair; zero for the whole arm).
+    pub joint: usize,
+}
+
+/// Columns to test placed effects with, one group each, for the arm as found.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
+    columns_in(arm, rows, None, placed, Moved::Tested)
+}
+
+/// Columns of placed effects of which each acts in one log only, or in all.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn columns_in(
+    arm: &Arm,
+    rows: &Rows,
+    log: Option<usize>,
+    placed: &[Placed],
+    moved: Moved,
+) -> Result<Vec<Vec<Column>>> {
+    let units: Vec<Vec<Placed>> = placed.iter().map(units).collect();
+    let flat: Vec<Placed> = units.iter().flatten().cloned().collect();
+    let acting = log.map_or(rows.before..rows.logs.len(), |log| log..log + 1);
+    let mut added = arm.added_in(acting, &flat, rows, moved)?.into_iter();
+    Ok(placed
+        .iter()
+        .map(|one| {
+            let indices = linear(one.effect);
+            let mut group: Vec<Column> = added.by_ref().take(indices.len()).collect();
+            let typical = |index: usize| one.effect.parameters()[index].typical.abs();
+            for (column, &index) in group.iter_mut().zip(&indices) {
+                column.scale(1.0 / size(one, index));
+            }
+            // Rounding is all that a direction has on which nothing depends.
+            let reach: Vec<f64> =
+                group.iter().zip(&indices).map(|(column, &index)| column.dot(column).sqrt() * typical(index)).collect();
+            let largest = reach.iter().fold(0.0f64, |m, r| m.max(*r));
+            for (column, reach) in group.iter_mut().zip(reach) {
+                if reach < ROUNDING * largest {
+                    *column = Column::default();
+                }
+            }
+            group
+        })
+        .collect())
+}
+
+/// The effect with one amplitude or departure at a time.
+fn units(placed: &Placed) -> Vec<Placed> {
+    linear(placed.effect)
+        .into_iter()
+        .map(|index| {
+            let mut unit = placed.absent();
+            unit.parameters[index] = size(placed, index);
+            unit
+        })
+        .collect()
+}
+
+/// Size at which the column of a parameter is taken.
+fn size(placed: &Placed, index: usize) -> f64 {
+    match placed.effect.parameters()[index].role {
+        Role::Departure => placed.parameters[index],
+        _ => 1.0,
+    }
+}
+
+/// All candidates with sound columns.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
+    let mut all = lasting(arm, rows, trust, only)?;
+    let events = throughout(arm, rows, wanted(rows, trust, only).filter(|effect| is_event(*effect)))?;
+    // What happens to the arm from outside happens in one log.
+    if rows.logs.len() > 1 {
+        for (log, ends) in rows.starts.windows(2).enumerate() {
+            let time = &rows.logs[log].time;
+            let meets = |event: &&Candidate| {
+                let [from, to] = event.placed.effect.acts_between(&event.placed.parameters);
+                time.first().is_some_and(|first| *first < to) && time.last().is_some_and(|last| *last > from)
+            };
+            let own = events.iter().filter(meets).map(|event| Candidate {
+                columns: event.columns.iter().map(|column| column.within(ends[0]..ends[1])).collect(),
+                placed: event.placed.clone(),
+                log: Some(log),
+            });
+            all.extend(own);
+        }
+    }
+    all.extend(events);
+    Ok(all)
+}
+
+/// All candidates but those that happen once.
+fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
+    throughout(arm, rows, wanted(rows, trust, only).filter(|effect| !is_event(*effect)))
+}
+
+/// Lasting candidates known along some rows of `length`, along the `later` rows that follow those too. Those that depend on the arm
+/// are left out: it was found anew ([`renewed`]).
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn carried_on(mut candidates: Vec<Candidate>, arm: &Arm, length: usize, later: &Rows) -> Result<Vec<Candidate>> {
+    candidates.retain(|candidate| !is_event(candidate.placed.effect) && !acts_upon_arm(candidate.placed.effect));
+    let placed: Vec<Placed> = candidates.iter().map(|candidate| candidate.placed.clone()).collect();
+    let lengths = [length, later.len()];
+    candidates.par_iter_mut().zip(columns(arm, later, &placed)?).for_each(|(candidate, later)| {
+        for (own, later) in candidate.columns.iter_mut().zip(&later) {
+            *own = own.then(later, lengths);
+        }
+    });
+    Ok(candidates)
+}
+
+/// The same candidates for the arm as found since.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn renewed(
+    mut candidates: Vec<Candidate>,
+    arm: &Arm,
+    rows: &Rows,
+    trust: Trust,
+    only: &[String],
+) -> Result<Vec<Candidate>> {
+    candidates.retain(|candidate| !acts_upon_arm(candidate.placed.effect));
+    candidates.extend(throughout(arm, rows, wanted(rows, trust, only).filter(|effect| acts_upon_arm(*effect)))?);
+    Ok(candidates)
+}
+
+/// Effects of the library that may be there.
+fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'static dyn Effect> {
+    let changed = rows.before > 0;
+    LIBRARY
+        .iter()
+        .copied()
+        .filter(move |effect| is_candidate(*effect, trust, only) || (changed && is_wanted(*effect, only)))
+}
+
+/// Candidates of `effects` at all places, acting in all logs.
+fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
+    let placed: Vec<Placed> = effects
+        .flat_map(|effect| places(effect, rows.dof()).flat_map(move |joint| grid(effect, joint, rows)))
+        .collect();
+    let groups = columns(arm, rows, &placed)?;
+    let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate { placed, log: None, columns });
+    Ok(candidates.filter(|candidate| candidate.columns.iter().any(Column::is_sound)).collect())
+}
+
+/// Whether an effect is to be looked for: against logs from before a change nothing hides it.
+pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
+    only.is_empty() || only.iter().any(|name| name == effect.about().name)
+}
+
+/// Whether an effect can be told from the baseline at all.
+pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
+    let about = effect.about();
+    is_wanted(effect, only)
+        && about.nature != Nature::Baseline
+        && (trust == Trust::Nominal || about.hidden_by_base_parameters != Hidden::Wholly)
+}
+
+/// Where an effect can be placed on an arm.
+pub fn places(effect: &dyn Effect, dof: usize) -> std::ops::Range<usize> {
+    match effect.about().scope {
+        Scope::Joint => 0..dof,
+        Scope::Pair => 0..dof.saturating_sub(1),
+        Scope::Arm => 0..1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn what_base_parameters_hide_takes_trusted_inertias() {
+        let payload = find("payload").unwrap();
+        assert!(is_candidate(payload, Trust::Nominal, &[]));
+        assert!(!is_candidate(payload, Trust::Structure, &[]));
+        assert!(is_candidate(find("torque_gain").unwrap(), Trust::Structure, &[]));
+        assert!(!is_candidate(payload, Trust::Nominal, &["backlash".into()]));
+        assert!(!is_candidate(find("coulomb_friction").unwrap(), Trust::Nominal, &[]));
+    }
+
+    #[test]
+    fn columns_are_taken_one_parameter_at_a_time() {
+        let placed = Placed::typical(find("encoder_eccentricity").unwrap(), 2);
+        let units = units(&placed);
+        assert_eq!(units.len(), 2);
+        assert_eq!(units[0].parameters, [placed.parameters[0], 0.0]);
+        assert_eq!(units[1].parameters, [0.0, placed.parameters[1]]);
+        let spring = Placed::typical(find("stribeck_friction").unwrap(), 0);
+        assert_eq!(super::units(&spring)[0].parameters[..2], [1.0, spring.parameters[1]]);
+    }
+}

@@ -1,0 +1,157 @@
+//! What errors of the positions put into the torque of every joint: columns that stand beside what is tested.
+
+use super::arm::Arm;
+use super::roles::{is_level, is_shift};
+use crate::diagnosis::logs::{Log, Rows};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, Projection};
+use crate::effects::{Nature, Placed};
+use crate::error::Result;
+use crate::signal::ZeroPhaseLowPass;
+use std::f64::consts::TAU;
+
+/// Columns of the errors of one kind of logs, for the arm as found. None before anything was fitted.
+#[derive(Debug, Clone, Default)]
+pub struct ErrorsOfMotion {
+    /// The error of the smoothing, on each joint: what smoothing once more does, as seen through the first ("twicing", Tukey 1977).
+    pub smoothing: Vec<Column>,
+    /// What the positions hold beyond what is smooth, on each joint; none where they are smoothed no more than their noise asks.
+    pub beyond: Vec<Column>,
+    /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
+    /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
+    pub bend: Vec<Column>,
+    /// Standard deviation of the factor of `bend`, s2: noise near the lowest cut-off of the positions is in the torque and, more by the
+    /// square of the angular frequency, in its second derivative.
+    bend_spread: f64,
+}
+
+/// Columns that stand beside what is tested, with the standard deviation of their factors about zero as far as that is known
+/// beforehand; infinite where it is not.
+#[derive(Debug, Clone, Default)]
+pub struct Nuisances {
+    columns: Vec<Column>,
+    spread: Vec<f64>,
+}
+
+impl ErrorsOfMotion {
+    /// Along the motion of `rows`.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(arm: &Arm, rows: &Rows) -> Result<Self> {
+        let along = arm.along(rows);
+        let cutoffs_hz = rows.logs.iter().flat_map(|log| &log.low_pass).map(ZeroPhaseLowPass::cutoff_hz);
+        let lowest_hz = cutoffs_hz.fold(f64::INFINITY, f64::min);
+        let is_smoother = rows.logs.iter().any(|log| log.whole.is_some());
+        let whole = |_, log: &Log| Ok(log.whole.as_ref().unwrap_or(&log.motion).clone());
+        Ok(ErrorsOfMotion {
+            smoothing: of_joints(arm.departure(rows, &along, |_, log| log.smoothed_again())?),
+            beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
+            bend: of_joints(arm.bend(rows)?),
+            bend_spread: (TAU * lowest_hz).powi(-2),
+        })
+    }
+
+    /// All of them, their factors free.
+    pub fn all(&self) -> Nuisances {
+        let mut all = Nuisances::default();
+        [&self.smoothing, &self.beyond, &self.bend].into_iter().for_each(|columns| all.add(columns, f64::INFINITY));
+        all
+    }
+
+    /// Those that stand beside an effect along `rows`: none where torque is cut off, since the smoothing errs there too; not the second
+    /// derivative of the torque beside an elastic gear, whose column that is; beside friction that comes up after reversals what is the
+    /// same at each of them, since friction that holds a joint for a moment looks like it through smooth positions.
+    ///
+    /// The smoothing errs about as much as smoothing once more does, and what is not smooth is at most all there, so that where these are
+    /// small they take nothing of what is tested. Beside what shifts torque in time their factors are free: that holds the noise of the
+    /// encoders itself.
+    pub fn beside(&self, placed: &Placed, rows: &Rows) -> Nuisances {
+        let mut nuisances = Nuisances::default();
+        if is_level(placed.effect) {
+            return nuisances;
+        }
+        let (error, bend) =
+            if is_shift(placed.effect) { (f64::INFINITY, f64::INFINITY) } else { (1.0, self.bend_spread) };
+        nuisances.add(&self.smoothing, error);
+        nuisances.add(&self.beyond, error);
+        if placed.effect.gear(&placed.parameters).is_none() {
+            nuisances.add(&self.bend, bend);
+        }
+        if placed.effect.about().nature == Nature::AfterReversals {
+            nuisances.add(&at_reversals(rows, placed.joint), f64::INFINITY);
+        }
+        nuisances
+    }
+}
+
+impl Nuisances {
+    /// Adds columns of one spread.
+    pub fn add(&mut self, columns: &[Column], spread: f64) {
+        self.columns.extend_from_slice(columns);
+        self.spread.resize(self.columns.len(), spread);
+    }
+
+    /// The columns alone.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The same on some joints only.
+    pub fn only(&self, joints: &[usize]) -> Self {
+        let columns = self.columns.iter().map(|column| column.only(joints));
+        Nuisances { columns: columns.collect(), spread: self.spread.clone() }
+    }
+
+    /// A fit in the units of `whitener` with these beside its columns.
+    pub fn beside(&self, fit: &Projection, whitener: &Whitener) -> Projection {
+        fit.with_prior(&whitener.apply_all(&self.columns), &self.spread)
+    }
+}
+
+/// Of every row near a reversal, within the smear of the smoothing, a column that is one there after each reversal upwards and minus one
+/// after each downwards.
+fn at_reversals(rows: &Rows, joint: usize) -> Vec<Column> {
+    let smear = rows.smear[joint];
+    let mut columns = vec![vec![0.0; rows.len()]; 2 * smear + 1];
+    for (log, ends) in rows.logs.iter().zip(rows.starts.windows(2)) {
+        let speed = log.motion.qd.channel(joint);
+        let turns = speed.windows(2).enumerate().filter(|(_, pair)| pair[0].signum() != pair[1].signum());
+        for (sample, pair) in turns {
+            let row = ends[0] + sample / log.block;
+            for (lag, column) in columns.iter_mut().enumerate() {
+                if let Some(at) = (row + lag).checked_sub(smear).filter(|at| (ends[0]..ends[1]).contains(at)) {
+                    column[at] += pair[1].signum();
+                }
+            }
+        }
+    }
+    columns.into_iter().map(|column| Column::on(joint, column)).collect()
+}
+
+fn of_joints(column: Column) -> Vec<Column> {
+    column.parts.into_iter().map(|(joint, signal)| Column::on(joint, signal)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::logs::FEWEST_ROWS;
+    use crate::recording::Recording;
+
+    #[test]
+    fn reversals_are_counted_by_their_direction() {
+        let time: Vec<f64> = (0..10_000).map(|k| f64::from(k) / 500.0).collect();
+        let swing = |t: &f64| (std::f64::consts::TAU * 0.4 * t).sin();
+        let q = Channels::from_vectors(&[time.iter().map(swing).collect()]);
+        let tau = Channels::zeros(1, time.len());
+        let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
+        let columns = at_reversals(&rows, 0);
+        // Half a period of 5 Hz is five rows of 20 ms to either side. It turns downwards at 0.625 s and upwards at 1.875 s.
+        let at = |lag: usize, row: usize| columns[lag].part(0).unwrap()[row];
+        assert_eq!(columns.len(), 11);
+        assert_eq!([at(5, 31), at(0, 26), at(10, 36), at(5, 93), at(5, 60)], [-1.0, -1.0, -1.0, 1.0, 0.0]);
+    }
+}

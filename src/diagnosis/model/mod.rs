@@ -1,0 +1,28 @@
+//! The regressor of the arm and of effects.
+//!
+//! In: rows, an arm as identified so far, an effect at a place with its parameters. Out: columns of the baseline and of the
+//! effect, errors in variables (nuisance columns), and fits of baseline and effects under a noise model.
+
+mod arm;
+mod bodies;
+mod candidates;
+mod cut_off;
+mod data_set;
+mod errors_in_variables;
+mod grid;
+mod known;
+mod roles;
+mod session;
+
+pub use arm::{Arm, Moved};
+pub use bodies::{inertial_prior, is_believable, largest_share};
+pub use candidates::{
+    Candidate, Family, Slot, all_candidates, carried_on, columns, columns_in, is_candidate, is_wanted, places, renewed,
+};
+pub use cut_off::is_flat;
+pub use data_set::Side;
+pub use errors_in_variables::Nuisances;
+pub use grid::{forms, is_sensible, sizes, within_bounds};
+pub use known::Known;
+pub use roles::{bends, is_event, is_level, is_shift, linear, shapes};
+pub use session::{Member, Noise, Session, bounded};

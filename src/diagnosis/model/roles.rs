@@ -1,0 +1,50 @@
+//! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
+
+use crate::effects::{Effect, Nature, Role, Site};
+
+/// Unit of the compliance of gears.
+pub(super) const COMPLIANCE: &str = "rad/(N m)";
+
+/// Indices of the parameters for which there are columns: amplitudes and departures.
+pub fn linear(effect: &dyn Effect) -> Vec<usize> {
+    with_role(effect, |role| matches!(role, Role::Amplitude | Role::Departure))
+}
+
+/// Indices of the shapes, and of departures that are levels.
+pub fn shapes(effect: &dyn Effect) -> Vec<usize> {
+    let level = is_level(effect);
+    with_role(effect, |role| role == Role::Shape || (level && role == Role::Departure))
+}
+
+/// Whether the departure of an effect is a level.
+pub fn is_level(effect: &dyn Effect) -> bool {
+    effect.about().nature == Nature::Level
+}
+
+/// Whether the torque of a departure is not straight in it: times by which signals are moved, and the compliance of gears, on
+/// which links swing.
+pub fn bends(effect: &dyn Effect, index: usize) -> bool {
+    let parameter = &effect.parameters()[index];
+    parameter.role == Role::Departure && ["s", COMPLIANCE].contains(&parameter.unit)
+}
+
+fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
+    let parameters = effect.parameters().iter().enumerate();
+    parameters.filter(|(_, parameter)| wanted(parameter.role)).map(|(index, _)| index).collect()
+}
+
+/// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.
+pub(super) fn acts_upon_arm(effect: &dyn Effect) -> bool {
+    let about = effect.about();
+    about.site != Site::Joint || about.uses_acceleration
+}
+
+/// Whether an effect shifts or spreads torque in time.
+pub fn is_shift(effect: &dyn Effect) -> bool {
+    matches!(effect.about().nature, Nature::Lag | Nature::Delay)
+}
+
+/// Whether an effect comes and goes on its own, whatever the motion.
+pub fn is_event(effect: &dyn Effect) -> bool {
+    effect.about().nature == Nature::Event
+}

@@ -1,0 +1,336 @@
+//! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
+
+use super::arm::{Arm, Moved};
+use super::candidates::{Candidate, columns_in};
+use super::cut_off::flat_level;
+use super::data_set::Side;
+use super::errors_in_variables::ErrorsOfMotion;
+use super::known::Known;
+use super::roles::{is_level, linear, shapes};
+use crate::diagnosis::logs::LowPass;
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, Projection, Solved, combined, solve};
+use crate::effects::{Parameter, Placed};
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::robot::Robot;
+
+/// Mean square of a joint's whitened residual from which it counts as misfit, and rounds of growing the noise to it.
+const MISFIT: f64 = 1.2;
+const MISFIT_ROUNDS: usize = 2;
+
+/// Share of a shape's value over which its derivative is taken.
+const DIFFERENCE: f64 = 0.02;
+
+/// Standard deviations from zero at which a parameter is told.
+const SIZED: f64 = 2.0;
+
+/// What is under diagnosis.
+#[derive(Debug)]
+pub struct Session<'a> {
+    /// The model of the arm.
+    pub model: &'a Model,
+    /// What is believed of it.
+    pub trust: Trust,
+    /// What is known before anything is tested.
+    pub known: Known<'a>,
+    /// The arm as found so far.
+    pub arm: Arm,
+    /// Logs that are identified from.
+    pub train: Side,
+    /// Logs to judge by.
+    pub test: Side,
+    /// Whether these are others than those identified from.
+    pub apart: bool,
+    /// Joints whose gears may have play: impacts show some, and not surely.
+    pub open_play: Vec<usize>,
+    /// Cut-off of the low-pass of each joint's positions, Hz.
+    pub cutoffs_hz: Vec<f64>,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
+}
+
+/// An effect in the model, with what it takes there.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// The effect with its parameters as estimated.
+    pub placed: Placed,
+    /// Standard deviation of every parameter; zero for those held.
+    pub std: Vec<f64>,
+    /// Where its columns are taken.
+    pub candidate: Candidate,
+    /// Factors of the columns.
+    pub factors: Vec<f64>,
+    /// Whether its parameters are told by something else than the rows: it has no columns in the model.
+    pub held: bool,
+}
+
+/// The noise under a model and the model's fit in its units.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    /// Makes the noise white.
+    pub whitener: Whitener,
+    /// The fit of the model.
+    pub fit: Projection,
+}
+
+impl<'a> Session<'a> {
+    /// The same with all logs to identify from.
+    pub fn over_all_logs(&self) -> Session<'a> {
+        let Session { model, trust, passband, .. } = *self;
+        let (known, arm, test) = (self.known.clone(), self.arm.clone(), self.test.clone());
+        let cutoffs_hz = self.cutoffs_hz.clone();
+        let (train, open_play) = (self.train.and(&test), self.open_play.clone());
+        Session { model, trust, known, arm, train, test, apart: false, open_play, cutoffs_hz, passband }
+    }
+
+    /// Takes the arm's parameters from `robot` instead of from a fit.
+    pub fn believe(&mut self, robot: &Robot) {
+        self.arm = Arm::new(robot, self.trust).with_sign_widths(self.arm.sign_widths.clone());
+    }
+
+    /// Largest torque of a joint of the arm as found, on the training rows, N m.
+    pub fn largest_torque(&self, joint: usize) -> f64 {
+        let torque = self.arm.all_torque(&self.train.rows);
+        torque.part(joint).unwrap_or_default().iter().fold(0.0f64, |m, v| m.max(v.abs()))
+    }
+
+    /// Columns of the model with effects: baseline, every effect's columns, derivatives to their shapes.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn all_columns(&self, side: &Side, members: &[Member]) -> Result<Vec<Column>> {
+        let mut all = side.baseline.clone();
+        for member in members.iter().filter(|member| !member.held) {
+            if side.training || member.candidate.log.is_none() {
+                let Candidate { placed, log, .. } = &member.candidate;
+                all.extend(
+                    columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat(),
+                );
+                all.extend(self.tangents(side, &member.candidate, &member.factors)?);
+            } else {
+                // What happened in a training log did not happen here.
+                all.extend(vec![Column::default(); member.columns()]);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Derivatives of an effect's torque to its shapes.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn tangents(&self, side: &Side, candidate: &Candidate, factors: &[f64]) -> Result<Vec<Column>> {
+        let Candidate { placed, log, .. } = candidate;
+        let mut tangents = Vec::new();
+        for index in shapes(placed.effect) {
+            let parameter = &placed.effect.parameters()[index];
+            let step = DIFFERENCE * placed.parameters[index].abs().max(0.1 * parameter.typical.abs());
+            let moved = |by: f64| {
+                let mut moved = placed.clone();
+                moved.parameters[index] = bounded(parameter, placed.parameters[index] + by);
+                moved
+            };
+            let (ahead, behind) = (moved(step), moved(-step));
+            let apart = ahead.parameters[index] - behind.parameters[index];
+            let both = columns_in(&self.arm, &side.rows, *log, &[ahead, behind], Moved::Modelled)?;
+            let mut tangent = combined(&both[0], factors);
+            tangent.add(-1.0, &combined(&both[1], factors));
+            tangent.scale(1.0 / apart);
+            tangents.push(tangent);
+        }
+        Ok(tangents)
+    }
+
+    /// The noise under the columns of a model, each joint's grown to what the model leaves there where that is more: a joint
+    /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
+    pub fn noise_under(&self, present: &[Column]) -> Noise {
+        self.grown(Whitener::new(&self.train.rows, &self.train.torque, present), present)
+    }
+
+    /// The same where more was added on one joint alone to what `whitener` is the noise under.
+    pub fn noise_with_more_on(&self, joint: usize, whitener: &Whitener, present: &[Column]) -> Noise {
+        self.grown(whitener.anew_on(joint, &self.train.rows, &self.train.torque, present), present)
+    }
+
+    /// A noise grown to what the model leaves.
+    fn grown(&self, mut whitener: Whitener, present: &[Column]) -> Noise {
+        let mut fit = whitener.fit(present, &self.train.torque);
+        for _ in 0..MISFIT_ROUNDS {
+            let excess: Vec<f64> = whitener
+                .rows()
+                .into_iter()
+                .enumerate()
+                .map(|(joint, count)| {
+                    let left: f64 = fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
+                    left / count.max(1) as f64
+                })
+                .collect();
+            if excess.iter().all(|mean| *mean < MISFIT) {
+                break;
+            }
+            let factors: Vec<f64> = excess.iter().map(|mean| mean.max(1.0).sqrt()).collect();
+            whitener = whitener.with_misfit(&factors);
+            fit = whitener.fit(present, &self.train.torque);
+        }
+        Noise { whitener, fit }
+    }
+
+    /// All parameters of the model with `members`, fitted at once to the training rows, in the order of
+    /// [`Session::all_columns`].
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn solved(&self, members: &[Member], whitener: &Whitener) -> Result<Solved> {
+        let columns = self.all_columns(&self.train, members)?;
+        Ok(solve(&whitener.apply_all(&columns), &whitener.apply(&self.train.torque)))
+    }
+
+    /// Solves for all parameters with the members in the model and writes the estimates back; the arm takes its own, and with it
+    /// what errors of the positions do.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
+        let solved = self.solved(members, whitener)?;
+        self.arm.take(self.model, &solved.values);
+        for side in [&mut self.train, &mut self.test] {
+            side.errors = ErrorsOfMotion::new(&self.arm, &side.rows)?;
+        }
+        let mut place = self.train.baseline.len();
+        for member in members.iter_mut().filter(|member| !member.held) {
+            let effect = member.placed.effect;
+            for (k, index) in linear(effect).into_iter().enumerate() {
+                member.factors[k] = solved.values[place];
+                if !is_level(effect) {
+                    member.placed.parameters[index] = solved.values[place];
+                    member.std[index] = solved.std(place);
+                }
+                place += 1;
+            }
+            for index in shapes(effect) {
+                let fitted = member.candidate.placed.parameters[index];
+                (member.placed.parameters[index], member.std[index]) = (fitted, solved.std(place));
+                place += 1;
+                if is_level(effect)
+                    && let Some(flat) = flat_level(&self.arm, &self.train.rows, member.placed.joint, fitted)
+                {
+                    member.placed.parameters[index] = flat.level;
+                    member.std[index] = member.std[index].max(flat.std);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the last of `members` turns the sign of one found before that has one sign only: both then describe the same, and
+    /// the former with a law that cannot be.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn turns_unphysical(&self, members: &[Member], whitener: &Whitener) -> Result<bool> {
+        let solved = self.solved(members, whitener)?;
+        let mut place = self.train.baseline.len();
+        for member in members[..members.len().saturating_sub(1)].iter().filter(|member| !member.held) {
+            if member.candidate.one_sided() && solved.values[place] < 0.0 && member.factors[0] > 0.0 {
+                tracing::debug!(family = ?member.candidate.family(), value = solved.values[place], "turns unphysical");
+                return Ok(true);
+            }
+            place += member.columns();
+        }
+        Ok(false)
+    }
+
+    /// What the model leaves on the held-out rows when it is fitted to the training rows.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn held_out_residual(&self, members: &[Member], whitener: &Whitener) -> Result<Column> {
+        self.residual_on(&self.test, members, whitener)
+    }
+
+    /// What the model leaves on either kind of rows.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn residual_on(&self, side: &Side, members: &[Member], whitener: &Whitener) -> Result<Column> {
+        Ok(left(side, &self.all_columns(side, members)?, &self.solved(members, whitener)?))
+    }
+
+    /// What the baseline leaves on either kind of rows: as it was before the change, where one is in question.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn baseline_residual_on(&self, side: &Side, whitener: &Whitener) -> Result<Column> {
+        let Side { rows, baseline, torque, .. } = &self.train;
+        if rows.before == 0 {
+            return self.residual_on(side, &[], whitener);
+        }
+        let mut before = rows.clone();
+        before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
+        let whitener = whitener.on(&before);
+        Ok(left(side, &side.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque))))
+    }
+}
+
+/// What `columns` with their factors leave of the torque of `side`.
+fn left(side: &Side, columns: &[Column], solved: &Solved) -> Column {
+    let mut left = side.torque.clone();
+    columns.iter().zip(&solved.values).for_each(|(column, value)| left.add(-value, column));
+    left
+}
+
+impl Member {
+    /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
+    pub fn columns(&self) -> usize {
+        if self.held {
+            return 0;
+        }
+        linear(self.placed.effect).len() + shapes(self.placed.effect).len()
+    }
+
+    /// Whether the logs tell how large it is: some amplitude lies two standard deviations from zero.
+    pub fn is_sized(&self) -> bool {
+        linear(self.placed.effect)
+            .into_iter()
+            .any(|index| self.placed.parameters[index].abs() > SIZED * self.std[index])
+    }
+
+    /// A candidate with the factors of its columns as part of the model.
+    pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
+        let placed = candidate.placed.clone();
+        Member {
+            std: vec![0.0; placed.parameters.len()],
+            factors: factors.to_vec(),
+            candidate: candidate.clone(),
+            placed,
+            held: false,
+        }
+    }
+}
+
+/// A value within the bounds of its parameter.
+pub fn bounded(parameter: &Parameter, value: f64) -> f64 {
+    value.clamp(parameter.lower, parameter.upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn one_amplitude_told_from_zero_is_enough() {
+        let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
+        let candidate = Candidate { placed, log: None, columns: Vec::new() };
+        let mut member = Member::new(&candidate, &[]);
+        let sizes = member.placed.parameters.clone();
+        member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();
+        assert!(!member.is_sized());
+        member.std[0] = 0.4 * sizes[0].abs();
+        assert!(member.is_sized());
+        member.std.fill(f64::INFINITY);
+        assert!(!member.is_sized());
+    }
+}

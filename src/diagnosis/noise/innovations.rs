@@ -1,0 +1,217 @@
+//! Innovations of autoregressive noise that is observed in part: rows near reversals are not seen, and logs start anew.
+//!
+//! A Kalman filter on the last samples predicts each row that counts from all such rows before it, over gaps as well; what is
+//! new, over its standard deviation, is white with unit variance exactly (Jones, 1980, Maximum likelihood fitting of ARMA
+//! models to time series with missing observations, Technometrics 22(3)). The filter is linear: torque and columns of the
+//! model pass the same one.
+
+use crate::identification::noise::AutoregressiveNoise;
+use nalgebra::{DMatrix, DVector};
+
+/// Share of the innovation's variance below which the state counts as known.
+const KNOWN: f64 = 1e-10;
+
+/// Turns noise of a given law into white noise of unit variance on the rows that count.
+#[derive(Debug, Clone)]
+pub(super) struct InnovationsFilter {
+    noise: AutoregressiveNoise,
+    /// Rows that count.
+    rows: Vec<usize>,
+    /// Of every row: what to do.
+    steps: Vec<Step>,
+}
+
+#[derive(Debug, Clone)]
+struct Step {
+    /// Whether a log starts here.
+    starts: bool,
+    update: Update,
+}
+
+#[derive(Debug, Clone)]
+enum Update {
+    /// The row does not count.
+    Unseen,
+    /// All that the prediction rests on was seen.
+    Known,
+    /// Standard deviation of what is new over that of the noise's own, and how it moves the state.
+    Uncertain(f64, Vec<f64>),
+}
+
+impl InnovationsFilter {
+    /// For rows of which `valid` count; `starts` are the first rows of every log.
+    pub fn new(noise: AutoregressiveNoise, valid: &[bool], starts: &[usize]) -> Self {
+        let order = noise.coefficients.len();
+        let stationary = stationary_covariance(&noise.coefficients);
+        let mut covariance = stationary.clone();
+        let mut steps = Vec::with_capacity(valid.len());
+        for (row, &seen) in valid.iter().enumerate() {
+            let begins = starts.contains(&row);
+            // One step ahead: the state is (e(t - 1), .., e(t - p)) before, (e(t), .., e(t - p + 1)) after.
+            let mut ahead = if begins { stationary.clone() } else { advanced(&covariance, &noise.coefficients) };
+            let update = if !seen {
+                Update::Unseen
+            } else if order == 0 {
+                Update::Known
+            } else {
+                let variance = ahead[(0, 0)];
+                let gain = ahead.column(0) / variance;
+                ahead -= &gain * gain.transpose() * variance;
+                match !begins && (variance - 1.0).abs() < KNOWN {
+                    true => Update::Known,
+                    false => Update::Uncertain(variance.sqrt(), gain.iter().copied().collect()),
+                }
+            };
+            covariance = ahead;
+            steps.push(Step { starts: begins, update });
+        }
+        let rows = (0..valid.len()).filter(|&row| valid[row]).collect();
+        InnovationsFilter { noise, rows, steps }
+    }
+
+    /// The noise.
+    pub fn noise(&self) -> &AutoregressiveNoise {
+        &self.noise
+    }
+
+    /// Rows that count.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// The same colour with the standard deviation times `factor`.
+    pub fn scale_noise(&mut self, factor: f64) {
+        self.noise.innovation_std *= factor;
+    }
+
+    /// A signal over all rows, whitened; the rows that do not count are gone.
+    pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
+        let coefficients = &self.noise.coefficients;
+        let scale = 1.0 / self.noise.innovation_std;
+        let order = coefficients.len();
+        let mut state = vec![0.0; order];
+        let mut white = Vec::with_capacity(self.rows.len());
+        // Where the last rows were all seen they are the state, which is taken from them when it is wanted again.
+        let (mut in_a_row, mut behind) = (0, false);
+        for (row, (step, &value)) in self.steps.iter().zip(signal).enumerate() {
+            if let Update::Known = step.update
+                && in_a_row >= order
+            {
+                let past = signal[row - order..row].iter().rev();
+                let predicted: f64 = coefficients.iter().zip(past).map(|(a, e)| a * e).sum();
+                white.push((value - predicted) * scale);
+                behind = true;
+                continue;
+            }
+            if behind {
+                state.iter_mut().zip(signal[row - order..row].iter().rev()).for_each(|(e, &past)| *e = past);
+                behind = false;
+            }
+            if step.starts {
+                state.fill(0.0);
+                in_a_row = 0;
+            }
+            in_a_row = if let Update::Unseen = step.update { 0 } else { in_a_row + 1 };
+            let predicted: f64 = coefficients.iter().zip(&state).map(|(a, e)| a * e).sum();
+            if !state.is_empty() {
+                state.rotate_right(1);
+                state[0] = predicted;
+            }
+            match &step.update {
+                Update::Unseen => {}
+                Update::Known => {
+                    white.push((value - predicted) * scale);
+                    if let Some(first) = state.first_mut() {
+                        *first = value;
+                    }
+                }
+                Update::Uncertain(std, gain) => {
+                    let new = value - predicted;
+                    white.push(new * scale / std);
+                    state.iter_mut().zip(gain).for_each(|(e, gain)| *e += gain * new);
+                }
+            }
+        }
+        white
+    }
+}
+
+/// Covariance of the state one step ahead, in units of the innovation's variance.
+fn advanced(covariance: &DMatrix<f64>, coefficients: &[f64]) -> DMatrix<f64> {
+    let order = coefficients.len();
+    if order == 0 {
+        return DMatrix::zeros(0, 0);
+    }
+    let a = DVector::from_column_slice(coefficients);
+    let carried = covariance * &a;
+    DMatrix::from_fn(order, order, |r, c| match (r, c) {
+        (0, 0) => a.dot(&carried) + 1.0,
+        (0, _) => carried[c - 1],
+        (_, 0) => carried[r - 1],
+        _ => covariance[(r - 1, c - 1)],
+    })
+}
+
+/// Covariance of consecutive samples of the noise in units of the innovation's variance: the autocovariances that the
+/// Yule-Walker equations give back.
+fn stationary_covariance(coefficients: &[f64]) -> DMatrix<f64> {
+    let order = coefficients.len();
+    // r(k) - sum_j a_j r(|k - j|) = 1 for k = 0, else 0.
+    let mut equations = DMatrix::identity(order + 1, order + 1);
+    for k in 0..=order {
+        for (j, a) in coefficients.iter().enumerate() {
+            equations[(k, k.abs_diff(j + 1))] -= a;
+        }
+    }
+    let mut right = DVector::zeros(order + 1);
+    right[0] = 1.0;
+    let lags = equations.lu().solve(&right).unwrap_or(right);
+    DMatrix::from_fn(order, order, |r, c| lags[r.abs_diff(c)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+
+    fn noise() -> AutoregressiveNoise {
+        AutoregressiveNoise { coefficients: vec![1.2, -0.5], innovation_std: 2.0 }
+    }
+
+    /// The sum of squares of the innovations is the quadratic form of the inverse covariance, whatever rows are seen.
+    #[test]
+    fn squares_sum_to_the_likelihood_of_the_rows_seen() {
+        let covariance = stationary_covariance(&[1.2, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let valid = [true, false, true, true, false, false, true, true, true, true];
+        let signal: Vec<f64> = (0..10).map(|k| f64::from(k * k % 7) - 2.0).collect();
+        let filter = InnovationsFilter::new(noise(), &valid, &[0]);
+        let sum: f64 = filter.apply(&signal).iter().map(|x| x * x).sum();
+        let seen: Vec<usize> = (0..10).filter(|&k| valid[k]).collect();
+        let part = DMatrix::from_fn(seen.len(), seen.len(), |r, c| 4.0 * covariance[(seen[r], seen[c])]);
+        let values = DVector::from_iterator(seen.len(), seen.iter().map(|&k| signal[k]));
+        let expected = values.dot(&part.lu().solve(&values).unwrap());
+        assert!((sum / expected - 1.0).abs() < 1e-10, "{sum} {expected}");
+    }
+
+    #[test]
+    fn noise_becomes_white_over_gaps_and_from_the_start_of_each_log() {
+        let e = noise().simulate(40_000, &mut random::stream(1, "innovations", 0));
+        let valid: Vec<bool> = (0..e.len()).map(|t| t % 9 > 2).collect();
+        let starts: Vec<usize> = (0..40_000).step_by(50).collect();
+        let white = InnovationsFilter::new(noise(), &valid, &starts).apply(&e);
+        let mean =
+            |lag: usize| white.iter().zip(&white[lag..]).map(|(a, b)| a * b).sum::<f64>() / (white.len() - lag) as f64;
+        assert!((mean(0) - 1.0).abs() < 0.03, "{}", mean(0));
+        assert!(mean(1).abs() < 0.02 && mean(3).abs() < 0.02, "{} {}", mean(1), mean(3));
+    }
+
+    #[test]
+    fn white_noise_is_only_scaled() {
+        let filter = InnovationsFilter::new(
+            AutoregressiveNoise { coefficients: vec![], innovation_std: 2.0 },
+            &[true, false, true],
+            &[0],
+        );
+        assert_eq!(filter.apply(&[2.0, 5.0, -4.0]), [1.0, -2.0]);
+    }
+}

@@ -1,0 +1,10 @@
+//! The noise model of each joint.
+//!
+//! In: residuals of a rich regression. Out: a whitener per joint: an autoregression of the noise with its one-step
+//! innovations, and the noise spectrum that a regression leaves free.
+
+mod innovations;
+mod noise_spectrum;
+mod whitening;
+
+pub use whitening::{Whitener, rich};

@@ -1,0 +1,144 @@
+//! Over which speed dry friction changes its direction. Books write a sign; simulators and drivers write tanh(v / width), whose tails reach
+//! far beyond the rows that are left out near reversals and look like friction that falls at low speed.
+//!
+//! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
+//! more by it than by any law of the library that says how friction goes with speed.
+
+use crate::diagnosis::evidence::Judged;
+use crate::diagnosis::model::{Session, Side, all_candidates};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Projection;
+use crate::effects::{LIBRARY, Nature};
+use crate::error::Result;
+use rayon::prelude::*;
+
+/// Widths that are tried, rad/s or m/s. Narrower ones end within the rows that are left out.
+const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
+
+/// Factors on the best of them, in rounds.
+const FINER: [&[f64]; 2] = [&[0.8, 0.9, 1.12, 1.25], &[0.95, 1.05]];
+
+/// Joints whose gain does not count, where more than twice as many are left.
+const LEFT_OUT: usize = 2;
+
+/// By how much more likely, in its logarithm, the torque of the others must be than with a plain sign, or that of one joint.
+const LIKELIER: f64 = 8.0;
+
+/// The same for a joint to have a width of its own, where most have one.
+const TOLD: f64 = 1.0;
+
+/// Mean square of what a width leaves of one joint alone, in units of the noise, up to which it explains that joint.
+const EXPLAINED: f64 = 1.5;
+
+/// By how much more likely, in its logarithm, the torque of a joint must be than with the best law of the library, though a width has fewer
+/// parameters than any.
+const BEYOND_LAWS: f64 = 3.0;
+
+/// Widths of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
+type Widths = Vec<(f64, f64)>;
+
+/// The width of each joint under which its torque is likeliest, rad/s or m/s; zeros where a plain sign does as well. The `session` is that over
+/// all logs with the arm as known: where motions are slow tells most, and those may be the held-out ones.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
+    let Session { model, train: side, .. } = session;
+    let whitener = Whitener::new(&side.rows, &side.torque, &side.baseline);
+    let plain = whitener.fit(&side.baseline, &side.torque);
+    let left = |fit: &Projection| -> Vec<f64> {
+        let of_joint = |joint| fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
+        (0..model.dof()).map(of_joint).collect()
+    };
+    let plain_left = left(&plain);
+    let gains = |widths: Vec<f64>| -> Result<Widths> {
+        let known = session.known.with_sign_widths(widths.clone());
+        let Side { baseline, torque, .. } = Side::new(model, &known, side.rows.clone(), side.training)?;
+        let with = left(&whitener.fit(&baseline, &torque));
+        let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
+        Ok(widths.into_iter().zip(gains).collect())
+    };
+    let tried = |all: Vec<Vec<f64>>| all.into_par_iter().map(gains).collect::<Result<Vec<Widths>>>();
+    let mut best: Widths = vec![(0.0, 0.0); model.dof()];
+    better(&mut best, tried(WIDTHS.iter().map(|width| vec![*width; model.dof()]).collect())?);
+    for factors in FINER {
+        let scaled = |factor: &f64| best.iter().map(|(width, _)| factor * width).collect();
+        let finer = tried(factors.iter().map(scaled).collect())?;
+        better(&mut best, finer);
+    }
+    let by_laws = by_laws(session, &whitener, &plain)?;
+    tracing::debug!(?best, ?by_laws, "width of the sign of friction");
+    let surely: Vec<bool> = best.iter().zip(&by_laws).map(|((_, gain), by_law)| *gain > BEYOND_LAWS + by_law).collect();
+    let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
+    if of_most(gained) < LIKELIER {
+        // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
+        let rows = whitener.rows();
+        let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < EXPLAINED;
+        let alone = |joint: &usize| surely[*joint] && best[*joint].1 > LIKELIER && of_noise(*joint);
+        let joints = 0..model.dof();
+        return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { 0.0 }).collect());
+    }
+    // The others turn as most do, if that does not speak against it.
+    let mut told: Vec<f64> = best.iter().zip(&surely).filter(|(_, surely)| **surely).map(|(best, _)| best.0).collect();
+    told.sort_by(f64::total_cmp);
+    let as_most = gains(vec![told[told.len() / 2]; model.dof()])?;
+    let as_most = as_most.into_iter().map(|(width, gain)| if gain > 0.0 { width } else { 0.0 });
+    let all = best.into_iter().zip(surely).zip(as_most);
+    Ok(all.map(|(((width, gain), surely), as_most)| if surely && gain > TOLD { width } else { as_most }).collect())
+}
+
+/// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the
+/// `plain` fit.
+fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result<Vec<f64>> {
+    let of_speed = LIBRARY.iter().map(|effect| effect.about()).filter(|about| about.nature == Nature::OfSpeed);
+    let names: Vec<String> = of_speed.map(|about| about.name.to_owned()).collect();
+    let candidates = all_candidates(&session.arm, &session.train.rows, session.trust, &names)?;
+    let judged: Vec<Judged> =
+        candidates.par_iter().filter_map(|candidate| session.judge(candidate, whitener, plain)).collect();
+    let of_joint = |joint: usize| -> Result<f64> {
+        let own = judged.iter().filter(|judged| judged.candidate.placed.joint == joint);
+        let Some(best) = own.max_by(|a, b| a.test.statistic.total_cmp(&b.test.statistic)) else { return Ok(0.0) };
+        Ok(0.5 * session.refined(best.clone(), whitener, plain)?.test.statistic)
+    };
+    (0..session.model.dof()).map(of_joint).collect()
+}
+
+/// Takes the width of each joint that gains more than the one it has.
+fn better(best: &mut Widths, tried: Vec<Widths>) {
+    for widths in tried {
+        for (best, tried) in best.iter_mut().zip(widths) {
+            if tried.1 > best.1 {
+                *best = tried;
+            }
+        }
+    }
+}
+
+/// The sum without the largest.
+fn of_most(mut gains: Vec<f64>) -> f64 {
+    gains.sort_by(f64::total_cmp);
+    let counted = gains.len() - LEFT_OUT.min(gains.len().saturating_sub(1) / 2);
+    gains[..counted].iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_one_or_two_joints_gain_does_not_count() {
+        assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5]), 2.5);
+        assert_eq!(of_most(vec![5.0, 9.0, 4.0]), 9.0);
+        assert_eq!(of_most(vec![7.0]), 7.0);
+    }
+
+    #[test]
+    fn every_joint_takes_the_width_that_serves_it_best() {
+        let mut best = vec![(0.0, 0.0); 3];
+        better(
+            &mut best,
+            vec![vec![(0.01, 3.0), (0.01, -1.0), (0.01, 2.0)], vec![(0.02, 1.0), (0.02, -4.0), (0.02, 5.0)]],
+        );
+        assert_eq!(best, [(0.01, 3.0), (0.0, 0.0), (0.02, 5.0)]);
+    }
+}

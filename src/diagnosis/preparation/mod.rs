@@ -1,0 +1,10 @@
+//! Choices before the search.
+//!
+//! In: logs and the arm. Out: cut-offs of the positions' low-pass, the low-pass torque went through before logging, and the
+//! tanh width of Coulomb friction: whatever predicts held-out rows best.
+
+mod coulomb_width;
+mod opening;
+mod passband;
+mod preparation;
+mod smoothing;

@@ -1,0 +1,96 @@
+//! How a session is opened: the low-passes that serve the logs, how sharply friction turns, and rows that are not to be used.
+
+use super::coulomb_width;
+use super::preparation::{Preparation, Prepared};
+use super::smoothing;
+use crate::diagnosis::model::{Known, Noise, Session};
+use crate::diagnosis::noise::Whitener;
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::recording::Recording;
+
+/// Error of the smoothing from which a row is left out, in standard deviations of what is new in a row, and the largest share
+/// of the rows that may be.
+const DISTORTED: f64 = 2.0;
+const MOST_DISTORTED: f64 = 0.1;
+
+impl<'a> Session<'a> {
+    /// Makes the logs ready.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
+        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
+    }
+
+    /// Makes the logs ready with what is known beside the robot description.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn knowing(
+        model: &'a Model,
+        trust: Trust,
+        known: Known<'a>,
+        train: &[&Recording],
+        test: &[&Recording],
+    ) -> Result<Self> {
+        let preparation = Preparation::new(model, &known, train, test)?;
+        let Prepared { sides: [train, test], cutoff_hz, passband } = preparation.prepared()?;
+        let (arm, open_play) = (known.arm.clone(), Vec::new());
+        let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
+        let knows = known.clone();
+        let mut session =
+            Session { model, trust, known: knows, arm, train, test, apart, open_play, cutoffs_hz, passband };
+        // How sharply friction turns is known from before a change, if one is in question; torque that went through a low-pass does not tell.
+        let widths = match known.reference.is_empty() && passband.is_none() {
+            true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
+            true => coulomb_width::likeliest(&session)?,
+            false => known.arm.sign_widths.clone(),
+        };
+        let known = known.with_sign_widths(widths);
+        let preparation = preparation.knowing(&known);
+        if known.arm.sign_widths != session.arm.sign_widths {
+            [session.train, session.test] = preparation.sides(passband, &session.cutoffs_hz)?;
+            (session.arm, session.known) = (known.arm.clone(), known.clone());
+        }
+        let mut noise = session.settle_baseline()?;
+        let of_fit = (&noise.whitener, &noise.fit.residual);
+        let likeliest = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
+        let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
+        if own.iter().any(|hz| *hz != cutoff_hz)
+            && let Ok([train, test]) = preparation.sides(passband, &own)
+        {
+            tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
+            (session.train, session.test, session.cutoffs_hz) = (train, test, own);
+            for side in [&mut session.train, &mut session.test] {
+                side.bands = smoothing::bands(&session.arm, &side.rows, &likeliest, &session.cutoffs_hz)?;
+            }
+            session.arm = session.known.arm.clone();
+            noise = session.settle_baseline()?;
+        }
+        let noisy = smoothing::noisy_once_moved(&session.arm, &session.train.rows, &noise.whitener)?;
+        for log in session.train.rows.logs.iter_mut().chain(&mut session.test.rows.logs) {
+            log.noisy.clone_from(&noisy);
+        }
+        session.leave_out_distorted(&noise.whitener);
+        Ok(session)
+    }
+
+    /// Fits the arm without any effect; the noise is that under it.
+    fn settle_baseline(&mut self) -> Result<Noise> {
+        let noise = self.noise_under(&self.train.baseline);
+        self.settle(&mut [], &noise.whitener)?;
+        Ok(noise)
+    }
+
+    /// Leaves out rows in which the low-pass bent the motion, by the arm as settled without any effect and the noise under it: what is
+    /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
+    fn leave_out_distorted(&mut self, whitener: &Whitener) {
+        let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
+        for side in [&mut self.train, &mut self.test] {
+            side.rows.leave_out_largest(&side.errors.smoothing, &bearable, MOST_DISTORTED);
+        }
+        self.arm = self.known.arm.clone();
+    }
+}

@@ -1,0 +1,175 @@
+//! Logs made ready: which low-passes serve them best.
+
+use super::passband;
+use super::smoothing;
+use crate::diagnosis::logs::{FEWEST_ROWS, FEWEST_TEST_ROWS, LowPass, Rows, cutoff, cutoffs_up_to, widest};
+use crate::diagnosis::model::{Arm, Known, Side};
+use crate::diagnosis::noise::{Whitener, rich};
+use crate::diagnosis::regression::Column;
+use crate::error::{Error, Result};
+use crate::identification::model::Model;
+use crate::recording::Recording;
+
+/// Steps from the cut-off that makes the torque likeliest to the one that is taken. What is new in a row counts noise and bends alike,
+/// but noise at high frequencies costs little once it is whitened, while a bent motion biases what is faint.
+const RAISED: usize = 2;
+
+/// What logs are made ready from.
+#[derive(Debug)]
+pub(super) struct Preparation<'a> {
+    model: &'a Model,
+    known: &'a Known<'a>,
+    /// Logs to identify from, those from before a change first.
+    train: Vec<&'a Recording>,
+    test: &'a [&'a Recording],
+    /// Frequency above which the positions hold nothing but noise, Hz.
+    whole_hz: f64,
+}
+
+/// Logs made ready.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    /// Those to identify from, and those to judge by.
+    pub sides: [Side; 2],
+    /// Cut-off of the low-pass of all positions, Hz.
+    pub cutoff_hz: f64,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
+}
+
+impl<'a> Preparation<'a> {
+    /// Of logs to identify from, beside those from before a change that are `known`, and of logs to judge by.
+    ///
+    /// # Errors
+    /// If a log is too short.
+    pub fn new(
+        model: &'a Model,
+        known: &'a Known<'a>,
+        train: &[&'a Recording],
+        test: &'a [&'a Recording],
+    ) -> Result<Self> {
+        let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
+        let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
+        Ok(Preparation { model, known, whole_hz: cutoff(&all)?, train, test })
+    }
+
+    /// The same logs with other things known.
+    pub fn knowing<'b>(&'b self, known: &'b Known<'b>) -> Preparation<'b> {
+        let Preparation { model, ref train, test, whole_hz, .. } = *self;
+        Preparation { model, known, train: train.clone(), test, whole_hz }
+    }
+
+    /// Whether no log is both identified from and judged by.
+    pub fn is_apart(&self) -> bool {
+        !self.test.iter().any(|log| self.train.iter().any(|other| std::ptr::eq(*log, *other)))
+    }
+
+    /// One cut-off for every joint.
+    pub fn alike(&self, hz: f64) -> Vec<f64> {
+        vec![hz; self.model.dof()]
+    }
+
+    /// A number for every joint that has an equation.
+    fn on_equations(&self, rows: usize) -> Vec<Option<usize>> {
+        (0..self.model.dof()).map(|joint| self.model.has_equation(joint).then_some(rows)).collect()
+    }
+
+    /// The logs with the low-passes under which the torque has the least that is new in a row.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn prepared(&self) -> Result<Prepared> {
+        let prepared = match self.best_of(None) {
+            Some(best) => best,
+            // No cut-off leaves enough rows; the widest tells best why.
+            None => {
+                let rates_hz = self.train.iter().chain(self.test).map(|log| log.rate_hz());
+                let cutoff_hz = rates_hz.map(widest).fold(f64::INFINITY, f64::min);
+                Prepared { sides: self.sides(None, &self.alike(cutoff_hz))?, cutoff_hz, passband: None }
+            }
+        };
+        Ok(self.through_passband(prepared.cutoff_hz)?.unwrap_or(prepared))
+    }
+
+    /// The cut-off of each joint by itself, with the arm as settled along rows of the logs to identify from and what its fit left there.
+    ///
+    /// # Errors
+    /// If a log is too short.
+    pub fn own_cutoffs(&self, along: (&Arm, &Rows), of_fit: (&Whitener, &Column), cutoff_hz: f64) -> Result<Vec<f64>> {
+        smoothing::of_joints(along, of_fit, &self.train, [cutoff_hz, self.whole_hz])
+    }
+
+    /// The cut-off to take where this one makes the torque likeliest.
+    pub fn raised(&self, likeliest_hz: f64) -> f64 {
+        cutoffs_up_to(self.whole_hz)
+            .into_iter()
+            .filter(|hz| *hz > likeliest_hz)
+            .take(RAISED)
+            .last()
+            .unwrap_or(likeliest_hz)
+    }
+
+    /// Both kinds of logs, with a cut-off for each joint.
+    ///
+    /// # Errors
+    /// If a log is too short or a joint hardly moves.
+    pub fn sides(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[Side; 2]> {
+        let fewest = self.on_equations(FEWEST_TEST_ROWS);
+        let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), &fewest);
+        let rows = rows.map_err(of_held_out)?;
+        Ok([self.training(through, cutoffs_hz)?, Side::new(self.model, self.known, rows, false)?])
+    }
+
+    fn training(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<Side> {
+        let fewest = self.on_equations(FEWEST_ROWS);
+        let mut rows = Rows::logged_through(through, &self.train, (cutoffs_hz, self.whole_hz), &fewest)?;
+        rows.before = self.known.reference.len();
+        Side::new(self.model, self.known, rows, true)
+    }
+
+    /// The cut-off of all positions that serves best. The torque itself tells: too low distorts the accelerations, too high lets the
+    /// encoder's noise into them. None where all leave too few rows.
+    fn best_of(&self, passband: Option<LowPass>) -> Option<Prepared> {
+        let mut best: Option<(f64, Prepared)> = None;
+        for cutoff_hz in cutoffs_up_to(self.whole_hz) {
+            let Ok(sides) = self.sides(passband, &self.alike(cutoff_hz)) else { continue };
+            let [Side { rows, torque, baseline, .. }, _] = &sides;
+            let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
+            tracing::debug!(cutoff_hz, unexpected, "cut-off");
+            if best.as_ref().is_none_or(|(least, _)| unexpected < *least) {
+                best = Some((unexpected, Prepared { sides, cutoff_hz, passband }));
+            }
+        }
+        best.map(|(_, prepared)| prepared)
+    }
+
+    /// The logs as their torque went through a low-pass before it was logged, if they show one. `cutoff_hz` is that of the positions
+    /// under which it is looked for.
+    fn through_passband(&self, cutoff_hz: f64) -> Result<Option<Prepared>> {
+        let all: Vec<&Recording> = self.train.iter().chain(self.test).copied().collect();
+        let Some(edge_hz) = passband::edge(&all)? else { return Ok(None) };
+        let narrow = LowPass { order: 1, hz: passband::lowest(edge_hz) };
+        let cutoffs_hz = self.alike(cutoff_hz);
+        let Ok(Side { rows: Rows { valid, .. }, .. }) = self.training(Some(narrow), &cutoffs_hz) else {
+            return Ok(None);
+        };
+        let left = |through| {
+            // All are seen on the same rows.
+            let Side { mut rows, torque, baseline, .. } = self.training(through, &cutoffs_hz).ok()?;
+            rows.valid.clone_from(&valid);
+            let rich = (0..rows.dof())
+                .flat_map(|joint| rich(&rows, joint).into_iter().map(move |signal| Column::on(joint, signal)));
+            let columns: Vec<Column> = baseline.into_iter().chain(rich).collect();
+            Some(passband::left(&rows, &torque, &columns))
+        };
+        Ok(passband::best(edge_hz, left).and_then(|found| self.best_of(Some(found))))
+    }
+}
+
+/// A problem that the logs to judge by have, told as theirs.
+fn of_held_out(problem: Error) -> Error {
+    match problem {
+        Error::Request { subject, problem } => Error::request(format!("{subject} of the held-out logs"), problem),
+        other => other,
+    }
+}

@@ -1,0 +1,116 @@
+//! How smooth the positions of each joint should be: what serves a base joint of much inertia, whose accelerations let the encoder's
+//! noise into its torque, bends the starts and stops of a wrist that friction holds.
+
+use crate::diagnosis::logs::{CUTOFFS_HZ, Log, ORDER, Rows};
+use crate::diagnosis::model::{Arm, Moved};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Column;
+use crate::effects::{Placed, TimeDelay};
+use crate::error::Result;
+use crate::recording::Recording;
+use crate::signal::ZeroPhaseLowPass;
+use rayon::prelude::*;
+
+/// Factor within which the cut-off of one joint lies about that of all.
+const APART: f64 = 2.2;
+
+/// By how much more likely, in its logarithm, the training torque must be with another cut-off of a joint.
+const LIKELIER: f64 = 5.0;
+
+/// Time by which torque is moved to see how noisy it gets, s.
+const MOVED_S: f64 = 1e-3;
+
+/// What a moved torque must hold, over what it holds along accelerations that stand clear of the noise, to be mostly noise.
+const NOISY: f64 = 2.0;
+
+/// Cut-off of the positions of every joint, Hz, up to `highest_hz`: where the torque of `arm`, fitted with all joints at the
+/// `common` cut-off, is likeliest once that joint alone goes to another. `residual` is what the fit leaves, in units of the noise;
+/// `recordings` are the logs of `rows`.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn of_joints(
+    (arm, rows): (&Arm, &Rows),
+    (whitener, residual): (&Whitener, &Column),
+    recordings: &[&Recording],
+    [common, highest_hz]: [f64; 2],
+) -> Result<Vec<f64>> {
+    let near = (common / APART)..=(common * APART).min(highest_hz);
+    let others: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz != common && near.contains(hz)).collect();
+    let likelihood = |residual: &Column| -> f64 {
+        let of_joint = |(joint, left): &(usize, Vec<f64>)| {
+            let rows = whitener.rows()[*joint] as f64;
+            -0.5 * rows * (left.iter().map(|r| r * r).sum::<f64>() / rows.max(1.0)).ln()
+        };
+        residual.parts.iter().map(of_joint).sum()
+    };
+    let along = arm.along(rows);
+    let moved = |joint: usize, hz: f64| -> Result<f64> {
+        let change = arm.departure(rows, &along, |index, log| {
+            let mut q = log.motion.q.clone();
+            let low_pass = ZeroPhaseLowPass::new(ORDER, hz, recordings[index].rate_hz())?;
+            low_pass.apply(recordings[index].q.channel(joint), q.channel_mut(joint))?;
+            Log::motion_of(q, log.period)
+        })?;
+        let mut residual = residual.clone();
+        residual.add(-1.0, &whitener.apply(&change));
+        Ok(likelihood(&residual))
+    };
+    let before = likelihood(residual);
+    (0..rows.dof())
+        .into_par_iter()
+        .map(|joint| {
+            let mut best = (before + LIKELIER, common);
+            for &hz in &others {
+                let likelihood = moved(joint, hz)?;
+                if likelihood > best.0 {
+                    best = (likelihood, hz);
+                }
+            }
+            Ok(best.1)
+        })
+        .collect()
+}
+
+/// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion, in units of the noise of the torque.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener) -> Result<Vec<bool>> {
+    let delay = Placed { effect: &TimeDelay, joint: 0, parameters: vec![MOVED_S] };
+    let power = |moved: Moved| -> Result<Column> {
+        let added = arm.added_in(0..rows.logs.len(), std::slice::from_ref(&delay), rows, moved)?;
+        Ok(whitener.apply(&added[0]))
+    };
+    let (all, clear) = (power(Moved::Modelled)?, power(Moved::Tested)?);
+    Ok((0..rows.dof())
+        .map(|joint| {
+            let of = |column: &Column| column.only(&[joint]).dot(&column.only(&[joint]));
+            of(&all) > NOISY * of(&clear)
+        })
+        .collect())
+}
+
+/// What the motion of each joint between a cut-off and the one that the rows are smoothed with, Hz, does to the torque of each joint:
+/// for every joint that moves one column on every joint.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn bands(arm: &Arm, rows: &Rows, above_hz: &[f64], smoothed_hz: &[f64]) -> Result<Vec<Column>> {
+    let (along, dof) = (arm.along(rows), rows.dof());
+    let band = |joint: usize| {
+        let change = if above_hz[joint] < smoothed_hz[joint] {
+            arm.departure(rows, &along, |_, log| {
+                let mut q = log.motion.q.clone();
+                let low_pass = ZeroPhaseLowPass::new(ORDER, above_hz[joint], 1.0 / log.period)?;
+                low_pass.apply(log.motion.q.channel(joint), q.channel_mut(joint))?;
+                Log::motion_of(q, log.period)
+            })?
+        } else {
+            Column::default()
+        };
+        Ok((0..dof).map(|on| change.only(&[on])).collect())
+    };
+    let each = (0..dof).into_par_iter().map(band).collect::<Result<Vec<Vec<Column>>>>()?;
+    Ok(each.concat())
+}

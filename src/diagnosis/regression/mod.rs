@@ -1,0 +1,13 @@
+//! Linear regression on stacked joint equations.
+//!
+//! In: columns of the regressor `[joint][row]` and whitened rows. Out: least-squares solutions with covariance, projections onto
+//! the complement of a column space, and score (Lagrange multiplier) tests with their chi-square and F p-values.
+//! It knows nothing of arms, effects or logs.
+
+mod column;
+mod score;
+mod solution;
+
+pub use column::{Column, combined, inner_product, rms};
+pub use score::{Projection, Test, fisher, log_survival};
+pub use solution::{Solved, gram, solve};

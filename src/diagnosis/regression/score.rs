@@ -1,0 +1,305 @@
+//! Score tests of candidate columns against what a fit leaves.
+
+use super::column::Column;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::function::gamma::ln_gamma;
+
+/// Share of a direction's squared norm that the baseline must leave for the direction to be testable.
+const TESTABLE: f64 = 1e-5;
+
+/// The same for a direction to count as mostly left.
+const MOSTLY_LEFT: f64 = 0.3;
+
+/// Share of a factor's direction that must be testable for the factor to count as told.
+const TOLD: f64 = 0.5;
+
+/// Share of its norm that a basis column must keep beyond those before it.
+const INDEPENDENT: f64 = 1e-7;
+
+/// A least-squares fit on whitened rows.
+#[derive(Debug, Clone)]
+pub struct Projection {
+    basis: Vec<Column>,
+    /// Factors of which something is known beforehand.
+    known: usize,
+    /// What the fit leaves.
+    pub residual: Column,
+}
+
+impl Projection {
+    /// Fits `torque` by `columns`, both whitened.
+    pub fn new(columns: &[Column], torque: &Column) -> Self {
+        let mut fit = Projection { basis: Vec::new(), known: 0, residual: torque.clone() };
+        fit.extend(columns);
+        fit
+    }
+
+    /// The same fit with more columns.
+    pub fn with(&self, columns: &[Column]) -> Self {
+        let mut fit = self.clone();
+        fit.extend(columns);
+        fit
+    }
+
+    /// The same fit with more columns whose factors are known beforehand to lie near zero, with these standard deviations (infinite where
+    /// nothing is known): an observation of zero is added for each (mixed estimation; Theil and Goldberger, International Economic
+    /// Review 2, 1961).
+    pub fn with_prior(&self, columns: &[Column], spread: &[f64]) -> Self {
+        let observed = columns.iter().zip(spread).enumerate().map(|(k, (column, spread))| {
+            let mut beforehand = vec![0.0; self.known + columns.len()];
+            beforehand[self.known + k] = 1.0 / spread;
+            Column { parts: column.parts.clone(), beforehand }
+        });
+        let mut fit = self.with(&observed.collect::<Vec<_>>());
+        fit.known += columns.len();
+        fit
+    }
+
+    fn extend(&mut self, columns: &[Column]) {
+        for column in columns {
+            let norm = column.dot(column).sqrt();
+            if !(norm > 0.0 && norm.is_finite()) {
+                continue;
+            }
+            let mut rest = self.left_of(column.clone());
+            let left = rest.dot(&rest).sqrt();
+            if left > INDEPENDENT * norm {
+                rest.scale(1.0 / left);
+                let along = rest.dot(&self.residual);
+                self.residual.add(-along, &rest);
+                self.basis.push(rest);
+            }
+        }
+    }
+
+    fn without(&self, mut column: Column) -> Column {
+        for direction in &self.basis {
+            let along = direction.dot(&column);
+            column.add(-along, direction);
+        }
+        column
+    }
+
+    /// Orthonormal columns that span what was fitted.
+    pub fn basis(&self) -> &[Column] {
+        &self.basis
+    }
+
+    /// What the fit leaves of a whitened column.
+    pub fn left_of(&self, column: Column) -> Column {
+        self.without(self.without(column))
+    }
+
+    /// Sum of squares of what is left.
+    pub fn left(&self) -> f64 {
+        self.residual.dot(&self.residual)
+    }
+
+    /// The score test of a group of whitened columns; None where the baseline can do all they can.
+    pub fn test(&self, columns: &[Column]) -> Option<Test> {
+        self.test_with_prior(columns, &vec![f64::INFINITY; columns.len()])
+    }
+
+    /// The same of only those directions of the group that the baseline mostly leaves: what remains of the others may be anything but
+    /// like the columns themselves.
+    pub fn test_of_what_is_mostly_left(&self, columns: &[Column]) -> Option<Test> {
+        self.test_of(columns, &vec![f64::INFINITY; columns.len()], MOSTLY_LEFT)
+    }
+
+    /// The score test of columns whose factors are known beforehand to lie near zero, with these standard deviations: an
+    /// observation of zero is added for each.
+    pub fn test_with_prior(&self, columns: &[Column], spread: &[f64]) -> Option<Test> {
+        self.test_of(columns, spread, TESTABLE)
+    }
+
+    /// The test of the directions of which the baseline leaves at least a share of the squared norm.
+    fn test_of(&self, columns: &[Column], spread: &[f64], least: f64) -> Option<Test> {
+        let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
+        if norms.is_empty() || !norms.iter().all(|norm| norm.is_finite()) {
+            return None;
+        }
+        // A column that does nothing must not hide the others of its group.
+        let norms: Vec<f64> = norms.into_iter().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
+        let count = columns.len();
+        let along = DMatrix::from_fn(self.basis.len(), count, |b, c| self.basis[b].dot(&columns[c]) / norms[c]);
+        let mut gram = DMatrix::from_fn(count, count, |r, c| {
+            if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
+        });
+        gram.fill_lower_triangle_with_upper_triangle();
+        gram -= along.tr_mul(&along);
+        let known = DMatrix::from_fn(count, count, |r, c| if r == c { (norms[c] * spread[c]).powi(-2) } else { 0.0 });
+        let eigen = SymmetricEigen::new(&gram + &known);
+        let kept: Vec<usize> = (0..count).filter(|&k| eigen.eigenvalues[k] > least).collect();
+        // Directions that the prior holds more than the rows do are not free.
+        let free: f64 = kept
+            .iter()
+            .map(|&k| {
+                let direction = eigen.eigenvectors.column(k);
+                direction.dot(&(&gram * direction)) / eigen.eigenvalues[k]
+            })
+            .sum();
+        if free < 0.5 {
+            return None;
+        }
+        let directions = DMatrix::from_fn(count, kept.len(), |r, k| {
+            eigen.eigenvectors[(r, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
+        });
+        let right = DVector::from_fn(count, |c, _| columns[c].dot(&self.residual) / norms[c]);
+        let scores = directions.tr_mul(&right);
+        let values = &directions * &scores;
+        let covariance = &directions * directions.transpose();
+        Some(Test {
+            statistic: scores.norm_squared(),
+            freedom: free.round() as usize,
+            values: values.iter().zip(&norms).map(|(v, norm)| v / norm).collect(),
+            std: (0..count)
+                .map(|c| {
+                    let told: f64 = kept.iter().map(|&k| eigen.eigenvectors[(c, k)].powi(2)).sum();
+                    if told > TOLD { covariance[(c, c)].sqrt() / norms[c] } else { f64::INFINITY }
+                })
+                .collect(),
+            along,
+            directions,
+            norms,
+        })
+    }
+}
+
+/// A score test.
+#[derive(Debug, Clone)]
+pub struct Test {
+    /// Sum of squares that the columns take beyond the baseline: chi-square where they are not needed.
+    pub statistic: f64,
+    /// Directions that could be tested.
+    pub freedom: usize,
+    /// Estimates of the columns' factors.
+    pub values: Vec<f64>,
+    /// Their standard deviations; infinite where the rows tell nothing of a factor.
+    pub std: Vec<f64>,
+    /// Inner products of the baseline's directions with the columns over their norms.
+    pub along: DMatrix<f64>,
+    /// Directions tested, in units of their standard deviations.
+    pub directions: DMatrix<f64>,
+    /// Norms of the columns.
+    pub norms: Vec<f64>,
+}
+
+impl Test {
+    /// Logarithm of the probability of as large a statistic without an effect.
+    pub fn log_p(&self) -> f64 {
+        log_survival(self.statistic, self.freedom)
+    }
+}
+
+/// Logarithm of the probability that chi-square exceeds `x`.
+pub fn log_survival(x: f64, freedom: usize) -> f64 {
+    if freedom == 0 || x <= 0.0 {
+        return 0.0;
+    }
+    let half = 0.5 * freedom as f64;
+    match ChiSquared::new(freedom as f64).map(|law| law.sf(x)) {
+        Ok(p) if p > 1e-250 => p.ln(),
+        // Far out the incomplete gamma function is its leading term.
+        _ => (half - 1.0) * (0.5 * x).ln() - 0.5 * x - ln_gamma(half) - (1.0 - (half - 1.0) / (0.5 * x)).ln(),
+    }
+}
+
+/// Logarithm of the probability of independent probabilities, given by their logarithms, whose product is as small
+/// (Fisher, Statistical Methods for Research Workers, 1925).
+pub fn fisher(log_p: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = log_p.into_iter().fold((0.0, 0), |(sum, count), log_p| (sum - 2.0 * log_p, count + 1));
+    log_survival(sum, 2 * count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(k: usize, rows: usize) -> Column {
+        Column::on(0, (0..rows).map(|t| (k as f64 * t as f64 * std::f64::consts::PI / rows as f64).cos()).collect())
+    }
+
+    #[test]
+    fn chi_square_tails_agree_with_tables() {
+        for (x, freedom, p) in [(3.841_459, 1, 0.05), (9.487_729, 4, 0.05), (23.209_25, 10, 0.01)] {
+            assert!((log_survival(x, freedom).exp() / p - 1.0).abs() < 1e-5);
+        }
+        // scipy: chi2.logsf(1200, 3), and norm.logsf(sqrt(2000)) + log(2) for one degree of freedom
+        for (x, freedom, log_p) in [(1200.0, 3, -596.679_921), (2000.0, 1, -1_004.026_742)] {
+            assert!((log_survival(x, freedom) - log_p).abs() < 1e-3, "{}", log_survival(x, freedom));
+        }
+    }
+
+    #[test]
+    fn two_probabilities_by_hand() {
+        // The area under x y = 1/4 within the unit square: 1/4 + ln(4)/4.
+        assert!((fisher([0.5f64.ln(); 2]).exp() - 0.25 * (1.0 + 4f64.ln())).abs() < 1e-12);
+        assert_eq!(fisher([0.0, 0.0]), 0.0);
+        assert!((fisher([-3.0]) + 3.0).abs() < 1e-9);
+        assert!(fisher([f64::MIN_POSITIVE.ln(), 0.3f64.ln()]) < -690.0);
+    }
+
+    #[test]
+    fn a_known_amount_is_found_beyond_the_baseline() {
+        let rows = 400;
+        let (base, extra) = (wave(1, rows), wave(3, rows));
+        let mut torque = base.clone();
+        torque.scale(5.0);
+        torque.add(0.7, &extra);
+        let fit = Projection::new(std::slice::from_ref(&base), &torque);
+        let test = fit.test(std::slice::from_ref(&extra)).unwrap();
+        assert!((test.values[0] - 0.7).abs() < 1e-9);
+        let perpendicular = extra.dot(&extra) - extra.dot(&base).powi(2) / base.dot(&base);
+        assert!((test.statistic - 0.49 * perpendicular).abs() < 1e-9 * test.statistic);
+        assert!((test.std[0] * perpendicular.sqrt() - 1.0).abs() < 1e-9);
+        assert!(fit.test(std::slice::from_ref(&base)).is_none() && fit.test(&[]).is_none());
+        assert!(fit.with(&[extra]).left() < 1e-18 * torque.dot(&torque));
+    }
+
+    /// What is known of a factor beforehand is one more observation: with one of zero, a norm of 2 gives 4 / (4 + 1 / spread^2) of it.
+    #[test]
+    fn a_factor_that_is_known_takes_no_more_than_it_can() {
+        let rows = 400;
+        let (error, extra) = (wave(3, rows), wave(5, rows));
+        let mut torque = error.clone();
+        torque.scale(2.0);
+        torque.add(0.7, &extra);
+        let fit = Projection::new(&[], &torque);
+        let norm = error.dot(&error);
+        let left = |spread: f64| {
+            let beside = fit.with_prior(std::slice::from_ref(&error), &[spread]);
+            1.0 - beside.residual.dot(&error) / (2.0 * norm)
+        };
+        for spread in [0.01, 0.1, 1.0] {
+            let share = norm / (norm + 1.0 / (spread * spread));
+            assert!((left(spread) - share).abs() < 1e-9, "{} {share}", left(spread));
+        }
+        assert!((left(f64::INFINITY) - 1.0).abs() < 1e-9);
+        // What is known of the same factor twice adds up.
+        let twice =
+            fit.with_prior(std::slice::from_ref(&error), &[0.1]).with_prior(std::slice::from_ref(&error), &[0.1]);
+        let left = twice.residual.dot(&error) / (2.0 * norm);
+        assert!((left - 1.0 / (1.0 + 2.0 * norm * 0.01)).abs() < 1e-9, "{left}");
+        // Nothing else is touched.
+        let beside = fit.with_prior(&[error], &[0.1]);
+        assert!((beside.test(&[extra]).unwrap().values[0] - 0.7).abs() < 1e-9);
+    }
+
+    /// A baseline of a wave with a little of another: the sum of waves that it nearly is tells of the other alone.
+    #[test]
+    fn what_remains_of_a_group_is_not_the_group() {
+        let rows = 400;
+        let mut base = wave(2, rows);
+        base.add(0.1, &wave(90, rows));
+        // Much of the fast wave is in the torque, and nothing slow beyond the baseline.
+        let mut torque = base.clone();
+        torque.add(5.0, &wave(90, rows));
+        let fit = Projection::new(&[base], &torque);
+        let slow: Vec<Column> = (1..6).map(|k| wave(2 * k, rows)).collect();
+        let all = fit.test(&slow).unwrap();
+        let mostly = fit.test_of_what_is_mostly_left(&slow).unwrap();
+        assert!(all.freedom == 5 && all.statistic > 1000.0, "{all:?}");
+        assert!(mostly.freedom == 4 && mostly.statistic < 1e-9, "{mostly:?}");
+    }
+}

@@ -1,0 +1,92 @@
+//! The last search, over all logs together: for what is too faint for the training logs alone.
+//!
+//! As long as training logs show enough, held-out logs judge what these chose. What neither kind shows by itself may be plain in
+//! both together: all logs then choose, and each judges by what the others say of it (cross-validation; Stone, Journal of the
+//! Royal Statistical Society B 36, 1974). What else explains a finding is asked of all logs too.
+
+use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
+use super::comparison::{Contest, InOwnNoise, contest};
+use super::eligible::{Contenders, Refused, Standing};
+use super::found::{Found, beside_play, members};
+use super::reselection::narrow;
+use super::round::Round;
+use crate::diagnosis::Options;
+use crate::diagnosis::evidence::Multiplicity;
+use crate::diagnosis::model::{Candidate, Member, Moved, Session, columns_in};
+use crate::error::Result;
+
+/// Candidates that may be refused one after the other before the search ends.
+const REFUSALS: usize = 3;
+
+/// Searches all logs of `session` for more than was `found`, and asks them what else explains that; tells whether more
+/// was found. The `candidates` are those along the training logs.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn search(
+    session: &Session,
+    found: &mut Vec<Found>,
+    candidates: Vec<Candidate>,
+    multiplicity: &Multiplicity,
+    options: &Options,
+) -> Result<bool> {
+    if !session.apart {
+        return Ok(false);
+    }
+    let mut all_logs = session.over_all_logs();
+    let mut known = found.clone();
+    let mut refused: Vec<Refused> = Vec::new();
+    let mut in_own_noise = InOwnNoise::default();
+    let mut more = false;
+    // What happens once is in one log.
+    let mut round = Round::over_all_logs(&mut all_logs, &mut known, candidates, options)?;
+    while known.len() < options.max_findings && refused.len() < REFUSALS {
+        // What the smoothing or extremes mimic is so in all of them.
+        let standing = |candidate: &Candidate, _: f64| match is_confirmable(candidate) {
+            true => Standing::MayWin,
+            false => Standing::TooFaint,
+        };
+        let Some(contenders) = Contenders::new(&round.scan, &known, &refused, multiplicity, standing) else { break };
+        let level = contenders.level;
+        if level > options.alpha {
+            break;
+        }
+        let before = members(&known);
+        let Contest { winner, alternatives, .. } =
+            contest(&all_logs, &before, &contenders, &round.all, multiplicity, &mut in_own_noise)?;
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest over all logs");
+        let Round { whitener, fit, .. } = &round;
+        let (alpha, session) = (options.alpha, &all_logs);
+        let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, tries: None };
+        match trial.by_others(&winner, level)? {
+            Outcome::Accepted(accepted) => {
+                let alternatives = beside_play(&all_logs, &known, &accepted.member, alternatives);
+                known.push(Found::new(*accepted, alternatives));
+                refused.clear();
+                in_own_noise.clear();
+                more = true;
+                round = round.next(&mut all_logs, &mut known, options)?;
+            }
+            Outcome::Refused(Refusal { may_be, .. }) => {
+                refused.push(Refused::new(&winner.candidate, may_be));
+            }
+        }
+    }
+    narrow(&all_logs, &mut known, &round, multiplicity)?;
+    for (finding, known) in found.iter_mut().zip(&known) {
+        finding.set_alternatives(known.alternatives.clone());
+    }
+    for mut finding in known.into_iter().skip(found.len()) {
+        finding.member = from_training(session, finding.member)?;
+        found.push(finding);
+    }
+    Ok(more)
+}
+
+/// A member with its columns along the training logs.
+fn from_training(session: &Session, mut member: Member) -> Result<Member> {
+    let (candidate, rows) = (&mut member.candidate, &session.train.rows);
+    candidate.columns =
+        columns_in(&session.arm, rows, candidate.log, std::slice::from_ref(&candidate.placed), Moved::Tested)?.concat();
+    Ok(member)
+}

@@ -1,0 +1,204 @@
+//! One round of the search: the scan of all candidates, and the contest of the best for the name.
+
+use super::eligible::Contenders;
+use super::found::Alternative;
+use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
+use crate::diagnosis::model::{Candidate, Member, Noise, Session, Slot, shapes};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Projection, Test, log_survival};
+use crate::error::Result;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Candidates that are fitted with a noise model of their own before one is chosen.
+const SHORTLIST: usize = 4;
+
+/// Share of the winner's statistic that a rival must reach to be looked at.
+const RIVAL: f64 = 0.3;
+
+/// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
+const CLOSE: f64 = 0.8;
+
+/// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
+/// parameter or of chance.
+const CLEARLY_BETTER: f64 = 0.02;
+
+/// A rival is out when what the winner adds to it is less likely than this without need.
+const ENCOMPASSED: f64 = 1e-3;
+
+/// A rival that holds the winner and more stays only if what it adds is less likely than this without need.
+const SUPERFLUOUS: f64 = 0.05;
+
+/// A rival with more parameters stays only within this gap of the information criterion.
+const CRITERION_GAP: f64 = 6.0;
+
+/// Smaller and larger effects on one joint that motion alone cannot tell: the larger one with nothing in its further parameter
+/// is the smaller one.
+const ONE_MORE: [(&str, &str); 3] = [
+    ("torque_offset", "friction_asymmetry"),
+    ("encoder_offset", "encoder_eccentricity"),
+    ("gravity_balancer", "link_inertia_error"),
+];
+
+/// Candidates that were seen in the noise under the model with them: criterion and candidate at its best shape there, None where it
+/// cannot be. They hold as long as the rest of the model stays the same.
+pub(super) type InOwnNoise = BTreeMap<Slot, Option<(f64, Candidate)>>;
+
+/// What came of a contest.
+#[derive(Debug)]
+pub(super) struct Contest {
+    /// The effect that explains the training logs best.
+    pub winner: Judged,
+    /// What else explains them.
+    pub alternatives: Vec<Alternative>,
+    /// Those that come close, whether or not the training logs exclude them.
+    pub close: Vec<Judged>,
+}
+
+/// The winner among `contenders`, what else of `all` candidates explains the same, and what comes close. What is looked for in
+/// many places must fit better, by as many tests as its kind is worth by `multiplicity`, to win over what is looked for in few.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn contest(
+    session: &Session,
+    members: &[Member],
+    contenders: &Contenders,
+    all: &[Candidate],
+    multiplicity: &Multiplicity,
+    in_own_noise: &mut InOwnNoise,
+) -> Result<Contest> {
+    let Contenders { best, eligible, .. } = contenders;
+    let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
+    let present = session.all_columns(&session.train, members)?;
+    let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
+        let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
+        let whitener = session.noise_under(&with).whitener;
+        let fit = whitener.fit(&present, &session.train.torque);
+        let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { return Ok(None) };
+        let own = session.refined(own, &whitener, &fit)?;
+        let left = fit.left() - own.test.statistic;
+        let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64 + looked_for(&own);
+        Ok(Some((criterion, own.candidate)))
+    };
+    let shortlist = &best[..best.len().min(SHORTLIST)];
+    let new = shortlist.par_iter().filter(|judged| !in_own_noise.contains_key(&judged.candidate.slot()));
+    let new = new.map(|judged| Ok((judged.candidate.slot(), seen(judged)?)));
+    let new: Vec<(Slot, Option<(f64, Candidate)>)> = new.collect::<Result<_>>()?;
+    in_own_noise.extend(new);
+    let seen = shortlist.iter().filter_map(|judged| in_own_noise[&judged.candidate.slot()].as_ref());
+    let leader = seen.min_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(&best[0].candidate, |(_, candidate)| candidate);
+
+    // From here on all are seen in the same whitening, that under the leader.
+    let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
+    let whitener = session.noise_under(&with).whitener;
+    let fit = whitener.fit(&present, &session.train.torque);
+    // What acts elsewhere is no other name for what is seen here.
+    let here = leader.joints();
+    let rivals = all.iter().filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
+    let again: Vec<Candidate> = rivals.cloned().chain([leader.clone()]).collect();
+    let scan = Scan::new(session, &again, &whitener, &fit);
+    let ranked = scan.best_per_family();
+    let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
+    let strong = ranked.into_par_iter().filter(|judged| judged.test.statistic > RIVAL * largest);
+    let mut strong: Vec<Judged> =
+        strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
+    strong.sort_by(|a, b| (criterion(a) + looked_for(a)).total_cmp(&(criterion(b) + looked_for(b))));
+    let Some(first) = strong.iter().position(|judged| eligible.may_win(&judged.candidate)) else {
+        return Ok(Contest { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
+    };
+    let winner = strong.remove(first);
+    let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
+    let here = winner.candidate.joints();
+    strong.retain(|rival| rival.candidate.acts_on(&here));
+    let mut alternatives = Vec::new();
+    for rival in &strong {
+        // Nor is the same at another time.
+        if rival.candidate.family() == winner.candidate.family() {
+            continue;
+        }
+        let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
+        let gap = criterion(rival) + looked_for(rival) - criterion(&winner) - looked_for(&winner);
+        let needed = |test: Option<Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
+        let winner_adds = needed(beside_rival.test(&winner.whitened), ENCOMPASSED);
+        let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
+        let larger = parameters(rival) > parameters(&winner);
+        // What fits better, and was not sure enough to win, is not excluded by what the winner adds to it.
+        let explains_as_much =
+            !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP) || is_one_more(&winner, rival));
+        if explains_as_much || gap < 0.0 {
+            alternatives.push(Alternative {
+                family: rival.candidate.family(),
+                relative_likelihood: (-0.5 * gap.max(0.0)).exp(),
+            });
+        }
+    }
+    let least = CLOSE * winner.test.statistic;
+    strong.retain(|rival| rival.test.statistic > least && eligible.may_win(&rival.candidate));
+    Ok(Contest { winner, alternatives, close: strong })
+}
+
+/// The winner of a contest once held-out logs were asked.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    /// The winner.
+    pub winner: Judged,
+    /// What else explains the same.
+    pub alternatives: Vec<Alternative>,
+    /// The noise under the model with the winner, if that was worked out.
+    pub whitener: Option<Whitener>,
+}
+
+/// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
+/// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
+pub(super) fn better_unseen(session: &Session, members: &[Member], contest: Contest) -> Result<Chosen> {
+    let Contest { winner, mut alternatives, close } = contest;
+    if winner.candidate.log.is_some() {
+        return Ok(Chosen { winner, alternatives, whitener: None });
+    }
+    let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
+    let first = with(&winner);
+    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
+    let unseen = whitener.on(&session.test.rows);
+    let before = session.held_out_residual(&first, &whitener)?;
+    let rivals: Vec<&Judged> = close.iter().filter(|rival| rival.candidate.log.is_none()).collect();
+    let bound = |rival: &&Judged| -> Result<f64> {
+        let mut joints = rival.candidate.joints();
+        joints.extend(winner.candidate.joints());
+        joints.sort_unstable();
+        joints.dedup();
+        let after = session.held_out_residual(&with(rival), &whitener)?;
+        let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
+        tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
+        Ok(bound)
+    };
+    let bounds: Vec<f64> = rivals.par_iter().map(bound).collect::<Result<_>>()?;
+    let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > CLEARLY_BETTER);
+    let best = better.max_by(|(a, _), (b, _)| a.total_cmp(b));
+    let Some((_, rival)) = best else { return Ok(Chosen { winner, alternatives, whitener: Some(whitener) }) };
+    alternatives.retain(|other| other.family != rival.candidate.family());
+    alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
+    Ok(Chosen { winner: rival.clone(), alternatives, whitener: None })
+}
+
+fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
+    let (winner, rival) = (winner.candidate.family(), rival.candidate.family());
+    winner.joint == rival.joint && ONE_MORE.contains(&(winner.effect, rival.effect))
+}
+
+/// The fit with a candidate and the derivatives to its shapes.
+fn with_tangents(session: &Session, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<Projection> {
+    let tangents = session.tangents(&session.train, &judged.candidate, &judged.test.values)?;
+    Ok(fit.with(&judged.whitened).with(&whitener.apply_all(&tangents)))
+}
+
+fn parameters(judged: &Judged) -> usize {
+    judged.test.freedom + shapes(judged.candidate.placed.effect).len()
+}
+
+/// Akaike's criterion, of which only differences matter.
+fn criterion(judged: &Judged) -> f64 {
+    // Many directions are held to the level of a few by the tail of the test itself.
+    let shapes = shapes(judged.candidate.placed.effect).len() as f64;
+    (2.0 * log_survival(judged.test.statistic, judged.test.freedom)).max(-f64::MAX) + 2.0 * shapes
+}

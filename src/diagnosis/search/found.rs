@@ -1,0 +1,94 @@
+//! What a search found, as it goes into the model and the answer.
+
+use super::acceptance::Accepted;
+use super::verdict::Verdict;
+use crate::diagnosis::backlash::Play;
+use crate::diagnosis::model::{Candidate, Family, Member, Session};
+use crate::effects::{Backlash, Effect, Nature};
+
+/// Another effect that explains the same.
+#[derive(Debug, Clone)]
+pub struct Alternative {
+    /// What and where.
+    pub family: Family,
+    /// Likelihood over that of the effect found, each parameter paid for.
+    pub relative_likelihood: f64,
+}
+
+/// An effect that was found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The effect in the model.
+    pub member: Member,
+    /// What else explains the data, the likeliest first; empty where the data name the effect.
+    pub alternatives: Vec<Alternative>,
+    /// Probability of as good a best candidate without any effect.
+    pub family_wise_p: f64,
+    /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
+    pub gain_lower_bound: f64,
+    /// Root mean square of what the held-out logs leave with those found before and with this one too, `[joint]`, N m; told when
+    /// the search has ended.
+    pub rms: [Vec<f64>; 2],
+    /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
+    pub verdict: Verdict,
+    /// What its impacts say, where these are what shows it.
+    pub impacts: Option<Play>,
+}
+
+impl Found {
+    /// What a trial accepted.
+    pub fn new(accepted: Accepted, alternatives: Vec<Alternative>) -> Self {
+        let Accepted { member, gain_lower_bound, level } = accepted;
+        let mut found = Found {
+            member,
+            alternatives: Vec::new(),
+            family_wise_p: level,
+            gain_lower_bound,
+            rms: Default::default(),
+            verdict: Verdict::Named,
+            impacts: None,
+        };
+        found.set_alternatives(alternatives);
+        found
+    }
+
+    /// Says what else explains the data: where nothing does, they name the effect.
+    pub fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
+        self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
+        self.alternatives = alternatives;
+    }
+
+    /// Says that it may be another effect too, which explains the data no worse.
+    pub fn may_also_be(&mut self, family: Family) {
+        let others = self.alternatives.iter().filter(|other| other.family != family).cloned();
+        self.set_alternatives([Alternative { family, relative_likelihood: 1.0 }].into_iter().chain(others).collect());
+    }
+}
+
+/// What was found as members of the model.
+pub fn members(found: &[Found]) -> Vec<Member> {
+    found.iter().map(|found| found.member.clone()).collect()
+}
+
+/// The alternatives of a new member, and the play of its gear where that has one or impacts leave it open: how the teeth give under
+/// load looks like more of either, and a link that lies on one side of its play or the other like an encoder that is not true.
+pub(super) fn beside_play(
+    session: &Session,
+    found: &[Found],
+    member: &Member,
+    mut alternatives: Vec<Alternative>,
+) -> Vec<Alternative> {
+    let Candidate { placed, .. } = &member.candidate;
+    if placed.effect.gear(&placed.parameters).is_some() {
+        let rattling =
+            found.iter().filter(|other| other.impacts.is_some()).map(|other| other.member.candidate.family());
+        let own = rattling.filter(|family| family.joint == placed.joint);
+        alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
+    }
+    let play = Family { effect: Backlash.about().name, joint: placed.joint };
+    let is_open = placed.effect.about().nature == Nature::LikePlay && session.open_play.contains(&placed.joint);
+    if is_open && alternatives.iter().all(|other| other.family != play) {
+        alternatives.push(Alternative { family: play, relative_likelihood: 1.0 });
+    }
+    alternatives
+}

@@ -1,0 +1,21 @@
+//! Forward selection of effects with backward re-selection.
+//!
+//! In: a session and the options. Out: the effects found, each with its family-wise p-value, its alternatives and its
+//! held-out gain, under a controlled family-wise error.
+
+mod acceptance;
+mod all_logs;
+mod comparison;
+mod eligible;
+mod found;
+mod play;
+mod reselection;
+mod round;
+mod selection;
+mod verdict;
+
+#[cfg(test)]
+pub use acceptance::Accepted;
+pub use found::{Alternative, Found, members};
+pub use selection::{Selection, select};
+pub use verdict::Verdict;

@@ -1,0 +1,120 @@
+//! Gears with play, named by their impacts.
+
+use super::found::{Alternative, Found};
+use super::verdict::Verdict;
+use crate::diagnosis::Options;
+use crate::diagnosis::backlash::{Play, Traces};
+use crate::diagnosis::evidence::family_wise;
+use crate::diagnosis::model::{Candidate, Family, Member, Session, columns, is_candidate};
+use crate::diagnosis::regression::fisher;
+use crate::effects::{Backlash, Effect, Nature, Placed};
+use crate::error::Result;
+
+/// Share of the level at which impacts are believed, and the same where the held-out logs have no change of sign.
+const IMPACTS: f64 = 0.02;
+const UNCONFIRMED: f64 = 1e-6;
+
+/// What training and held-out logs must each say for themselves.
+const EACH: f64 = 0.05;
+
+/// What is left of a gear's impacts without those moments at which another gear's load changes sign too, from which on the
+/// other is not an alternative; and among moments only in which the loads change as much, where they must still show.
+const OWN: f64 = 0.01;
+
+/// Probability of a joint's impacts by chance up to which they leave its play open: small play hardly rattles, and where it is another
+/// name for what was found it need not be shown, only not spoken against.
+const OPEN: f64 = 0.1;
+
+/// Gears with play that impacts in the logs show, the surest first; the session is told which others they leave open. Their
+/// steady torque joins the session's baseline, and the rows that impacts disturb are left out.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result<Vec<Found>> {
+    let effect: &'static dyn Effect = &Backlash;
+    if !is_candidate(effect, options.trust, &options.candidates) {
+        return Ok(Vec::new());
+    }
+    let dof = session.model.dof();
+    let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
+    let known: Vec<usize> = session.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
+    let train = Traces::new(&session.arm, &session.train.rows);
+    let test = Traces::new(&session.arm, &session.test.rows);
+    let mut rattling: Vec<usize> = Vec::new();
+    let mut found = Vec::new();
+    while found.len() < options.max_findings {
+        let open = (0..dof).filter(|joint| !known.contains(joint) && !rattling.contains(joint));
+        // Nothing was fitted to the moments, so that those of all logs count.
+        let log_p = |joint: usize, without: &[usize]| -> f64 {
+            fisher([&train, &test].map(|traces| traces.log_p(joint, without)))
+        };
+        let mut all: Vec<(usize, f64)> = open.map(|joint| (joint, log_p(joint, &rattling))).collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(&(joint, best)) = all.first() else { break };
+        let level = family_wise(best, dof as f64);
+        let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
+        tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
+        let both = each.iter().all(|log_p| *log_p < EACH.ln());
+        let told = both || test.changes(joint) == 0;
+        let limit = options.alpha * if both { IMPACTS } else { UNCONFIRMED };
+        if level > limit || !told {
+            break;
+        }
+        let alike = fisher([&train, &test].map(|traces| traces.log_p_among_alike(joint)));
+        tracing::debug!(alike, "impacts among moments alike");
+        if alike > OWN.ln() {
+            break;
+        }
+        let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
+        let rivals: Vec<usize> = all[1..]
+            .iter()
+            .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
+            .map(|(other, _)| *other)
+            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > OWN.ln())
+            .collect();
+        rattling.push(joint);
+        rattling.extend(&rivals);
+        found.push(named(effect, (joint, &rivals), &play, (level, test.share(joint))));
+    }
+    let named = |joint: &usize| found.iter().any(|one| one.member.placed.joint == *joint);
+    let chance = |joint: usize| fisher([&train, &test].map(|traces| traces.log_p(joint, &rattling)));
+    let open = (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < OPEN.ln());
+    session.open_play = open.collect();
+    // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
+    let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
+    let fitted = session.known.fitted().len();
+    for side in [&mut session.train, &mut session.test] {
+        let place = side.baseline.len() - fitted;
+        let steady = columns(&session.arm, &side.rows, &placed)?.concat();
+        side.baseline.splice(place..place, steady);
+    }
+    for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
+        train.leave_out(joint, &mut session.train.rows);
+        test.leave_out(joint, &mut session.test.rows);
+    }
+    Ok(found)
+}
+
+fn named(
+    effect: &'static dyn Effect,
+    (joint, rivals): (usize, &[usize]),
+    play: &Play,
+    (level, share): (f64, f64),
+) -> Found {
+    let placed = Placed { parameters: vec![play.half_gap], ..Placed::typical(effect, joint) };
+    let candidate = Candidate { placed: placed.clone(), log: None, columns: Vec::new() };
+    let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true };
+    let alternatives: Vec<Alternative> = rivals
+        .iter()
+        .map(|&joint| Alternative { family: Family { effect: effect.about().name, joint }, relative_likelihood: 1.0 })
+        .collect();
+    Found {
+        verdict: if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf },
+        member,
+        alternatives,
+        family_wise_p: level,
+        gain_lower_bound: share,
+        rms: Default::default(),
+        impacts: Some(play.clone()),
+    }
+}

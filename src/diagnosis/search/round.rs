@@ -1,0 +1,94 @@
+//! A round's view of the data: the noise, the fit so far, and the tests of all candidates against it.
+
+use super::found::{Found, members};
+use crate::diagnosis::Options;
+use crate::diagnosis::evidence::Scan;
+use crate::diagnosis::model::{Candidate, Noise, Session, all_candidates, carried_on, renewed};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::Projection;
+use crate::error::Result;
+
+/// A round of a search.
+#[derive(Debug)]
+pub(super) struct Round {
+    /// The noise under what was found so far.
+    pub whitener: Whitener,
+    /// The fit of that.
+    pub fit: Projection,
+    /// All candidates.
+    pub all: Vec<Candidate>,
+    /// Their tests.
+    pub scan: Scan,
+}
+
+impl Round {
+    /// Fits what was `found` so far, with estimates written back, and tests all candidates against the fit.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn first(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        let all = all_candidates(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+        Ok(Self::of(session, whitener, fit, all))
+    }
+
+    /// The same over all logs, of which the first are those that `candidates` are known along.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn over_all_logs(
+        session: &mut Session,
+        found: &mut [Found],
+        candidates: Vec<Candidate>,
+        options: &Options,
+    ) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        let Session { arm, train, test, .. } = &*session;
+        let later = &test.rows;
+        let carried_on = carried_on(candidates, arm, train.rows.len() - later.len(), later)?;
+        Self::renewed(session, whitener, fit, carried_on, options)
+    }
+
+    /// The same again after more was found.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+        let (whitener, fit) = settled(session, found)?;
+        drop(self.scan);
+        Self::renewed(session, whitener, fit, self.all, options)
+    }
+
+    /// With the candidates for the arm as settled.
+    fn renewed(
+        session: &Session,
+        whitener: Whitener,
+        fit: Projection,
+        candidates: Vec<Candidate>,
+        options: &Options,
+    ) -> Result<Self> {
+        let Session { arm, train, trust, .. } = session;
+        let all = renewed(candidates, arm, &train.rows, *trust, &options.candidates)?;
+        Ok(Self::of(session, whitener, fit, all))
+    }
+
+    fn of(session: &Session, whitener: Whitener, fit: Projection, all: Vec<Candidate>) -> Self {
+        let scan = Scan::new(session, &all, &whitener, &fit);
+        Round { whitener, fit, all, scan }
+    }
+}
+
+/// The noise under what was `found` and the fit of that, with estimates written back.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
+    let mut members = members(found);
+    let present = session.all_columns(&session.train, &members)?;
+    let Noise { whitener, .. } = session.noise_under(&present);
+    session.settle(&mut members, &whitener)?;
+    found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
+    let columns = session.all_columns(&session.train, &members)?;
+    let fit = whitener.fit(&columns, &session.train.torque);
+    Ok((whitener, fit))
+}

@@ -1,0 +1,177 @@
+//! Forward selection of effects: the best candidate is tested at a family-wise level, compared with its rivals in the same
+//! whitening, and accepted if it also gains on held-out logs; at the end what became superfluous is dropped.
+
+use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
+use super::all_logs;
+use super::comparison::{Chosen, InOwnNoise, better_unseen, contest};
+use super::eligible::{Contenders, Refused, Standing};
+use super::found::{Found, beside_play, members};
+use super::play::rattling_gears;
+use super::reselection::rename;
+use super::round::{Round, settled};
+use crate::diagnosis::Options;
+use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
+use crate::diagnosis::model::{Candidate, Family, Member, Noise, Session};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, rms};
+use crate::error::Result;
+use std::collections::BTreeMap;
+
+/// Effects are dropped in the end when what they take is more likely than this without them.
+const KEPT: f64 = 1e-4;
+
+/// Candidates of each round that the log names.
+const LOGGED: usize = 14;
+
+/// Candidates that may be refused one after the other before the search ends.
+const REFUSALS: usize = 12;
+
+/// Candidates of which held-out logs are asked, one after the other, whether they confirm what training logs leave open: by how
+/// much less likely than by itself each must be by chance, so that all together keep the level; and the level of the best beyond
+/// which there is nothing to confirm.
+const CONFIRMATIONS: [f64; 2] = [1.25, 5.0];
+const NOTHING_TO_CONFIRM: f64 = 0.5;
+
+/// What the search came to.
+#[derive(Debug)]
+pub struct Selection {
+    /// The effects found, in the order in which they were.
+    pub found: Vec<Found>,
+    /// The noise in the end.
+    pub whitener: Whitener,
+    /// The noise before anything was found.
+    pub first_whitener: Whitener,
+    /// What the model with all of them leaves of the held-out logs.
+    pub held_out: Column,
+    /// How many independent tests the scan is worth.
+    pub multiplicity: Multiplicity,
+    /// The best of every family in the first scan, before anything was found; the best first.
+    pub ranking: Vec<Ranked>,
+    /// Of every family that could be tested last on the training logs: index of its first linear parameter and its standard deviation.
+    pub sensitivity: BTreeMap<Family, (usize, f64)>,
+}
+
+/// Searches for effects until no more pass. `progress` is told the number of effects found so far.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
+    let mut found: Vec<Found> = Vec::new();
+    let mut refused: Vec<Refused> = Vec::new();
+    let (mut in_a_row, mut asked) = (0, 0);
+    let mut in_own_noise = InOwnNoise::default();
+    let mut round = Round::first(session, &mut found, options)?;
+    found.extend(rattling_gears(session, options)?);
+    if !found.is_empty() {
+        round = round.next(session, &mut found, options)?;
+    }
+    let first_whitener = round.whitener.clone();
+    tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
+    let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
+    let ranking = ranking(&round.scan);
+    while found.len() < options.max_findings && in_a_row < REFUSALS {
+        progress(found.len());
+        // Nothing makes those surer of which only the training logs tell.
+        let standing = |candidate: &Candidate, level: f64| match strictness(candidate) {
+            share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
+            _ if level <= options.alpha => Standing::TooFaint,
+            _ => Standing::Hopeless,
+        };
+        let Some(contenders) = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing) else { break };
+        let level = contenders.level;
+        for judged in contenders.best.iter().take(LOGGED) {
+            let (family, test) = (judged.candidate.family(), &judged.test);
+            tracing::debug!(
+                ?family,
+                statistic = test.statistic,
+                freedom = test.freedom,
+                log_p = test.log_p(),
+                "candidate"
+            );
+        }
+        // What the training logs alone do not show may show together with the held-out ones.
+        let tries = CONFIRMATIONS.get(asked).copied();
+        if level > options.alpha && (tries.is_none() || level > NOTHING_TO_CONFIRM) {
+            break;
+        }
+        let members = members(&found);
+        let contest = contest(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
+        let Chosen { winner, alternatives, whitener: under } = better_unseen(session, &members, contest)?;
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
+        let Round { whitener, fit, .. } = &round;
+        let trial = Trial {
+            session,
+            members: &members,
+            whitener,
+            fit,
+            multiplicity: &multiplicity,
+            alpha: options.alpha,
+            tries,
+        };
+        match trial.of(&winner, level, under)? {
+            Outcome::Accepted(accepted) => {
+                let alternatives = beside_play(session, &found, &accepted.member, alternatives);
+                // What was refused where this acts was seen in a noise that did not know it.
+                let joints = accepted.member.candidate.joints();
+                refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
+                (in_a_row, asked) = (0, 0);
+                in_own_noise.clear();
+                found.push(Found::new(*accepted, alternatives));
+                round = round.next(session, &mut found, options)?;
+            }
+            Outcome::Refused(Refusal { may_be, asked: in_vain }) => {
+                refused.push(Refused::new(&winner.candidate, may_be));
+                in_a_row += 1;
+                asked += usize::from(in_vain);
+            }
+        }
+    }
+    let dropped = drop_superfluous(session, &mut found)?;
+    let renamed = rename(session, &mut found, &round.all, &multiplicity, options.alpha)?;
+    let Round { mut whitener, scan, all, .. } = round;
+    let sensitivity = scan.sensitivity();
+    drop(scan);
+    if all_logs::search(session, &mut found, all, &multiplicity, options)? || renamed || dropped {
+        (whitener, _) = settled(session, &mut found)?;
+    }
+    let held_out = tell_rms(session, &mut found, &whitener)?;
+    Ok(Selection { found, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
+}
+
+/// Tells of each effect what of the held-out logs is left before and after it; returns what is left after all.
+fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
+    let all = members(found);
+    let rms = |residual: &Column| rms(&session.test.rows.valid, residual);
+    let mut left = session.baseline_residual_on(&session.test, whitener)?;
+    for (count, found) in found.iter_mut().enumerate() {
+        let after = session.held_out_residual(&all[..=count], whitener)?;
+        found.rms = [rms(&left), rms(&after)];
+        left = after;
+    }
+    Ok(left)
+}
+
+/// Drops effects that the others have made superfluous, the least needed first; tells whether it did.
+fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
+    let mut dropped = false;
+    while found.len() > 1 {
+        let all = members(found);
+        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &all)?);
+        let mut least = (f64::NEG_INFINITY, 0);
+        for index in (0..all.len()).filter(|&index| !all[index].held) {
+            let others: Vec<Member> =
+                all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, member)| member.clone()).collect();
+            let fit = whitener.fit(&session.all_columns(&session.train, &others)?, &session.train.torque);
+            let log_p = fit.test(&whitener.apply_all(&all[index].candidate.columns)).map_or(0.0, |test| test.log_p());
+            if log_p > least.0 {
+                least = (log_p, index);
+            }
+        }
+        if least.0 < KEPT.ln() {
+            break;
+        }
+        found.remove(least.1);
+        dropped = true;
+    }
+    Ok(dropped)
+}

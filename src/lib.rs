@@ -17,6 +17,8 @@
 pub mod cli;
 pub mod report;
 
+pub mod paper;
+
 pub mod study;
 
 pub mod dataset;

@@ -3,11 +3,11 @@
 use super::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::output::ResultFolder;
+use crate::paper::procedure::{Procedure, Stage};
 use crate::report::html::{self, Provenance};
 use crate::report::paper::{SCHEMA, Verdict, figures, results, tables};
 use crate::scenario::Setup;
-use crate::study::paper::procedure::{Procedure, Stage};
-use crate::study::{paper, testbed};
+use crate::{paper, study::testbed};
 use std::path::PathBuf;
 
 /// Arguments of `tauscope paper`.

@@ -17,7 +17,6 @@ pub mod linear_model;
 pub mod linear_problem;
 pub mod model;
 pub mod noise;
-pub mod paper78;
 mod plausible;
 pub mod prepare;
 pub mod reversals;

@@ -1,7 +1,7 @@
 //! The JSON results of a scenario run.
 
 use crate::identification::model::Model;
-use crate::identification::paper78::tables::PRINTED_TABLE_3;
+use crate::paper::equations::tables::PRINTED_TABLE_3;
 use crate::robot::Joint;
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Runs, Score, Scored};

@@ -5,7 +5,6 @@ pub mod check;
 pub mod closed_loop;
 pub mod measured;
 pub mod montecarlo;
-pub mod paper;
 pub mod replay;
 pub mod score;
 pub mod testbed;

@@ -8,13 +8,13 @@ pub mod verdict;
 pub use results::SCHEMA;
 pub use verdict::Verdict;
 
-use crate::identification::paper78;
-use crate::study::paper::planar::PlanarFit;
-use crate::study::paper::{PaperStudy, SpatialFit};
+use crate::paper::equations;
+use crate::paper::planar::PlanarFit;
+use crate::paper::{PaperStudy, SpatialFit};
 use crate::study::testbed::Variant;
 
 /// The fit of a variant of the 78-parameter model to the raw or the smoothed log.
-fn planar(study: &PaperStudy, variant: paper78::Variant, signals: Variant) -> &PlanarFit {
+fn planar(study: &PaperStudy, variant: equations::Variant, signals: Variant) -> &PlanarFit {
     let fits = study.planar.iter().filter(|model| model.variant == variant).flat_map(|model| &model.fits);
     fits.into_iter().find(|fit| fit.signals == signals).expect("the study fits every variant to both")
 }

@@ -3,7 +3,7 @@
 //! Parameters that only ever occur in one and the same sum have equal columns in the regressor: no motion tells them
 //! apart, and a fit that reports a value for each has chosen it arbitrarily.
 
-use super::equations::terms;
+use super::terms::terms;
 use super::{JOINTS, PARAMETER_COUNT, Variant, regressor};
 use crate::error::{Error, Result};
 use crate::random;

@@ -1,7 +1,7 @@
 //! Every place at which the code does not follow the print, as data.
 
-use super::Variant;
-use super::equations::VelocityForm;
+use super::variant::Variant;
+use super::velocity_form::VelocityForm;
 
 /// One difference between print and code.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! The 78-parameter model along a motion, for regression.
 
-use super::equations::terms;
 use super::tables::joint_angles;
+use super::terms::terms;
 use super::{JOINTS, PARAMETER_COUNT, Variant, regressor};
 use crate::channels::Channels;
 use crate::dynamics::Motion;

@@ -1,12 +1,11 @@
-//! The study of J. Ogbemhe, K. Mpofu and M. Mokakabye, "Robot dynamic model: freudenstein-based optimal trajectory and
-//! parameter identification", done again on a simulated arm, where the truth is known: the 78-parameter model fitted by
-//! Levenberg-Marquardt with and without Savitzky-Golay smoothing, and the spatial model on the same logs beside it.
+//! The whole study: both motions simulated and measured, the 78-parameter model and the spatial model fitted and judged.
 
-pub mod planar;
-pub mod procedure;
-pub mod quality;
-pub mod single_move;
-
+use super::equations::structure::{RankStructure, random_states, rank_structure};
+use super::equations::{self, JOINTS};
+use super::planar::{self, OtherStart, PlanarFit, options};
+use super::procedure::{Procedure, Stage};
+use super::quality::{Quality, Seen};
+use super::single_move::{MotionRank, motion_rank, sampled, single_move};
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
@@ -14,15 +13,9 @@ use crate::identification::least_squares::{Estimate, weighted_least_squares};
 use crate::identification::levenberg_marquardt::{Options, minimize};
 use crate::identification::linear_problem::LinearProblem;
 use crate::identification::model::Model;
-use crate::identification::paper78::structure::{RankStructure, random_states, rank_structure};
-use crate::identification::paper78::{self, JOINTS};
 use crate::scenario::Setup;
 use crate::simulation::{measure, simulate};
 use crate::study::testbed::{Run, Runs, Variant};
-use planar::{OtherStart, PlanarFit, options};
-use procedure::{Procedure, Stage};
-use quality::{Quality, Seen};
-use single_move::{MotionRank, motion_rank, sampled, single_move};
 
 /// Random states at which the rank of the 78-parameter model is taken.
 const PROBES: usize = 200;
@@ -31,7 +24,7 @@ const PROBES: usize = 200;
 #[derive(Debug, Clone)]
 pub struct PlanarModel {
     /// How far misprints are mended.
-    pub variant: paper78::Variant,
+    pub variant: equations::Variant,
     /// Rank and groups over random states: what any motion could show.
     pub structure: RankStructure,
     /// Rank on the training motion.
@@ -106,7 +99,7 @@ pub fn study(setup: &Setup, mut procedure: Procedure, progress: &mut dyn FnMut(S
     let model = procedure.time(Stage::Model, || Model::new(&setup.plant));
     let states = random_states(setup.scenario.seed, PROBES);
     let structures = procedure.time(Stage::Model, || -> Result<Vec<_>> {
-        paper78::Variant::ALL.into_iter().map(|variant| Ok((variant, rank_structure(variant, &states)?))).collect()
+        equations::Variant::ALL.into_iter().map(|variant| Ok((variant, rank_structure(variant, &states)?))).collect()
     })?;
     let rate_hz = setup.scenario.sensors.rate_hz;
     let single_move = single_move(&model, &setup.limits, rate_hz);
@@ -126,7 +119,7 @@ pub fn study(setup: &Setup, mut procedure: Procedure, progress: &mut dyn FnMut(S
             .collect::<Result<_>>()?;
         planar.push(PlanarModel { variant, structure, rank_on_motion, fits });
     }
-    let other_starts = match planar.iter().find(|model| model.variant == paper78::Variant::Consistent) {
+    let other_starts = match planar.iter().find(|model| model.variant == equations::Variant::Consistent) {
         Some(model) => {
             let reference = &model.fits[1];
             planar::other_starts(model.variant, reference, &smoothed, setup.scenario.seed, &mut procedure)?

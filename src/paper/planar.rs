@@ -1,5 +1,8 @@
 //! The paper's 78-parameter model, fitted to a log by (11)-(12).
 
+use super::equations::structure::{State, rank_structure};
+use super::equations::tables::joint_angles;
+use super::equations::{AbsoluteAngles, JOINTS, PARAMETER_COUNT, Variant};
 use super::procedure::{Procedure, Stage};
 use super::quality::{Quality, Seen};
 use crate::channels::Channels;
@@ -9,9 +12,6 @@ use crate::identification::least_squares::{REWEIGHTINGS, residual_sigma};
 use crate::identification::levenberg_marquardt::{Fit, Options, Scaling, minimize};
 use crate::identification::linear_model::LinearModel;
 use crate::identification::linear_problem::LinearProblem;
-use crate::identification::paper78::structure::{State, rank_structure};
-use crate::identification::paper78::tables::joint_angles;
-use crate::identification::paper78::{AbsoluteAngles, JOINTS, PARAMETER_COUNT, Variant};
 use crate::random;
 use crate::study::testbed;
 use nalgebra::{DMatrix, DVector};

@@ -46,97 +46,18 @@
 //! the lower joint number first.
 
 mod departures;
-mod equations;
 mod linear;
+mod regressor;
 pub mod structure;
 pub mod tables;
-
-pub use departures::{DEPARTURES, Departure, Place};
-pub use equations::VelocityForm;
-pub use linear::AbsoluteAngles;
-
-use equations::{Factor, terms};
-
-/// Number of parameters X.
-pub const PARAMETER_COUNT: usize = 78;
-
-/// Number of joints.
-pub const JOINTS: usize = 6;
-
-/// Acceleration of gravity in m/s^2; the paper gives no value.
-pub const GRAVITY: f64 = 9.81;
-
-/// How far misprints are mended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Variant {
-    /// Letter by letter; only what cannot be computed otherwise is settled. The mass matrix is not symmetric.
-    AsPrinted,
-    /// Slips of index, bracket and sign mended by comparing the rows, so that the mass matrix is symmetric and all sine
-    /// terms are of one form. Energy is still not conserved: the sine terms are those of d/dt dT/dtheta' alone.
-    Consistent,
-    /// As [`Variant::Consistent`], with dT/dtheta subtracted: the sine terms become B_ij sin(theta_i - theta_j)
-    /// theta_j'^2, and the power of the torques without friction and gravity is the change of kinetic energy.
-    EulerLagrange,
-}
-
-impl Variant {
-    /// All variants, from the print outwards.
-    pub const ALL: [Variant; 3] = [Variant::AsPrinted, Variant::Consistent, Variant::EulerLagrange];
-
-    /// Name in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Variant::AsPrinted => "as_printed",
-            Variant::Consistent => "consistent",
-            Variant::EulerLagrange => "euler_lagrange",
-        }
-    }
-}
-
-/// The regressor Y at one instant: tau_i = sum_k Y\[i\]\[k\] X_(k+1).
-///
-/// `theta` in rad, `dtheta` in rad/s, `ddtheta` in rad/s^2, joint angles as in the paper. tau in N m, X in the units of
-/// [`tables::PARAMETERS`].
-pub fn regressor(
-    variant: Variant,
-    theta: &[f64; JOINTS],
-    dtheta: &[f64; JOINTS],
-    ddtheta: &[f64; JOINTS],
-) -> [[f64; PARAMETER_COUNT]; JOINTS] {
-    let mut y = [[0.0; PARAMETER_COUNT]; JOINTS];
-    for term in terms(variant) {
-        let i = term.row;
-        y[i][term.parameter - 1] += match term.factor {
-            Factor::Acceleration(j) => ddtheta[j],
-            Factor::AccelerationCosine(j) => ddtheta[j] * (theta[i] - theta[j]).cos(),
-            Factor::VelocitySine(j, form) => form.evaluate(i, j, theta, dtheta),
-            Factor::Gravity => GRAVITY * theta[i].cos(),
-            Factor::CoulombFriction => {
-                if dtheta[i] == 0.0 {
-                    0.0
-                } else {
-                    dtheta[i].signum()
-                }
-            }
-            Factor::ViscousFriction => dtheta[i],
-        };
-    }
-    y
-}
-
-/// The mass matrix that the accelerations imply for the parameters `x`, in kg m^2.
-pub fn mass_matrix(variant: Variant, theta: &[f64; JOINTS], x: &[f64; PARAMETER_COUNT]) -> [[f64; JOINTS]; JOINTS] {
-    let mut mass = [[0.0; JOINTS]; JOINTS];
-    for term in terms(variant) {
-        let value = x[term.parameter - 1];
-        match term.factor {
-            Factor::Acceleration(j) => mass[term.row][j] += value,
-            Factor::AccelerationCosine(j) => mass[term.row][j] += value * (theta[term.row] - theta[j]).cos(),
-            _ => {}
-        }
-    }
-    mass
-}
-
+mod terms;
 #[cfg(test)]
 mod tests;
+mod variant;
+mod velocity_form;
+
+pub use departures::{DEPARTURES, Departure, Place};
+pub use linear::AbsoluteAngles;
+pub use regressor::{mass_matrix, regressor};
+pub use variant::{GRAVITY, JOINTS, PARAMETER_COUNT, Variant};
+pub use velocity_form::VelocityForm;

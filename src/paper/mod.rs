@@ -1,0 +1,25 @@
+//! The study of J. Ogbemhe, K. Mpofu and M. Mokakabye, "Robot dynamic model: freudenstein-based optimal trajectory and
+//! parameter identification", done again on a simulated arm, where the truth is known: the 78-parameter model fitted by
+//! Levenberg-Marquardt with and without Savitzky-Golay smoothing, and the spatial model on the same logs beside it.
+
+//!
+//! In: a scenario whose arm has six joints. Out: a [`PaperStudy`], from which the report makes the tables, the figures and
+//! the verdict.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`equations`] | the 78-parameter model, its misprints and the printed tables |
+//! | [`planar`] | that model fitted to a log |
+//! | [`quality`] | how well a torque model explains a log |
+//! | [`single_move`] | what the paper's own excitation can identify |
+//! | [`procedure`] | stages and times |
+//! | [`reproduction`] | the whole study |
+
+pub mod equations;
+pub mod planar;
+pub mod procedure;
+pub mod quality;
+pub mod reproduction;
+pub mod single_move;
+
+pub use reproduction::{PaperStudy, PlanarModel, Signals, SpatialFit, study};

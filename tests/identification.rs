@@ -13,8 +13,7 @@ use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
 use tauscope::identification::reversals::Band;
 use tauscope::recording::Recording;
-use tauscope::scenario::Setup;
-use tauscope::simulation::measure;
+use tauscope::scenario::{Setup, measure};
 use tauscope::study::testbed::{self, Run, Runs, Variant, identify, prepared};
 
 /// The short scenario, simulated once for all tests.

@@ -4,11 +4,10 @@ use std::path::PathBuf;
 use tauscope::dynamics::{Chain, Motion, inverse_dynamics, inverse_dynamics_at};
 use tauscope::effects::{Along, Effect, Instant, IntegrationError, Placed, contribution};
 use tauscope::robot::{self, InertiaCheck, Robot};
-use tauscope::scenario::Setup;
+use tauscope::scenario::{Setup, simulate};
 use tauscope::signal::{first_derivative, second_derivative};
 use tauscope::simulation::integrator::Integrator;
 use tauscope::simulation::rapier_arm::RapierArm;
-use tauscope::simulation::simulate;
 
 fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use tauscope::dynamics::Motion;
 use tauscope::identification::model::Model;
-use tauscope::scenario::{NoiseLevel, RandomMotion, Setup};
+use tauscope::scenario::{NoiseLevel, RandomMotion, Setup, simulate, simulate_with};
 use tauscope::simulation::engine::EngineKind;
-use tauscope::simulation::{simulate, simulate_with};
 use tauscope::study::closed_loop::ClosedLoop;
 use tauscope::study::montecarlo::{Cell, Overrides, Plan, Progress, Shard, Study, StudyFolder, Summary, merge};
 

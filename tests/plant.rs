@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use tauscope::dynamics::{Chain, Motion, inverse_dynamics};
 use tauscope::excitation::Reference;
 use tauscope::robot::{self, InertiaCheck, Robot};
-use tauscope::scenario::Setup;
+use tauscope::scenario::{Setup, simulate};
+use tauscope::simulation::Truth;
 use tauscope::simulation::integrator::{Integrator, Run};
 use tauscope::simulation::plant::{Controller, Plant, State};
-use tauscope::simulation::{Truth, simulate};
 
 fn short() -> Setup {
     Setup::load(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios/short.toml"), None).unwrap()

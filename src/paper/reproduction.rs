@@ -13,8 +13,7 @@ use crate::identification::least_squares::{Estimate, weighted_least_squares};
 use crate::identification::levenberg_marquardt::{Options, minimize};
 use crate::identification::linear_problem::LinearProblem;
 use crate::identification::model::Model;
-use crate::scenario::Setup;
-use crate::simulation::{measure, simulate};
+use crate::scenario::{Setup, measure, simulate};
 use crate::study::testbed::{Run, Runs, Variant};
 
 /// Random states at which the rank of the 78-parameter model is taken.

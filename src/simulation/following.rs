@@ -8,10 +8,9 @@ use super::measured_motion::MeasuredMotion;
 use super::plant::{Plant, State};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
-use crate::effects::{Placed, Scope, Site};
+use crate::effects::{Placed, Scope, Site, drive_friction};
 use crate::error::{Error, Result};
 use crate::robot::Robot;
-use crate::scenario::drive_friction;
 
 /// Closed loop that keeps the arm on the motion: stiff enough that it follows, soft enough not to shake elastic gears.
 const BANDWIDTH_HZ: f64 = 8.0;

@@ -2,10 +2,11 @@
 //! friction of some per cent of a joint's load, rotors, and torque noise of 0.5 to 1 % of it.
 
 use crate::dynamics::{Chain, inverse_dynamics_at};
+use crate::effects::drive_friction;
 use crate::excitation::JointLimits;
 use crate::random;
 use crate::robot::{Drive, GRAVITY, Inertia, Joint, JointKind, Limits, Pose, Robot};
-use crate::scenario::{Setup, drive_friction, misjudged};
+use crate::scenario::{Setup, misjudged};
 use chacha20::ChaCha8Rng;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;

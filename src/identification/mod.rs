@@ -19,6 +19,7 @@ pub mod model;
 pub mod noise;
 mod plausible;
 pub mod prepare;
+mod pseudo_inertia;
 pub mod reversals;
 mod scaled_normal;
 pub mod separable;

@@ -3,8 +3,8 @@
 //! The URDF's bodies where it has some, balls where not. A URDF without inertials, or with placeholders, says nothing of how
 //! heavy the arm is; the identified parameters do: all bodies are then scaled until they make as much torque.
 
-use super::consistent::pseudo_inertia;
 use super::model::Model;
+use super::pseudo_inertia::pseudo_inertia;
 use crate::robot::Inertia;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 

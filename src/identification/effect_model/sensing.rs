@@ -1,7 +1,6 @@
 //! What the torque sensors of one joint make of torque.
 
-use super::without_amplitudes;
-use crate::effects::Placed;
+use crate::effects::{Placed, Role};
 
 /// Size of the small signal on which linear sensors are told from clipping ones, N m.
 const SMALL: f64 = 1e-6;
@@ -68,4 +67,10 @@ impl<'a> Sensing<'a> {
             }
         }
     }
+}
+
+/// Parameters of an effect with its amplitudes at zero.
+pub(super) fn without_amplitudes(placed: &Placed) -> Vec<f64> {
+    let parameters = placed.effect.parameters().iter().zip(&placed.parameters);
+    parameters.map(|(p, &value)| if p.role == Role::Amplitude { 0.0 } else { value }).collect()
 }

@@ -2,7 +2,7 @@
 //! approach for industrial robot identification", IEEE Transactions on Control Systems Technology 22, 2014).
 
 use super::covariance::{MomentEquations, assemble};
-use super::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
+use super::estimator::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
 use crate::error::Result;
 use crate::identification::joint_regression::JointRegression;
 use crate::identification::least_squares::{Estimate, require_rows, residual_sigma};

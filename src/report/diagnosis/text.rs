@@ -1,6 +1,6 @@
 //! The answer in a few lines.
 
-use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
+use super::findings::{EXTENDED_SCENARIO, NOT_SIZED, Parameter, finding, findings, joints};
 use crate::diagnosis::answer::predicts_worse;
 use crate::diagnosis::candidates::Family;
 use crate::diagnosis::conclusion::Resimulation;
@@ -261,7 +261,7 @@ pub fn impacts(play: &Play) -> String {
 }
 
 /// What is told of the parameters: what practitioners call them where there are such, else the first few.
-fn values(parameters: &[super::Parameter]) -> String {
+fn values(parameters: &[Parameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
     let told = parameters[named..].iter().take(MENTIONED);
     let each = told.map(|p| match p.std.is_finite() {

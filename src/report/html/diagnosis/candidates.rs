@@ -1,6 +1,6 @@
 //! Every candidate with its test, and how small what was not found would have to be.
 
-use super::{named, probability, spaced};
+use super::words::{named, probability, spaced};
 use crate::diagnosis::Diagnosis;
 use crate::diagnosis::candidates::Family;
 use crate::effects;

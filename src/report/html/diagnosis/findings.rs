@@ -1,6 +1,6 @@
 //! What was found: parameters with intervals, law, and what is easily taken for it.
 
-use super::{NORMAL_95, named, probability, sentence, spaced};
+use super::words::{NORMAL_95, named, probability, sentence, spaced};
 use crate::diagnosis::Diagnosis;
 use crate::diagnosis::found::Found;
 use crate::effects::{About, Role};

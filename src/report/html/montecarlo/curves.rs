@@ -1,6 +1,6 @@
 //! The parameter error over the smoothing window and over the noise.
 
-use super::{legend, level, levels, smoothing};
+use super::labels::{legend, level, levels, smoothing};
 use crate::report::console::significant;
 use crate::report::html::{Block, Section};
 use crate::report::montecarlo::{noise, window};

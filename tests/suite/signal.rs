@@ -49,11 +49,11 @@ struct LowPassCase {
 }
 
 fn savitzky_golay_reference() -> SavitzkyGolayReference {
-    serde_json::from_str(include_str!("reference/savitzky_golay.json")).unwrap()
+    serde_json::from_str(include_str!("../reference/savitzky_golay.json")).unwrap()
 }
 
 fn low_pass_reference() -> LowPassReference {
-    serde_json::from_str(include_str!("reference/low_pass.json")).unwrap()
+    serde_json::from_str(include_str!("../reference/low_pass.json")).unwrap()
 }
 
 /// Greatest difference, relative to the greatest wanted value.

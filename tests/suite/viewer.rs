@@ -1,5 +1,4 @@
 //! `recording.rrd` read back without a viewer: entities, rows, values against the recording, views of the layout.
-#![cfg(feature = "viewer")]
 
 use rerun::{ChunkStore, ChunkStoreConfig, StoreKind, TimelineName};
 use std::fs::File;

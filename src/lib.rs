@@ -18,7 +18,7 @@ pub mod cli;
 
 pub mod report;
 
-pub mod paper;
+pub(crate) mod paper;
 
 pub mod study;
 
@@ -48,7 +48,7 @@ pub mod signal;
 
 pub mod robot;
 
-pub mod output;
+pub(crate) mod output;
 
 pub mod random;
 

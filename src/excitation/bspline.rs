@@ -18,7 +18,7 @@ use crate::channels::Channels;
 use crate::error::{Error, Result};
 
 /// Degree that motions have unless another is asked for: continuous up to the fourth derivative.
-pub const DEGREE: usize = 5;
+pub(crate) const DEGREE: usize = 5;
 
 /// Degrees allowed: 3 is the least with a continuous acceleration.
 const DEGREES: std::ops::RangeInclusive<usize> = 3..=7;

@@ -18,18 +18,18 @@
 //! Angles in rad, times in s, one entry per joint from the base outwards.
 
 mod batch;
-pub mod bspline;
-pub mod encoding;
-pub mod fourier;
-pub mod freudenstein;
+pub(crate) mod bspline;
+pub(crate) mod encoding;
+pub(crate) mod fourier;
+pub(crate) mod freudenstein;
 mod joined;
-pub mod limits;
+pub(crate) mod limits;
 mod motion;
-pub mod motion_file;
-pub mod peaks;
+pub(crate) mod motion_file;
+pub(crate) mod peaks;
 mod piecewise;
 mod polynomial;
-pub mod quintic;
+pub(crate) mod quintic;
 pub mod random_sequence;
 mod reference;
 #[cfg(test)]

@@ -15,11 +15,11 @@
 //! | [`procedure`] | stages and times |
 //! | [`reproduction`] | the whole study |
 
-pub mod equations;
-pub mod planar;
-pub mod procedure;
-pub mod quality;
-pub mod reproduction;
-pub mod single_move;
+pub(crate) mod equations;
+pub(crate) mod planar;
+pub(crate) mod procedure;
+pub(crate) mod quality;
+pub(crate) mod reproduction;
+pub(crate) mod single_move;
 
-pub use reproduction::{PaperStudy, PlanarModel, Signals, SpatialFit, study};
+pub(crate) use reproduction::{PaperStudy, PlanarModel, SpatialFit, study};

@@ -24,13 +24,13 @@ const RANK_STRIDE: usize = 10;
 const START_LAMBDAS: [f64; 3] = [1e-6, 1.0, 1e2];
 
 /// The search as (12) has it: lambda times the identity, Gavin's damping update.
-pub fn options(initial_lambda: f64) -> Options {
+pub(crate) fn options(initial_lambda: f64) -> Options {
     Options { scaling: Scaling::Identity, initial_lambda, ..Options::default() }
 }
 
 /// One variant fitted to one view of the log.
 #[derive(Debug, Clone)]
-pub struct PlanarFit {
+pub(crate) struct PlanarFit {
     /// Raw or smoothed.
     pub signals: testbed::Variant,
     /// Standard deviation of each joint's residual that W was made of, N m.
@@ -49,7 +49,7 @@ pub struct PlanarFit {
 ///
 /// # Errors
 /// A joint with fewer usable samples than parameters; errors of the search.
-pub fn fit(variant: Variant, rank: usize, seen: &Seen, procedure: &mut Procedure) -> Result<PlanarFit> {
+pub(crate) fn fit(variant: Variant, rank: usize, seen: &Seen, procedure: &mut Procedure) -> Result<PlanarFit> {
     let (regression, sigma, fit) = solve(&variant, seen, procedure)?;
     let quality = procedure.time(Stage::Validation, || Quality::new(&variant, &fit.parameters, seen, &regression))?;
     let unseen_share = unseen_share(&regression, &sigma, rank, &fit.parameters);
@@ -61,7 +61,7 @@ pub fn fit(variant: Variant, rank: usize, seen: &Seen, procedure: &mut Procedure
 ///
 /// # Errors
 /// Those of [`fit`].
-pub fn in_absolute_angles(seen: &Seen, procedure: &mut Procedure) -> Result<Quality> {
+pub(crate) fn in_absolute_angles(seen: &Seen, procedure: &mut Procedure) -> Result<Quality> {
     let model = AbsoluteAngles(Variant::EulerLagrange);
     let (regression, _, fit) = solve(&model, seen, procedure)?;
     procedure.time(Stage::Validation, || Quality::new(&model, &fit.parameters, seen, &regression))
@@ -107,7 +107,7 @@ fn check_rows(regression: &[JointRegression]) -> Result<()> {
 ///
 /// # Errors
 /// A motion of fewer than 130 samples.
-pub fn rank_on_motion(variant: Variant, seen: &Seen) -> Result<usize> {
+pub(crate) fn rank_on_motion(variant: Variant, seen: &Seen) -> Result<usize> {
     let motion = &seen.training.1.motion;
     let at = |signals: &Channels, sample: usize| std::array::from_fn(|joint| signals.channel(joint)[sample]);
     let states: Vec<State> = (0..motion.samples())
@@ -143,7 +143,7 @@ fn unseen_share(regression: &[JointRegression], sigma: &[f64], rank: usize, x: &
 
 /// Another way to the minimum, compared with the fit from zero.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct OtherStart {
+pub(crate) struct OtherStart {
     /// lambda at the start, in units of the largest entry of diag(J'WJ).
     pub initial_lambda: f64,
     /// "zero", or how X was drawn.
@@ -164,7 +164,7 @@ pub struct OtherStart {
 ///
 /// # Errors
 /// Those of the search.
-pub fn other_starts(
+pub(crate) fn other_starts(
     variant: Variant,
     reference: &PlanarFit,
     seen: &Seen,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 /// A stage, in the order of the data flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub(crate) enum Stage {
     /// Arm, spatial model and 78-parameter model.
     Model,
     /// The reference motions.
@@ -27,7 +27,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Stage; 9] = [
+    pub(crate) const ALL: [Stage; 9] = [
         Stage::Model,
         Stage::Excitation,
         Stage::Simulation,
@@ -40,7 +40,7 @@ impl Stage {
     ];
 
     /// Name in results.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Stage::Model => "model",
             Stage::Excitation => "excitation",
@@ -55,7 +55,7 @@ impl Stage {
     }
 
     /// What is done in it.
-    pub fn what(self) -> &'static str {
+    pub(crate) fn what(self) -> &'static str {
         match self {
             Stage::Model => {
                 "base parameters of the spatial arm; rank and groups of the 78 parameters in three variants"
@@ -82,13 +82,13 @@ impl Stage {
 
 /// Time spent in each stage; a stage that runs several times adds up.
 #[derive(Debug, Clone, Default)]
-pub struct Procedure {
+pub(crate) struct Procedure {
     seconds: [f64; Stage::ALL.len()],
 }
 
 impl Procedure {
     /// Does `work` on the clock of `stage`.
-    pub fn time<T>(&mut self, stage: Stage, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn time<T>(&mut self, stage: Stage, work: impl FnOnce() -> T) -> T {
         let started = Instant::now();
         let result = work();
         self.seconds[stage as usize] += started.elapsed().as_secs_f64();
@@ -96,7 +96,7 @@ impl Procedure {
     }
 
     /// Time spent in `stage`, s.
-    pub fn seconds(&self, stage: Stage) -> f64 {
+    pub(crate) fn seconds(&self, stage: Stage) -> f64 {
         self.seconds[stage as usize]
     }
 }

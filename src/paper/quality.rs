@@ -10,7 +10,7 @@ use crate::study::score::torque_std;
 use crate::study::testbed::{self, Run, Runs};
 
 /// Both motions of a scenario as an identification sees them.
-pub struct Seen<'a> {
+pub(crate) struct Seen<'a> {
     /// Raw or smoothed.
     pub signals: testbed::Variant,
     /// The motion that is identified from.
@@ -24,7 +24,12 @@ impl<'a> Seen<'a> {
     ///
     /// # Errors
     /// Those of [`testbed::prepared`].
-    pub fn new(setup: &Setup, runs: &'a Runs, signals: testbed::Variant, procedure: &mut Procedure) -> Result<Self> {
+    pub(crate) fn new(
+        setup: &Setup,
+        runs: &'a Runs,
+        signals: testbed::Variant,
+        procedure: &mut Procedure,
+    ) -> Result<Self> {
         let mut prepare = |run| procedure.time(Stage::Smoothing, || testbed::prepared(setup, run, signals));
         Ok(Seen {
             signals,
@@ -36,7 +41,7 @@ impl<'a> Seen<'a> {
 
 /// Torque of one motion, measured against a model; one entry per joint, N m.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct TorqueQuality {
+pub(crate) struct TorqueQuality {
     /// Root mean square of measured minus predicted torque, both through the filter of the identification, over the
     /// samples it uses.
     pub residual_rms_nm: Vec<f64>,
@@ -50,7 +55,7 @@ pub struct TorqueQuality {
 
 /// A model judged on both motions.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Quality {
+pub(crate) struct Quality {
     /// On the motion that was identified from.
     pub training: TorqueQuality,
     /// On the other one.
@@ -62,7 +67,7 @@ impl Quality {
     ///
     /// # Errors
     /// Those of [`Prepared::regression`].
-    pub fn new(
+    pub(crate) fn new(
         model: &impl LinearModel,
         parameters: &[f64],
         seen: &Seen,

@@ -21,7 +21,7 @@ const PROBES: usize = 200;
 
 /// One variant of the 78-parameter model.
 #[derive(Debug, Clone)]
-pub struct PlanarModel {
+pub(crate) struct PlanarModel {
     /// How far misprints are mended.
     pub variant: equations::Variant,
     /// Rank and groups over random states: what any motion could show.
@@ -34,7 +34,7 @@ pub struct PlanarModel {
 
 /// The spatial model on the same log.
 #[derive(Debug, Clone)]
-pub struct SpatialFit {
+pub(crate) struct SpatialFit {
     /// Raw or smoothed.
     pub signals: Variant,
     /// Base parameters by weighted least squares.
@@ -48,7 +48,7 @@ pub struct SpatialFit {
 
 /// Signals of the training motion for the figures.
 #[derive(Debug, Clone)]
-pub struct Signals {
+pub(crate) struct Signals {
     /// What the controller was asked to follow.
     pub reference: Motion,
     /// As measured.
@@ -60,7 +60,7 @@ pub struct Signals {
 }
 
 /// Everything the study found.
-pub struct PaperStudy {
+pub(crate) struct PaperStudy {
     /// The spatial model.
     pub model: Model,
     /// Both motions.
@@ -88,7 +88,11 @@ pub struct PaperStudy {
 ///
 /// # Errors
 /// An arm that does not have the paper's six joints; errors of simulation, preparation and identification.
-pub fn study(setup: &Setup, mut procedure: Procedure, progress: &mut dyn FnMut(Stage, usize)) -> Result<PaperStudy> {
+pub(crate) fn study(
+    setup: &Setup,
+    mut procedure: Procedure,
+    progress: &mut dyn FnMut(Stage, usize),
+) -> Result<PaperStudy> {
     if setup.plant.dof() != JOINTS {
         let problem =
             format!("the paper's model is for {JOINTS} joints, this arm has {}; use another arm", setup.plant.dof());

@@ -14,7 +14,7 @@ const REACH: f64 = 0.5;
 
 /// Rank of the base regressor along a motion.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct MotionRank {
+pub(crate) struct MotionRank {
     /// Length, s.
     pub duration_s: f64,
     /// Base parameters that the motion can tell apart.
@@ -28,7 +28,7 @@ pub struct MotionRank {
 }
 
 /// One move per joint from 0 to a half of its upper limit, as fast as `limits` allow with one duration for all joints.
-pub fn single_move(model: &Model, limits: &[JointLimits], rate_hz: f64) -> MotionRank {
+pub(crate) fn single_move(model: &Model, limits: &[JointLimits], rate_hz: f64) -> MotionRank {
     let ends: Vec<f64> = limits.iter().map(|limit| REACH * limit.upper.min(std::f64::consts::PI)).collect();
     let duration_s = ends.iter().zip(limits).fold(0.0, |longest: f64, (h, limit)| {
         let by_speed = PEAK_VELOCITY * h / limit.velocity;
@@ -45,14 +45,14 @@ pub fn single_move(model: &Model, limits: &[JointLimits], rate_hz: f64) -> Motio
 }
 
 /// The same for a whole motion.
-pub fn motion_rank(model: &Model, reference: &dyn Reference, rate_hz: f64) -> MotionRank {
+pub(crate) fn motion_rank(model: &Model, reference: &dyn Reference, rate_hz: f64) -> MotionRank {
     let time: Vec<f64> =
         (0..=(reference.duration_s() * rate_hz) as usize).map(|sample| sample as f64 / rate_hz).collect();
     rank(model, &sampled(reference, &time), reference.duration_s())
 }
 
 /// A reference at the times `time`, s.
-pub fn sampled(reference: &dyn Reference, time: &[f64]) -> Motion {
+pub(crate) fn sampled(reference: &dyn Reference, time: &[f64]) -> Motion {
     let joints = reference.joints();
     let mut motion = Motion::zeros(joints, time.len());
     let [mut q, mut qd, mut qdd] = [(); 3].map(|()| vec![0.0; joints]);

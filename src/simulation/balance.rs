@@ -24,7 +24,7 @@ impl Balance {
     /// For the joints that friction holds (`stuck`), at the accelerations and the effects' torque with nothing held and no
     /// law that depends on acceleration. `arm` has just answered for this state; `rotors` are the inertias of the rotors
     /// that gears set apart from their links, None for rigid joints.
-    pub fn new(
+    pub(super) fn new(
         arm: &Engine,
         rotors: &[Option<f64>],
         stuck: Vec<usize>,
@@ -87,7 +87,11 @@ impl Balance {
     /// Motor and link accelerations and the effects' torque at which `law`, their torque at given accelerations of motors
     /// and links, holds: Newton's method on the effects' torque
     /// with a Jacobian by differences, which is exact for laws that are linear in acceleration and load.
-    pub fn solve(&self, depends: bool, law: impl Fn(&[f64], &[f64]) -> Vec<f64>) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    pub(super) fn solve(
+        &self,
+        depends: bool,
+        law: impl Fn(&[f64], &[f64]) -> Vec<f64>,
+    ) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let dof = self.free_qdd.len();
         let mut extra = DVector::zeros(dof);
         if depends {

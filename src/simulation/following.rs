@@ -37,7 +37,7 @@ pub struct Followed {
 ///
 /// # Errors
 /// If rapier does not take the arm, or the simulation runs away.
-pub fn follow(
+pub(crate) fn follow(
     engine: EngineKind,
     robot: &Robot,
     effects: &[Placed],
@@ -95,6 +95,6 @@ pub fn follow(
 }
 
 /// Joints whose sensors an effect may distort.
-pub fn sensed(placed: &Placed, dof: usize) -> Vec<usize> {
+pub(crate) fn sensed(placed: &Placed, dof: usize) -> Vec<usize> {
     if placed.effect.about().scope == Scope::Arm { (0..dof).collect() } else { placed.joints() }
 }

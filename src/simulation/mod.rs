@@ -1,14 +1,14 @@
 //! The arm in the loop: rapier as forward dynamics, friction and drives, controller, sensors.
 
 mod balance;
-pub mod controller;
+pub(crate) mod controller;
 pub mod engine;
-pub mod following;
+pub(crate) mod following;
 pub mod integrator;
-pub mod measured_motion;
+pub(crate) mod measured_motion;
 pub mod plant;
 pub mod rapier_arm;
-pub mod sensors;
+pub(crate) mod sensors;
 
 use crate::channels::Channels;
 use crate::recording::Signals;

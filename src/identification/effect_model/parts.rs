@@ -28,7 +28,7 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    pub fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
+    pub(super) fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
         let model = owner.model;
         let silent: Vec<Placed> = owner
             .placed
@@ -85,7 +85,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Forgets the columns of the base parameters on a joint until they are asked for again.
-    pub fn release(&mut self, joint: usize) {
+    pub(super) fn release(&mut self, joint: usize) {
         self.base[joint].take();
     }
 
@@ -94,7 +94,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque on a joint that has no free parameter; None where there is none.
-    pub fn known(&self, joint: usize) -> Option<&[f64]> {
+    pub(super) fn known(&self, joint: usize) -> Option<&[f64]> {
         Some(self.known[joint].as_slice()).filter(|torque| !torque.is_empty())
     }
 
@@ -122,7 +122,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque on a joint per unit of a parameter of the arm; None where it cannot act.
-    pub fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Cow<'_, [f64]>> {
+    pub(super) fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Cow<'_, [f64]>> {
         let model = self.owner.model;
         match (drive_of(model, parameter), parameter) {
             (Some((own, _)), _) if own != joint => None,
@@ -138,21 +138,21 @@ impl<'a> Parts<'a> {
     }
 
     /// All columns that can act on a joint, with the index of their linear parameter.
-    pub fn columns(&self, joint: usize) -> Vec<(usize, Cow<'_, [f64]>)> {
+    pub(super) fn columns(&self, joint: usize) -> Vec<(usize, Cow<'_, [f64]>)> {
         let arm = self.owner.arm.iter().enumerate();
         let arm = arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?)));
         arm.chain(self.amplitudes(joint).map(|(index, column)| (index, column.into()))).collect()
     }
 
     /// The columns of amplitudes that can act on a joint, with the index of their linear parameter.
-    pub fn amplitudes(&self, joint: usize) -> impl Iterator<Item = (usize, &[f64])> {
+    pub(super) fn amplitudes(&self, joint: usize) -> impl Iterator<Item = (usize, &[f64])> {
         let offset = self.owner.baseline.len();
         let columns = self.amplitudes.iter().enumerate().map(move |(k, torque)| (offset + k, torque.channel(joint)));
         columns.filter(|(_, column)| column.iter().any(|&v| v != 0.0))
     }
 
     /// Torque on a joint that the present parameters predict, before sensors.
-    pub fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
+    pub(super) fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
         let mut torque = vec![0.0; self.motor.samples()];
         if let Some(known) = self.known(joint) {
             torque.copy_from_slice(known);
@@ -164,7 +164,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque that the gear of a joint carries: that of the bodies, without rotor and friction.
-    pub fn carried(&self, joint: usize, link_qdd: &[f64]) -> Vec<f64> {
+    pub(super) fn carried(&self, joint: usize, link_qdd: &[f64]) -> Vec<f64> {
         let owner = self.owner;
         if owner.trust == Trust::Nominal {
             return self.bodies[joint].clone();

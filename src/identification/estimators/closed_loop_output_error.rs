@@ -11,7 +11,7 @@ use crate::identification::least_squares::{
 /// the arm follow its reference whatever its parameters, the simulated motion hardly depends on them, which leaves a linear
 /// fit to iterate.
 #[derive(Debug, Clone, Copy)]
-pub struct Didim;
+pub(crate) struct Didim;
 
 impl Estimator for Didim {
     fn name(&self) -> &'static str {

@@ -11,19 +11,19 @@ mod ordinary;
 mod total_least_squares;
 mod weighted;
 
-pub use closed_loop_output_error::Didim;
-pub use estimator::{Data, Estimator, SimulatedRows};
-pub use instrumental_variables::InstrumentalVariables;
-pub use iteratively_reweighted::IterativelyReweighted;
-pub use levenberg_marquardt::LevenbergMarquardt;
-pub use ordinary::OrdinaryLeastSquares;
-pub use total_least_squares::TotalLeastSquares;
-pub use weighted::WeightedLeastSquares;
+pub(crate) use closed_loop_output_error::Didim;
+pub(crate) use estimator::{Data, Estimator, SimulatedRows};
+pub(crate) use instrumental_variables::InstrumentalVariables;
+pub(crate) use iteratively_reweighted::IterativelyReweighted;
+pub(crate) use levenberg_marquardt::LevenbergMarquardt;
+pub(crate) use ordinary::OrdinaryLeastSquares;
+pub(crate) use total_least_squares::TotalLeastSquares;
+pub(crate) use weighted::WeightedLeastSquares;
 
 use crate::error::{Error, Result};
 
 /// All estimators, in the order of tables.
-pub static ALL: [&dyn Estimator; 7] = [
+pub(crate) static ALL: [&dyn Estimator; 7] = [
     &OrdinaryLeastSquares,
     &WeightedLeastSquares,
     &IterativelyReweighted,
@@ -37,7 +37,7 @@ pub static ALL: [&dyn Estimator; 7] = [
 ///
 /// # Errors
 /// Lists the names there are.
-pub fn find(name: &str) -> Result<&'static dyn Estimator> {
+pub(crate) fn find(name: &str) -> Result<&'static dyn Estimator> {
     ALL.into_iter().find(|estimator| estimator.name() == name).ok_or_else(|| {
         let names: Vec<&str> = ALL.iter().map(|estimator| estimator.name()).collect();
         Error::request(

@@ -5,7 +5,7 @@ use super::velocity_form::VelocityForm;
 
 /// One difference between print and code.
 #[derive(Debug)]
-pub struct Departure {
+pub(crate) struct Departure {
     /// Number of the equation or table, and the term in it.
     pub equation: &'static str,
     /// What is printed.
@@ -23,7 +23,7 @@ pub struct Departure {
 /// A printed term of (4)-(9) that differs from the mended one. Rows and columns are joints counted from 1, numbers are
 /// those of X.
 #[derive(Debug)]
-pub enum Place {
+pub(crate) enum Place {
     /// The factor of theta_column'' in the equation of joint `row`.
     Inertia {
         /// Joint of the equation.
@@ -54,7 +54,7 @@ const MENDED: &[Variant] = &[Variant::Consistent, Variant::EulerLagrange];
 const ALL: &[Variant] = &[Variant::AsPrinted, Variant::Consistent, Variant::EulerLagrange];
 
 /// The departures, in the order of the paper.
-pub const DEPARTURES: &[Departure] = &[
+pub(crate) const DEPARTURES: &[Departure] = &[
     Departure {
         equation: "(4), factor of theta2''",
         printed: "X7 + cos(theta1 - theta2) (X8 + X9 + X10 + X11) + X12",

@@ -30,7 +30,7 @@ impl LinearModel for Variant {
 /// rows 2 and 3. Friction stays with the velocity of the joint. The gravity and coupling of joints 2 and 3 are right
 /// now, but a rotor, which turns with the joint and not with the absolute angle, no longer has a parameter of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AbsoluteAngles(pub Variant);
+pub(crate) struct AbsoluteAngles(pub Variant);
 
 impl LinearModel for AbsoluteAngles {
     fn active(&self, joint: usize) -> Vec<usize> {

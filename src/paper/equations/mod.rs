@@ -48,16 +48,15 @@
 mod departures;
 mod linear;
 mod regressor;
-pub mod structure;
-pub mod tables;
+pub(crate) mod structure;
+pub(crate) mod tables;
 mod terms;
 #[cfg(test)]
 mod tests;
 mod variant;
 mod velocity_form;
 
-pub use departures::{DEPARTURES, Departure, Place};
-pub use linear::AbsoluteAngles;
-pub use regressor::{mass_matrix, regressor};
-pub use variant::{GRAVITY, JOINTS, PARAMETER_COUNT, Variant};
-pub use velocity_form::VelocityForm;
+pub(crate) use departures::DEPARTURES;
+pub(crate) use linear::AbsoluteAngles;
+pub(crate) use regressor::regressor;
+pub(crate) use variant::{GRAVITY, JOINTS, PARAMETER_COUNT, Variant};

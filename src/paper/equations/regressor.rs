@@ -1,4 +1,4 @@
-//! Torques that are linear in X: the regressor, and the mass matrix that it implies.
+//! The regressor: torques are linear in X.
 
 use super::terms::{Factor, terms};
 use super::variant::{GRAVITY, JOINTS, PARAMETER_COUNT, Variant};
@@ -7,7 +7,7 @@ use super::variant::{GRAVITY, JOINTS, PARAMETER_COUNT, Variant};
 ///
 /// `theta` in rad, `dtheta` in rad/s, `ddtheta` in rad/s^2, joint angles as in the paper. tau in N m, X in the units of
 /// [`super::tables::PARAMETERS`].
-pub fn regressor(
+pub(crate) fn regressor(
     variant: Variant,
     theta: &[f64; JOINTS],
     dtheta: &[f64; JOINTS],
@@ -32,18 +32,4 @@ pub fn regressor(
         };
     }
     y
-}
-
-/// The mass matrix that the accelerations imply for the parameters `x`, in kg m^2.
-pub fn mass_matrix(variant: Variant, theta: &[f64; JOINTS], x: &[f64; PARAMETER_COUNT]) -> [[f64; JOINTS]; JOINTS] {
-    let mut mass = [[0.0; JOINTS]; JOINTS];
-    for term in terms(variant) {
-        let value = x[term.parameter - 1];
-        match term.factor {
-            Factor::Acceleration(j) => mass[term.row][j] += value,
-            Factor::AccelerationCosine(j) => mass[term.row][j] += value * (theta[term.row] - theta[j]).cos(),
-            _ => {}
-        }
-    }
-    mass
 }

@@ -2,7 +2,7 @@
 
 /// One of X1..X78.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Parameter {
+pub(crate) struct Parameter {
     /// Name in print, "X1" to "X78".
     pub symbol: &'static str,
     /// What it is, after Table A1 and the place in (4)-(9). "share of m6 in ..." is m6 times a sum of products of lengths.
@@ -14,7 +14,7 @@ pub struct Parameter {
 }
 
 /// X1..X78 of Table A1.
-pub const PARAMETERS: [Parameter; 78] = [
+pub(crate) const PARAMETERS: [Parameter; 78] = [
     inertia("X1", "2 (Iz1 + Iz2 + Iz3 + Iz4 + Iz5 + Iz6)"),
     inertia("X2", "share of m6 in the inertia of joint 1"),
     inertia("X3", "share of m5 in the inertia of joint 1"),
@@ -114,7 +114,7 @@ const fn viscous(symbol: &'static str, meaning: &'static str) -> Parameter {
 /// Values of X1..X78 in Table 2. None where the available text of the paper has lost the value: each row goes from the
 /// unit of X29..X42 straight to the name of X43..X56, whose values have the sizes of their kind (gravity X45 like X27,
 /// viscous friction X47 like X60), so it is these fourteen that are missing and not others.
-pub const PRINTED_TABLE_2: [Option<f64>; 78] = [
+pub(crate) const PRINTED_TABLE_2: [Option<f64>; 78] = [
     Some(10.90),
     Some(-0.73),
     Some(-0.73),
@@ -197,13 +197,13 @@ pub const PRINTED_TABLE_2: [Option<f64>; 78] = [
 
 /// Table 3: standard deviation of the torque of joints 1..6, identified by nonlinear least squares alone and after
 /// Savitzky-Golay filters. The paper prints no unit.
-pub const PRINTED_TABLE_3: [[f64; 2]; 6] =
+pub(crate) const PRINTED_TABLE_3: [[f64; 2]; 6] =
     [[0.00142, 0.0013], [0.0017, 0.0016], [0.0035, 0.0033], [0.0011, 0.0010], [0.00051, 0.00047], [0.00036, 0.00029]];
 
 /// A row of Denavit-Hartenberg parameters (classic convention): turn about z by theta, shift along z by d, shift along
 /// the new x by a, turn about it by alpha.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DenavitHartenberg {
+pub(crate) struct DenavitHartenberg {
     /// Label of the row.
     pub linkage: usize,
     /// Twist alpha in degrees.
@@ -223,7 +223,7 @@ const fn dh(linkage: usize, alpha_deg: f64, a_mm: f64, d_mm: f64, joint: usize, 
 }
 
 /// Table 1 as printed: joint 1 twice, no row of joint 3, and no wrist offset.
-pub const PRINTED_TABLE_1: [DenavitHartenberg; 6] = [
+pub(crate) const PRINTED_TABLE_1: [DenavitHartenberg; 6] = [
     dh(1, -90.0, 150.0, 486.5, 1, 0.0),
     dh(2, -90.0, 150.0, 486.5, 1, 0.0),
     dh(3, 0.0, 475.0, 0.0, 2, 0.0),
@@ -234,7 +234,7 @@ pub const PRINTED_TABLE_1: [DenavitHartenberg; 6] = [
 
 /// Table 1 mended for the arm of 1.2 m reach. With all joints at zero the upper arm stands up and the forearm points
 /// ahead; that is the offset of joint 2.
-pub const CORRECTED_TABLE_1: [DenavitHartenberg; 6] = [
+pub(crate) const CORRECTED_TABLE_1: [DenavitHartenberg; 6] = [
     dh(1, -90.0, 150.0, 486.5, 1, 0.0),
     dh(2, 0.0, 475.0, 0.0, 2, -90.0),
     dh(3, -90.0, 0.0, 0.0, 3, 0.0),
@@ -246,7 +246,7 @@ pub const CORRECTED_TABLE_1: [DenavitHartenberg; 6] = [
 /// The angles theta of [`CORRECTED_TABLE_1`] for joint positions `q` (rad) that are zero with the upper arm upright and
 /// the forearm ahead, as the URDF has them. Axes and directions are the same; joint 2 differs by a quarter turn, which
 /// makes cos(theta2) the lever of gravity on the upper arm.
-pub fn joint_angles(q: [f64; 6]) -> [f64; 6] {
+pub(crate) fn joint_angles(q: [f64; 6]) -> [f64; 6] {
     std::array::from_fn(|joint| q[joint] + CORRECTED_TABLE_1[joint].offset_deg.to_radians())
 }
 

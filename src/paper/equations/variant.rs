@@ -1,17 +1,17 @@
 //! The variants of the model and its sizes.
 
 /// Number of parameters X.
-pub const PARAMETER_COUNT: usize = 78;
+pub(crate) const PARAMETER_COUNT: usize = 78;
 
 /// Number of joints.
-pub const JOINTS: usize = 6;
+pub(crate) const JOINTS: usize = 6;
 
 /// Acceleration of gravity in m/s^2; the paper gives no value.
-pub const GRAVITY: f64 = 9.81;
+pub(crate) const GRAVITY: f64 = 9.81;
 
 /// How far misprints are mended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Variant {
+pub(crate) enum Variant {
     /// Letter by letter; only what cannot be computed otherwise is settled. The mass matrix is not symmetric.
     AsPrinted,
     /// Slips of index, bracket and sign mended by comparing the rows, so that the mass matrix is symmetric and all sine
@@ -24,10 +24,10 @@ pub enum Variant {
 
 impl Variant {
     /// All variants, from the print outwards.
-    pub const ALL: [Variant; 3] = [Variant::AsPrinted, Variant::Consistent, Variant::EulerLagrange];
+    pub(crate) const ALL: [Variant; 3] = [Variant::AsPrinted, Variant::Consistent, Variant::EulerLagrange];
 
     /// Name in results.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Variant::AsPrinted => "as_printed",
             Variant::Consistent => "consistent",

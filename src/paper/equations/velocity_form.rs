@@ -4,7 +4,7 @@ use super::variant::JOINTS;
 
 /// The velocity factors found in print, with a < b the two joints of the term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum VelocityForm {
+pub(crate) enum VelocityForm {
     /// sin(theta_a - theta_b) (theta_b'^2 - theta_a' theta_b'): row a of d/dt dT/dtheta'.
     Lower,
     /// sin(theta_a - theta_b) (theta_a' theta_b' - theta_a'^2): row b of d/dt dT/dtheta'.

@@ -10,9 +10,9 @@ use crate::robot::Robot;
 use serde::Serialize;
 
 /// File of the scenario with the extended model, and of its bodies and drives.
-pub const EXTENDED_SCENARIO: &str = "extended.toml";
+pub(crate) const EXTENDED_SCENARIO: &str = "extended.toml";
 /// The URDF that [`EXTENDED_SCENARIO`] refers to.
-pub const EXTENDED_URDF: &str = "extended.urdf";
+pub(crate) const EXTENDED_URDF: &str = "extended.urdf";
 
 /// What is said where the inertias of the description are wrong as a whole.
 const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on several links: no single effect explains the \
@@ -58,7 +58,7 @@ pub(super) fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
 }
 
 /// What is said of a finding whose amplitudes the logs leave open.
-pub const NOT_SIZED: &str =
+pub(crate) const NOT_SIZED: &str =
     "the logs show that it is there, and not how its parameters share it: none is told from zero";
 
 /// The inertias of the description are wrong as a whole.
@@ -113,7 +113,7 @@ pub(super) fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis:
 }
 
 /// Names of the joints of an effect; none for one on the whole arm.
-pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
+pub(crate) fn joints(robot: &Robot, family: Family) -> Vec<String> {
     let effect = effects::find(family.effect).ok();
     let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
     let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();

@@ -3,8 +3,8 @@
 mod findings;
 mod text;
 
-pub use findings::{EXTENDED_SCENARIO, EXTENDED_URDF, NOT_SIZED, joints};
-pub use text::{extrapolation, impacts, lines, mend, mixed_rates, place, sampling, stopped_lines};
+pub(crate) use findings::{EXTENDED_SCENARIO, EXTENDED_URDF, NOT_SIZED, joints};
+pub(crate) use text::{extrapolation, impacts, lines, mend, mixed_rates, place, sampling, stopped_lines};
 
 use findings::{Finding, finding, findings};
 
@@ -19,11 +19,11 @@ use crate::simulation::engine::EngineKind;
 use serde::Serialize;
 
 /// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
-pub const SCHEMA: &str = "tauscope.diagnosis/1";
+pub(crate) const SCHEMA: &str = "tauscope.diagnosis/1";
 
 /// The content of `diagnosis.json`.
 #[derive(Debug, Default, Serialize)]
-pub struct DiagnosisResult {
+pub(crate) struct DiagnosisResult {
     verdict: Option<Verdict>,
     robot: String,
     joints: Vec<String>,
@@ -133,7 +133,7 @@ enum QualityKind {
 }
 
 /// The answer as `diagnosis.json` holds it.
-pub fn result(
+pub(crate) fn result(
     robot: &Robot,
     diagnosis: &Diagnosis,
     resimulation: Option<&Resimulation>,
@@ -223,7 +223,7 @@ pub fn result(
 }
 
 /// The answer where faults of the data forbid one.
-pub fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResult {
+pub(crate) fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResult {
     DiagnosisResult {
         verdict: Some(Verdict::NotTestable),
         robot: robot.name.clone(),

@@ -7,7 +7,7 @@ use crate::report::svg::{Color, Curve, Figure, Panel, Series};
 use crate::scenario::Setup;
 
 /// File name and content of each figure.
-pub fn figures(setup: &Setup, study: &PaperStudy) -> Vec<(&'static str, String)> {
+pub(crate) fn figures(setup: &Setup, study: &PaperStudy) -> Vec<(&'static str, String)> {
     let signals = &study.signals;
     let (reference, disturbed, smoothed) = (&signals.reference, &signals.disturbed, &signals.smoothed);
     let run = &study.runs.training;

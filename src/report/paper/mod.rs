@@ -1,12 +1,12 @@
 //! What the study of the paper tells: its tables and figures done again, and a verdict.
 
-pub mod figures;
-pub mod results;
-pub mod tables;
-pub mod verdict;
+pub(crate) mod figures;
+pub(crate) mod results;
+pub(crate) mod tables;
+pub(crate) mod verdict;
 
-pub use results::SCHEMA;
-pub use verdict::Verdict;
+pub(crate) use results::SCHEMA;
+pub(crate) use verdict::Verdict;
 
 use crate::paper::equations;
 use crate::paper::planar::PlanarFit;

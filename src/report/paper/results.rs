@@ -17,11 +17,11 @@ use crate::study::testbed::Variant;
 use serde::Serialize;
 
 /// Schema of `paper.json`.
-pub const SCHEMA: &str = "tauscope.paper/1";
+pub(crate) const SCHEMA: &str = "tauscope.paper/1";
 
 /// The content of `paper.json`.
 #[derive(Debug, Serialize)]
-pub struct PaperResults {
+pub(crate) struct PaperResults {
     scenario: String,
     robot: String,
     joints: Vec<String>,
@@ -150,7 +150,7 @@ struct DepartureRow {
 }
 
 /// Gathers the content of `paper.json`.
-pub fn results(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> PaperResults {
+pub(crate) fn results(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> PaperResults {
     PaperResults {
         scenario: setup.scenario.name.clone(),
         robot: setup.plant.name.clone(),

@@ -18,7 +18,7 @@ use crate::study::testbed::Variant;
 const PAIRS: usize = 3;
 
 /// The content of `tables.md`.
-pub fn tables(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> String {
+pub(crate) fn tables(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> String {
     let sections = [
         format!("# The paper, reproduced and judged: {}\n", setup.scenario.name),
         judgement(verdict),

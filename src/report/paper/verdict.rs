@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Why the 78-parameter model fails on a spatial arm.
-pub const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar chain in absolute angles: all axes parallel, the \
+pub(crate) const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar chain in absolute angles: all axes parallel, the \
     coupling of two joints a function of the difference of their angles, the gravity on a joint a function of its angle \
     alone. The arm is spatial: joint 1 turns about the vertical, where gravity does no work, yet (4) gives it g \
     cos(theta1); gravity on joint 3 depends on theta2 + theta3 and on the wrist; the inertia about joint 1 changes with \
@@ -21,7 +21,7 @@ pub const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar chain in a
 
 /// Findings, one sentence or a few each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Verdict {
+pub(crate) struct Verdict {
     /// What the paper claims and the study confirms.
     pub right: Vec<String>,
     /// What does not hold.
@@ -30,7 +30,7 @@ pub struct Verdict {
 
 impl Verdict {
     /// Weighs a study.
-    pub fn new(study: &PaperStudy) -> Self {
+    pub(crate) fn new(study: &PaperStudy) -> Self {
         let (smoothing_holds, smoothing) = smoothing(study);
         let (solver_holds, solver) = solver(study);
         let mut verdict = Verdict { right: vec![smooth_motion()], wrong: Vec::new() };
@@ -48,7 +48,7 @@ impl Verdict {
     }
 
     /// The verdict for a terminal, with the residuals of both models.
-    pub fn console(&self, setup: &Setup, study: &PaperStudy) -> String {
+    pub(crate) fn console(&self, setup: &Setup, study: &PaperStudy) -> String {
         let consistent = &planar(study, equations::Variant::Consistent, Variant::SavitzkyGolay).quality;
         let printed = &planar(study, equations::Variant::AsPrinted, Variant::SavitzkyGolay).quality;
         let arm = &spatial(study, Variant::SavitzkyGolay).quality;

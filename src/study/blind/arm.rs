@@ -26,7 +26,7 @@ const STATES: usize = 60;
 const MODEL_ERROR: f64 = 0.1;
 
 /// `setup` with an arm of `dof` turning joints, drawn from `seed`, in place of its own; without effects.
-pub fn random_setup(setup: &Setup, dof: usize, seed: u64) -> Setup {
+pub(crate) fn random_setup(setup: &Setup, dof: usize, seed: u64) -> Setup {
     let mut source = random::stream(seed, "blind arm", 0);
     let mut robot = bodies(dof, &mut source);
     let load = drives(&mut robot, &mut source);

@@ -12,7 +12,7 @@ use crate::robot::Robot;
 const RANKED: usize = 12;
 
 /// The first scan, the likeliest candidate first.
-pub fn ranked(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+pub(super) fn ranked(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     let row = |(index, ranked): (usize, &crate::diagnosis::evidence::Ranked)| {
         vec![
             (index + 1).to_string(),
@@ -49,7 +49,7 @@ fn status(diagnosis: &Diagnosis, family: Family) -> &'static str {
 }
 
 /// Smallest sizes that would have been found, effects down, joints across.
-pub fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+pub(super) fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     let mut names: Vec<&str> = diagnosis.not_found.iter().map(|missed| missed.family.effect).collect();
     names.dedup();
     let rows = names.iter().map(|&name| {

@@ -10,7 +10,7 @@ use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 
 /// The effects found, or what structure is left where there are none.
-pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     if diagnosis.found.is_empty() {
         let mut blocks = vec![Block::text("No effect of the library was found.")];
         let left = diagnosis.unexplained.iter().map(|left| {

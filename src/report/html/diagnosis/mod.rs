@@ -27,7 +27,7 @@ const ROW_S: f64 = 0.02;
 
 /// What a diagnosis was given.
 #[derive(Debug, Clone, Copy)]
-pub struct Logs<'a> {
+pub(crate) struct Logs<'a> {
     /// Logs to find from.
     pub train: &'a [&'a Recording],
     /// Logs to judge by, in the order of the evidence.
@@ -37,7 +37,7 @@ pub struct Logs<'a> {
 }
 
 /// The report of a diagnosis; `resimulation` is what the simulator says of the extended model, where it was asked.
-pub fn page(
+pub(crate) fn page(
     robot: &Robot,
     diagnosis: &Diagnosis,
     resimulation: Option<&Resimulation>,

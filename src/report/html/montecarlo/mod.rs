@@ -16,7 +16,7 @@ use crate::study::montecarlo::{Cell, Quantiles, Summary, Timings};
 const HONEST: f64 = 0.9;
 
 /// The report of a study, or of a part of one.
-pub fn page(summary: &Summary, times: &Timings, provenance: Provenance) -> Page {
+pub(crate) fn page(summary: &Summary, times: &Timings, provenance: Provenance) -> Page {
     let best: Vec<&Cell> = (0..levels(summary)).filter_map(|level| best(summary, level)).collect();
     let (verdict, tone) = verdict(summary, &best);
     let mut sections = vec![comparison(summary, times)];

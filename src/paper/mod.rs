@@ -1,7 +1,6 @@
 //! The study of J. Ogbemhe, K. Mpofu and M. Mokakabye, "Robot dynamic model: freudenstein-based optimal trajectory and
 //! parameter identification", done again on a simulated arm, where the truth is known: the 78-parameter model fitted by
-//! Levenberg-Marquardt with and without Savitzky-Golay smoothing, and the spatial model on the same logs beside it.
-
+//! Levenberg-Marquardt with and without Savitzky-Golay smoothing, compared with the spatial model on the same logs.
 //!
 //! In: a scenario whose arm has six joints. Out: a [`PaperStudy`], from which the report makes the tables, the figures and
 //! the verdict.

@@ -13,10 +13,9 @@ use tauscope::identification::model::Model;
 use tauscope::identification::prepare::{self, Smoothing};
 use tauscope::identification::tsqr::Triangle;
 use tauscope::random;
-use tauscope::scenario::Setup;
+use tauscope::scenario::{Setup, measure, simulate_with};
 use tauscope::signal::{Edge, SavitzkyGolay};
 use tauscope::simulation::engine::EngineKind;
-use tauscope::simulation::{measure, simulate_with};
 
 const SAMPLES: usize = 60_000;
 

@@ -21,10 +21,9 @@ use tauscope::identification::tsqr::Triangle;
 use tauscope::lane::Lanes;
 use tauscope::random;
 use tauscope::robot::{self, InertiaCheck, Robot};
-use tauscope::scenario::Setup;
+use tauscope::scenario::{Setup, sensed, simulate_with};
 use tauscope::signal::{Edge, SavitzkyGolay};
 use tauscope::simulation::engine::EngineKind;
-use tauscope::simulation::{sensed, simulate_with};
 
 /// The allocator of the command, so that times are those of the product.
 #[global_allocator]

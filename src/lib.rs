@@ -11,17 +11,21 @@
 //! - Batched signals are laid out `[channel][time]` ([`channels::Channels`]).
 //! - Every random number comes from a recorded seed through a named stream ([`random`]).
 //!
-//! Imports run one way, from the top of this list downwards: [`cli`] and [`report`] know everything, [`robot`],
-//! [`channels`] and [`lane`] know nothing.
+//! Imports run one way: a room may use the rooms below it in this list and none above, [`cli`] all of them and [`error`]
+//! none. Inside a room its files import each other without a circle. A test holds both.
 
 pub mod cli;
+
 pub mod report;
+
+pub(crate) mod paper;
 
 pub mod study;
 
 pub mod dataset;
 
 pub mod diagnosis;
+
 pub mod quality;
 
 pub mod scenario;
@@ -44,8 +48,12 @@ pub mod signal;
 
 pub mod robot;
 
-pub mod channels;
-pub mod error;
-pub mod lane;
-pub mod output;
+pub(crate) mod output;
+
 pub mod random;
+
+pub mod lane;
+
+pub mod channels;
+
+pub mod error;

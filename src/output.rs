@@ -230,7 +230,7 @@ fn collect(folder: &Path, prefix: &str, files: &mut BTreeSet<String>) -> io::Res
 ///
 /// # Errors
 /// If `writer` fails, or `value` is not an object or has a field `schema` of its own.
-pub fn json(writer: impl Write, schema: &str, value: &impl Serialize) -> io::Result<()> {
+pub(crate) fn json(writer: impl Write, schema: &str, value: &impl Serialize) -> io::Result<()> {
     let plain = serde_json::to_value(value)?;
     let object = plain.as_object().ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "it is not a JSON object"))?;
     if object.contains_key("schema") {

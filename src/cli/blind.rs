@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Arguments of `tauscope blind`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Scenario whose arm, limits and sensors are used beside arms drawn at random.
     #[arg(long, value_name = "SCENARIO", default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -58,7 +58,7 @@ pub struct Arguments {
 }
 
 /// Makes the runs and writes the tables.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = Setup::load(&arguments.scenario, global.seed)?;
     let seed = setup.scenario.seed;
     let (plan, mut cases) = plan(arguments, &setup)?;

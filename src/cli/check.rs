@@ -13,7 +13,7 @@ const REPORT_SCHEMA: &str = "tauscope.check/1";
 
 /// Arguments of `tauscope check`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Scenario file.
     scenario: PathBuf,
     /// Baseline to compare with.
@@ -32,7 +32,7 @@ pub struct Arguments {
 }
 
 /// Measures, and compares or updates.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let path = &arguments.baseline;
     let old = if path.exists() || !arguments.update { Some(Baseline::read(path)?) } else { None };
     // The scenario's seed keeps its motions and its controller; another seed makes other draws of noise alone.

@@ -40,7 +40,7 @@ const SHORTEST_HELD_OUT_S: f64 = 2.0;
 
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     #[command(flatten)]
     arm: ArmArguments,
     /// Log to find from; repeat for more.
@@ -79,7 +79,7 @@ pub struct Arguments {
 }
 
 /// Diagnoses and writes the results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if !(arguments.alpha > 0.0 && arguments.alpha < 1.0) {
         return Err(Error::request("--alpha", format!("is {}; give a probability between 0 and 1", arguments.alpha)));
     }

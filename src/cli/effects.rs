@@ -7,11 +7,11 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use serde::Serialize;
 
 /// Schema of the catalogue as JSON.
-pub const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
+pub(super) const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
 
 /// Arguments of `tauscope effects`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Tell all about one effect, instead of listing them all.
     name: Option<String>,
 }
@@ -31,7 +31,7 @@ struct Entry {
 }
 
 /// Prints the catalogue, or one entry of it.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let chosen = arguments.name.as_deref().map(effects::find).transpose()?;
     let shown = chosen.map_or(LIBRARY.to_vec(), |effect| vec![effect]);
     let entry = |effect: &&'static dyn Effect| Entry { about: effect.about(), parameters: effect.parameters() };

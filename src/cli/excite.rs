@@ -28,7 +28,7 @@ const SPEED_PROBES: u64 = 200;
 
 /// Arguments of `tauscope excite`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Scenario file: arm, limits, torque noise, rate of the log.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -65,7 +65,7 @@ pub struct Arguments {
 }
 
 /// Searches and writes the motion to `--out` (a file that ends in .toml, or a folder for `motion.toml`).
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let arm = Arm::load(&arguments.scenario, global.seed)?;
     let problem = problem(arguments, &arm)?;
     let mut request = Request {

@@ -26,7 +26,7 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope identify`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     #[command(flatten)]
     arm: ArmArguments,
     /// Log to identify from; repeat for more. Without any, the scenario's two motions are simulated.
@@ -75,7 +75,7 @@ const WITH_EFFECTS: u64 = 16;
 const SIMULATING: u64 = 1;
 
 /// Fits and writes the results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;

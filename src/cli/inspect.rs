@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are judged together.
     #[arg(required = true)]
     log: Vec<PathBuf>,
@@ -32,7 +32,7 @@ pub struct Arguments {
 }
 
 /// Examines the log and prints what it finds; a log that cannot be used is an error behind the report.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let file = arguments.arm.file(dataset.as_ref());
     let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);

@@ -19,7 +19,7 @@ use crate::study::testbed::Variant;
 use std::path::Path;
 
 /// Identifies from the data set's training logs and writes its results folder.
-pub fn run(path: &Path, global: &Global) -> Result<u8> {
+pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let dataset = Dataset::load(path)?;
     let named = dataset.robot().ok_or_else(|| {
         Error::input(path, None, "robot", "is missing: name the arm's URDF, which is looked for beside this file")

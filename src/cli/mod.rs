@@ -7,6 +7,7 @@ mod corrected;
 mod diagnose;
 mod effects;
 mod excite;
+mod global;
 mod gravity;
 mod identify;
 mod inspect;
@@ -21,18 +22,12 @@ mod run;
 mod simulate;
 mod view;
 
-use clap::{Args, Parser, Subcommand};
+pub use global::{BAD_INPUT, DONE, FAILED, Global};
+
+use clap::{Parser, Subcommand};
 use std::io::Write;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
-
-/// Done.
-pub const DONE: u8 = 0;
-/// A check failed.
-pub const FAILED: u8 = 1;
-/// Bad input or usage.
-pub const BAD_INPUT: u8 = 2;
 
 /// A physics-simulator-in-the-loop testbed for robot-arm identification.
 #[derive(Debug, Parser)]
@@ -51,30 +46,6 @@ motion, adds sensor noise, identifies its dynamic parameters and scores them aga
 Without a command it runs `tauscope run scenarios/irb1600.toml`.
 
 Exit codes: 0 done, 1 a check failed, 2 bad input or usage.";
-
-/// Options of every command.
-#[derive(Debug, Clone, Default, Args)]
-pub struct Global {
-    /// Print the result as JSON on standard output instead of tables.
-    #[arg(long, global = true)]
-    pub json: bool,
-    /// Seed that replaces the scenario's; every random number comes from it.
-    #[arg(long, global = true, value_name = "N")]
-    pub seed: Option<u64>,
-    /// Folder for the results, instead of `results/NAME` of the scenario.
-    #[arg(long, global = true, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// No progress bar and no tables: errors only.
-    #[arg(long, short, global = true)]
-    pub quiet: bool,
-}
-
-impl Global {
-    /// The results folder of something called `name`.
-    pub fn folder(&self, name: &str) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("results").join(name))
-    }
-}
 
 #[derive(Debug, Subcommand)]
 enum Command {

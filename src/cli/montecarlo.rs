@@ -16,7 +16,7 @@ const TRIAL_SCHEMA: &str = "tauscope.montecarlo.trial/1";
 /// Arguments of `tauscope montecarlo`.
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
-pub struct Arguments {
+pub(super) struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     /// Scenario file.
@@ -60,7 +60,7 @@ enum Command {
 }
 
 /// Runs the study, a part of it, one trial, or the merger.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(Command::Merge { folders }) = &arguments.command {
         let out = global.out.clone().unwrap_or_else(|| PathBuf::from("results/merged"));
         let (summary, times, path) = montecarlo::merge(folders, &out, &page)?;

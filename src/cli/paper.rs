@@ -3,23 +3,23 @@
 use super::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::output::ResultFolder;
+use crate::paper::procedure::{Procedure, Stage};
 use crate::report::html::{self, Provenance};
 use crate::report::paper::{SCHEMA, Verdict, figures, results, tables};
 use crate::scenario::Setup;
-use crate::study::paper::procedure::{Procedure, Stage};
-use crate::study::{paper, testbed};
+use crate::{paper, study::testbed};
 use std::path::PathBuf;
 
 /// Arguments of `tauscope paper`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Scenario file; its arm must have six joints.
     #[arg(default_value = "scenarios/paper.toml")]
     scenario: PathBuf,
 }
 
 /// Runs the study and writes its results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let mut procedure = Procedure::default();
     let setup = procedure.time(Stage::Excitation, || Setup::load(&arguments.scenario, global.seed))?;
     let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;

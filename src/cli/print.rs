@@ -12,7 +12,12 @@ use std::io::{ErrorKind, Write};
 ///
 /// # Errors
 /// If standard output cannot be written, as on a full disk.
-pub fn result(global: &Global, schema: &str, value: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
+pub(super) fn result(
+    global: &Global,
+    schema: &str,
+    value: &impl Serialize,
+    text: impl FnOnce() -> String,
+) -> Result<()> {
     let mut bytes = Vec::new();
     let made = match (global.quiet, global.json) {
         (true, _) => return Ok(()),

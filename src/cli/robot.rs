@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope robot`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// The robot: URDF or MJCF.
     file: PathBuf,
     /// Joints under study, with commas between; all others are held. Default: all that move by themselves.
@@ -33,7 +33,7 @@ fn position(text: &str) -> std::result::Result<(String, f64), String> {
 }
 
 /// Reads the robot and prints it.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let file = description::read(&arguments.file)?;
     let hold: BTreeMap<String, f64> = arguments.hold.iter().cloned().collect();
     if let Some(unknown) = hold.keys().find(|name| !file.moving().iter().any(|joint| joint.name == **name)) {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope run`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -26,7 +26,7 @@ impl Default for Arguments {
 }
 
 /// Runs the scenario and writes its results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(dataset) = &arguments.dataset {
         return measured::run(dataset, global);
     }

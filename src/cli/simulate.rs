@@ -21,14 +21,14 @@ struct Simulated<'a> {
 
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
 }
 
 /// Simulates both motions of the scenario and writes their recordings.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let (setup, folder, runs) = simulated(&arguments.scenario, global)?;
     write_recordings(&folder, &setup, &runs)?;
     viewer::add(&folder, || viewer::scenario::film(&setup, &runs, None))?;

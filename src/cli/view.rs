@@ -9,14 +9,14 @@ use std::process::Command;
 
 /// Arguments of `tauscope view`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {
+pub(super) struct Arguments {
     /// Results folder, or an .rrd file.
     #[arg(value_name = "DIR")]
     place: PathBuf,
 }
 
 /// Opens the viewer and waits until it is closed.
-pub fn run(arguments: &Arguments, _global: &Global) -> Result<u8> {
+pub(super) fn run(arguments: &Arguments, _global: &Global) -> Result<u8> {
     let file = if arguments.place.is_dir() { arguments.place.join(FILE) } else { arguments.place.clone() };
     if !file.is_file() {
         let problem = format!(

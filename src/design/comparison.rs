@@ -25,7 +25,7 @@ const RANDOM_MOVES_PER_SECOND: f64 = 0.6;
 
 /// What one motion, or the median of several, achieves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Which motion.
     pub name: String,
     /// Parameters that can be told apart.
@@ -50,7 +50,7 @@ pub struct Row {
 
 /// The table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Number of base parameters.
     pub parameters: usize,
     /// Length of all motions, s.
@@ -64,7 +64,7 @@ pub struct Comparison {
 ///
 /// # Errors
 /// Those of [`excite`].
-pub fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Comparison> {
+pub(crate) fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Comparison> {
     let judge = Judge::new(problem, request)?;
     let mut rows = Vec::new();
     for family in Family::ALL {
@@ -81,7 +81,7 @@ pub fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -> Resul
 }
 
 /// What motions are judged on.
-pub struct Judge<'a> {
+pub(crate) struct Judge<'a> {
     problem: &'a Problem,
     held_out: Option<Information>,
     random_median: Option<Row>,
@@ -92,7 +92,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// Names the limits that no motion can keep.
-    pub fn new(problem: &'a Problem, request: &Request) -> Result<Self> {
+    pub(crate) fn new(problem: &'a Problem, request: &Request) -> Result<Self> {
         let held_out = random_motions(problem, request, "held-out excitation")?
             .iter()
             .map(|motion| problem.observe(motion).0)
@@ -105,12 +105,12 @@ impl<'a> Judge<'a> {
     }
 
     /// The median of random sequences; none where no random sequence keeps the limits.
-    pub fn random_median(&self) -> Option<&Row> {
+    pub(crate) fn random_median(&self) -> Option<&Row> {
         self.random_median.as_ref()
     }
 
     /// Judges one motion on the rate of the log.
-    pub fn row(&self, name: &str, motion: &dyn Reference) -> Row {
+    pub(crate) fn row(&self, name: &str, motion: &dyn Reference) -> Row {
         let experiment = &self.problem.experiment;
         let limits = self.problem.envelope.joints();
         let mut accelerations = vec![0.0f64; limits.len()];
@@ -173,13 +173,13 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// One move per joint from zero to halfway to its upper limit, all with the same timing: the motion of the paper, whose
 /// (17) would even have it end where it starts. All joints move in proportion, so that parallel joints cannot be told apart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SingleMove {
+pub(crate) struct SingleMove {
     moves: Vec<Move>,
 }
 
 impl SingleMove {
     /// The move that takes `duration_s`, inside the velocity and acceleration limits.
-    pub fn of(limits: &[JointLimits], duration_s: f64) -> Self {
+    pub(crate) fn of(limits: &[JointLimits], duration_s: f64) -> Self {
         let moves = limits
             .iter()
             .map(|limits| {

@@ -28,7 +28,7 @@ const OTHERS_SHARE: f64 = 0.3;
 
 /// What to search for, and how long.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Request {
+pub(crate) struct Request {
     /// The parametrisation.
     pub family: Family,
     /// Length, s.
@@ -47,7 +47,7 @@ pub struct Request {
 
 /// What came of it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// The motion.
     pub motion: Motion,
     /// Its criterion on the search's grid.
@@ -61,13 +61,13 @@ pub struct Outcome {
 }
 
 /// Told after every generation, with the whole motion when there is a better one. Returns whether to go on.
-pub type Watch<'a> = dyn FnMut(Progress, Option<&Motion>) -> bool + 'a;
+pub(crate) type Watch<'a> = dyn FnMut(Progress, Option<&Motion>) -> bool + 'a;
 
 /// Searches for the motion that is asked for.
 ///
 /// # Errors
 /// Names the limit or option that makes the request impossible, before the search where that shows, else after it.
-pub fn excite(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Outcome> {
+pub(crate) fn excite(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Outcome> {
     let blocks = blocks(request);
     let size = request.size.unwrap_or_else(|| request.family.usual_size(request.duration_s));
     if size < blocks {

@@ -15,14 +15,14 @@
 //! Position, velocity and acceleration limits are kept by construction, through [`crate::excitation::encoding`]. The
 //! others enter the search as penalties on a coarse grid with a margin; what is returned was checked at 10 kHz.
 
-pub mod comparison;
+pub(crate) mod comparison;
 pub mod criterion;
-pub mod envelope;
-pub mod excite;
-pub mod families;
+pub(crate) mod envelope;
+pub(crate) mod excite;
+pub(crate) mod families;
 pub mod information;
-pub mod problem;
-pub mod search;
+pub(crate) mod problem;
+pub(crate) mod search;
 #[cfg(test)]
 mod tests;
 

@@ -30,7 +30,7 @@ const BOX_PENALTY: f64 = 0.01;
 
 /// How long and from where to search.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// Seed of all random numbers.
     pub seed: u64,
     /// Name of the random streams: searches with different labels are independent.
@@ -45,7 +45,7 @@ pub struct Plan {
 
 /// How far a search has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
+pub(crate) struct Progress {
     /// Evaluations so far.
     pub evaluations: usize,
     /// Value of the best motion inside the limits, if there is one yet.
@@ -54,7 +54,7 @@ pub struct Progress {
 
 /// A point of the box with its motion and value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
+pub(crate) struct Candidate {
     /// The point.
     pub x: Vec<f64>,
     /// The motion it stands for.
@@ -64,11 +64,11 @@ pub struct Candidate {
 }
 
 /// Told after every generation; the candidate is given when it is the new best inside the limits. Returns whether to go on.
-pub type Watch<'a> = dyn FnMut(Progress, Option<&Candidate>) -> bool + 'a;
+pub(crate) type Watch<'a> = dyn FnMut(Progress, Option<&Candidate>) -> bool + 'a;
 
 /// What a search found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub(crate) struct Found {
     /// The best motion inside the limits; none when there was no such candidate.
     pub best: Option<Candidate>,
     /// The smallest violation seen: what stood in the way when `best` is none.
@@ -80,7 +80,7 @@ pub struct Found {
 }
 
 /// Minimises `worth` over the motions of `encoding`.
-pub fn minimise(
+pub(crate) fn minimise(
     encoding: &dyn Encoding,
     worth: &(dyn Fn(&Motion) -> Worth + Sync),
     plan: &Plan,

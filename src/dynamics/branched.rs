@@ -2,9 +2,9 @@
 
 use super::Motion;
 use super::chain::{Branches, Chain, LinkState};
-use super::forward::Composite;
-use super::rnea::wrench;
+use super::composite::Composite;
 use super::spatial::{Vec3, add, add_cross, scale};
+use super::wrench::wrench;
 use crate::lane::Lane;
 use crate::robot::PARAMETERS;
 use std::ops::Range;

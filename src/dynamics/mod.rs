@@ -7,12 +7,14 @@
 mod base_parameters;
 mod branched;
 mod chain;
+mod composite;
 mod forward;
 mod kinematics;
 mod regressor;
 mod rnea;
 mod rotation;
 mod spatial;
+mod wrench;
 
 pub use crate::lane::{Lane, Lanes};
 pub use base_parameters::{BaseParameters, Grouping};

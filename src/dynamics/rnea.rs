@@ -3,7 +3,8 @@
 use super::Motion;
 use super::branched;
 use super::chain::{Chain, LinkState};
-use super::spatial::{Vec3, add, cross, scale, times};
+use super::spatial::{Vec3, add};
+use super::wrench::wrench;
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -120,16 +121,4 @@ fn recursion<L: Lane>(
         efforts[joint] = chain.along(joint, force, moment);
         (force, moment) = chain.carried(joint, link, force, moment);
     }
-}
-
-/// Force and moment about the link origin that move the link's body as `link` says.
-#[inline(always)]
-pub(super) fn wrench<L: Lane>(body: &[f64], link: &LinkState<L>) -> (Vec3<L>, Vec3<L>) {
-    let p = |index: usize| L::splat(body[index]);
-    let first = [p(1), p(2), p(3)];
-    let inertia = [[p(4), p(5), p(7)], [p(5), p(6), p(8)], [p(7), p(8), p(9)]];
-    let swing = add(cross(link.alpha, first), cross(link.omega, cross(link.omega, first)));
-    let force = add(scale(link.acceleration, p(0)), swing);
-    let spin = add(times(&inertia, link.alpha), cross(link.omega, times(&inertia, link.omega)));
-    (force, add(spin, cross(first, link.acceleration)))
 }

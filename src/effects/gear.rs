@@ -17,7 +17,7 @@ pub const DAMPING_TIME_S: f64 = 1e-3;
 
 /// Stiffness that stands for a rigid gear when only its play matters, N m/rad over the motor's inertia: the square of
 /// 600 rad/s, which the default plant step still follows.
-pub const STIFF: f64 = 600.0 * 600.0;
+pub(super) const STIFF: f64 = 600.0 * 600.0;
 
 /// Runge-Kutta steps between two samples of [`Gear::follow`].
 const SUBSTEPS: usize = 8;

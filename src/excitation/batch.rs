@@ -1,6 +1,7 @@
 //! Laws of motion at many times at once, several of them side by side.
 
-use super::{Reference, timing};
+use super::reference::Reference;
+use super::timing;
 use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 use std::ops::Range;

@@ -12,12 +12,13 @@ use serde::{Deserialize, Serialize};
 use super::batch::fill_along;
 use super::peaks::Peaks;
 use super::piecewise::PiecewisePolynomial;
-use super::{Reference, fill, timing};
+use super::reference::{Reference, fill};
+use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
 
 /// Degree that motions have unless another is asked for: continuous up to the fourth derivative.
-pub const DEGREE: usize = 5;
+pub(crate) const DEGREE: usize = 5;
 
 /// Degrees allowed: 3 is the least with a continuous acceleration.
 const DEGREES: std::ops::RangeInclusive<usize> = 3..=7;

@@ -26,7 +26,7 @@ pub trait Encoding: Send + Sync {
 }
 
 /// A point drawn uniformly from the box of an encoding, from the stream `label` number `index` of `seed`.
-pub fn random_point(encoding: &dyn Encoding, seed: u64, label: &str, index: u64) -> Vec<f64> {
+pub(crate) fn random_point(encoding: &dyn Encoding, seed: u64, label: &str, index: u64) -> Vec<f64> {
     let mut stream = random::stream(seed, label, index);
     (0..encoding.dimension()).map(|_| stream.random_range(-1.0..=1.0)).collect()
 }
@@ -111,7 +111,7 @@ fn multiply(values: &mut [f64], factor: f64) {
 
 /// Finite Fourier series; the unknowns of a joint are a_1 .. a_N, b_1 .. b_N in units of its velocity limit.
 #[derive(Clone, Debug)]
-pub struct FourierEncoding {
+pub(crate) struct FourierEncoding {
     limits: Vec<JointLimits>,
     harmonics: usize,
     period_s: f64,
@@ -123,7 +123,7 @@ impl FourierEncoding {
     ///
     /// # Errors
     /// Names the joint whose limits are infinite or leave out zero, or the argument at fault.
-    pub fn new(limits: &[JointLimits], harmonics: usize, period_s: f64, periods: u32) -> Result<Self> {
+    pub(crate) fn new(limits: &[JointLimits], harmonics: usize, period_s: f64, periods: u32) -> Result<Self> {
         require_usable(limits, period_s)?;
         require_at_least("harmonics", harmonics, 2)?;
         require_at_least("periods", periods as usize, 1)?;
@@ -156,7 +156,7 @@ impl Encoding for FourierEncoding {
 /// Quintic segments; the unknowns of a joint are its via positions across its range, via velocities and accelerations in
 /// units of their limits, and the shares of the durations.
 #[derive(Clone, Debug)]
-pub struct QuinticEncoding {
+pub(crate) struct QuinticEncoding {
     limits: Vec<JointLimits>,
     segments: usize,
     duration_s: f64,
@@ -169,7 +169,12 @@ impl QuinticEncoding {
     ///
     /// # Errors
     /// Names the joint whose limits are infinite or leave out zero, or the argument at fault.
-    pub fn new(limits: &[JointLimits], segments: usize, duration_s: f64, free_acceleration: bool) -> Result<Self> {
+    pub(crate) fn new(
+        limits: &[JointLimits],
+        segments: usize,
+        duration_s: f64,
+        free_acceleration: bool,
+    ) -> Result<Self> {
         require_usable(limits, duration_s)?;
         require_at_least("segments", segments, 2)?;
         Ok(QuinticEncoding { limits: limits.to_vec(), segments, duration_s, free_acceleration })
@@ -209,7 +214,7 @@ impl Encoding for QuinticEncoding {
 
 /// B-splines; the unknowns of a joint are its free control points across its range.
 #[derive(Clone, Debug)]
-pub struct BsplineEncoding {
+pub(crate) struct BsplineEncoding {
     limits: Vec<JointLimits>,
     points: usize,
     degree: usize,
@@ -221,7 +226,7 @@ impl BsplineEncoding {
     ///
     /// # Errors
     /// Names the joint whose limits are infinite or leave out zero, or the argument at fault.
-    pub fn new(limits: &[JointLimits], points: usize, degree: usize, duration_s: f64) -> Result<Self> {
+    pub(crate) fn new(limits: &[JointLimits], points: usize, degree: usize, duration_s: f64) -> Result<Self> {
         require_usable(limits, duration_s)?;
         Bspline::new(duration_s, degree, vec![JointPoints { control_points: vec![0.0; points] }; limits.len()])?;
         Ok(BsplineEncoding { limits: limits.to_vec(), points, degree, duration_s })

@@ -22,7 +22,8 @@ use serde::{Deserialize, Serialize};
 
 use super::batch::{Law, fill_along};
 use super::peaks::Peaks;
-use super::{Reference, fill, timing};
+use super::reference::{Reference, fill};
+use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
 use crate::lane::{Lane, Lanes};

@@ -27,19 +27,20 @@ use serde::{Deserialize, Serialize};
 
 use super::batch::{Law, fill_along};
 use super::peaks::Peaks;
-use super::{Reference, fill, timing};
+use super::reference::{Reference, fill};
+use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
 use crate::lane::Lane;
 
 /// The factor alpha that makes the velocity at both ends exactly zero; the paper prints 0.9438.
-pub const ALPHA: f64 = 1125.0 / 1192.0;
+pub(crate) const ALPHA: f64 = 1125.0 / 1192.0;
 
 /// Peak velocity of a move in units of h/T, reached at half time.
-pub const PEAK_VELOCITY: f64 = 2.0;
+pub(crate) const PEAK_VELOCITY: f64 = 2.0;
 
 /// Peak acceleration of a move in units of h/T^2, reached at a quarter (and, negative, at three quarters) of the time.
-pub const PEAK_ACCELERATION: f64 = 240.0 * PI / 149.0;
+pub(crate) const PEAK_ACCELERATION: f64 = 240.0 * PI / 149.0;
 
 /// One rest-to-rest move of one joint under the 1-3-5 law.
 #[derive(Clone, Copy, Debug, PartialEq)]

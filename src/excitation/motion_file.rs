@@ -34,7 +34,7 @@ use super::{Motion, Reference};
 use crate::error::{Error, Result, line_at};
 
 /// Version of the format, the value of `schema`.
-pub const SCHEMA: &str = "tauscope.motion/1";
+pub(crate) const SCHEMA: &str = "tauscope.motion/1";
 
 /// A motion with the arm it is meant for.
 #[derive(Clone, Debug, PartialEq)]

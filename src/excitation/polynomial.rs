@@ -1,12 +1,12 @@
 //! Polynomials on the unit interval, coefficients in ascending order: derivatives and real roots.
 
 /// Value of the polynomial at `s` (Horner).
-pub fn value(coefficients: &[f64], s: f64) -> f64 {
+pub(super) fn value(coefficients: &[f64], s: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * s + c)
 }
 
 /// Coefficients of the derivative.
-pub fn derivative(coefficients: &[f64]) -> Vec<f64> {
+pub(super) fn derivative(coefficients: &[f64]) -> Vec<f64> {
     coefficients.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c).collect()
 }
 
@@ -14,7 +14,7 @@ pub fn derivative(coefficients: &[f64]) -> Vec<f64> {
 ///
 /// Between neighbouring roots of the derivative a polynomial is monotone and has at most one root, which bisection
 /// finds to the last bit; the derivative's roots come from the same rule.
-pub fn sign_changes(coefficients: &[f64]) -> Vec<f64> {
+pub(super) fn sign_changes(coefficients: &[f64]) -> Vec<f64> {
     if coefficients.len() < 2 {
         return Vec::new();
     }

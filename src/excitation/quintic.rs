@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 use super::batch::fill_along;
 use super::peaks::Peaks;
 use super::piecewise::PiecewisePolynomial;
-use super::{Reference, fill, timing};
+use super::reference::{Reference, fill};
+use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
 

@@ -12,7 +12,7 @@ use crate::robot::PARAMETERS;
 use std::ops::Range;
 
 /// Samples of a block.
-pub const BLOCK: usize = super::gram::BLOCK;
+pub(crate) const BLOCK: usize = super::gram::BLOCK;
 
 /// What a column is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

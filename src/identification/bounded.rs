@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A parameter between two values, by its index; infinite where there is no bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bound {
+pub(super) struct Bound {
     /// Index of the parameter.
     pub parameter: usize,
     /// Smallest value.
@@ -20,14 +20,14 @@ pub struct Bound {
 const TURNS: usize = 10;
 
 /// Parameters that stay at a bound, with their values.
-pub type Held = Vec<(usize, f64)>;
+pub(super) type Held = Vec<(usize, f64)>;
 
 /// Minimises x'Nx/2 - b'x within bounds, some parameters `fixed` at their values. Returns x and the parameters that are fixed
 /// or stay at a bound, with their values.
 ///
 /// # Errors
 /// Names the parameters that the motion cannot tell apart.
-pub fn solve(
+pub(super) fn solve(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,
     bounds: &[Bound],

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 
 /// Rows of a block: its columns then stay in the second cache while the tiles pass over them, and a tile's sums are seldom
 /// put aside. An odd number of cache lines: columns a power of two apart would crowd into few places of the cache.
-pub const BLOCK: usize = 248;
+pub(crate) const BLOCK: usize = 248;
 
 /// Height and breadth of a tile: its sums, a row's share of its breadth and one more value fill the registers.
 const TALL: usize = 4;
@@ -21,7 +21,7 @@ const BROADER: usize = 4;
 
 /// The lower triangle of X'X over the rows seen so far.
 #[derive(Debug, Clone)]
-pub struct Gram {
+pub(crate) struct Gram {
     lanes: Lanes,
     columns: usize,
     /// Tile after tile, row by row; one partial sum per lane for every entry.
@@ -30,12 +30,12 @@ pub struct Gram {
 
 impl Gram {
     /// No rows of a table of so many columns.
-    pub fn new(columns: usize) -> Self {
+    pub(crate) fn new(columns: usize) -> Self {
         Gram::new_in(Lanes::best(), columns)
     }
 
     /// [`Gram::new`] in lanes of one kind.
-    pub fn new_in(lanes: Lanes, columns: usize) -> Self {
+    pub(crate) fn new_in(lanes: Lanes, columns: usize) -> Self {
         let broad = breadth(lanes.width());
         Gram { lanes, columns, sums: Aligned::zeros(tiles(columns, broad).count() * TALL * broad * lanes.width()) }
     }
@@ -44,7 +44,7 @@ impl Gram {
     ///
     /// # Panics
     /// If the table has another size.
-    pub fn add(&mut self, table: &[f64], rows: usize) {
+    pub(crate) fn add(&mut self, table: &[f64], rows: usize) {
         assert_eq!(table.len(), self.columns * rows, "a table of all columns is wanted");
         self.lanes.run(Adding { columns: self.columns, sums: &mut self.sums, table, rows });
     }
@@ -54,7 +54,7 @@ impl Gram {
     ///
     /// # Panics
     /// If the table has another number of columns.
-    pub fn add_valid<'t>(&mut self, table: impl Iterator<Item = &'t [f64]> + Clone, valid: &[bool]) {
+    pub(crate) fn add_valid<'t>(&mut self, table: impl Iterator<Item = &'t [f64]> + Clone, valid: &[bool]) {
         assert_eq!(table.clone().count(), self.columns, "a table of all columns is wanted");
         let mut block = Aligned::zeros(self.columns * BLOCK.min(valid.len()));
         for (number, valid) in valid.chunks(BLOCK).enumerate() {
@@ -65,7 +65,7 @@ impl Gram {
     }
 
     /// X'X.
-    pub fn matrix(&self) -> DMatrix<f64> {
+    pub(crate) fn matrix(&self) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.columns, self.columns);
         self.each_entry(|row, column, sum| matrix[(row, column)] = sum);
         matrix.fill_upper_triangle_with_lower_triangle();
@@ -73,7 +73,7 @@ impl Gram {
     }
 
     /// Tells row, column and value of the entries of X'X on and below the diagonal.
-    pub fn each_entry(&self, mut tell: impl FnMut(usize, usize, f64)) {
+    pub(crate) fn each_entry(&self, mut tell: impl FnMut(usize, usize, f64)) {
         let width = self.lanes.width();
         let broad = breadth(width);
         for ((top, left), tile) in tiles(self.columns, broad).zip(self.sums.chunks_exact(TALL * broad * width)) {
@@ -234,7 +234,7 @@ fn add_tile<L: Lane, const TALL: usize, const BROAD: usize, const DIAGONAL: bool
 ///
 /// # Panics
 /// If the signal has another number of rows.
-pub fn products(table: &Channels, signal: &[f64]) -> Vec<f64> {
+pub(crate) fn products(table: &Channels, signal: &[f64]) -> Vec<f64> {
     products_in(Lanes::best(), table, signal)
 }
 

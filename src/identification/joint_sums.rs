@@ -47,7 +47,7 @@ impl JointSums {
 }
 
 /// The sums of all joints, and how to come by their triangles should they be wanted.
-pub struct Sums<'a> {
+pub(crate) struct Sums<'a> {
     joints: Vec<JointSums>,
     triangles: OnceCell<Vec<DMatrix<f64>>>,
     /// Triangles of [X y] of all joints.
@@ -56,17 +56,17 @@ pub struct Sums<'a> {
 
 impl<'a> Sums<'a> {
     /// Of Gram matrices, with what makes the triangles from a second pass over the rows.
-    pub fn new(joints: Vec<JointSums>, make_triangles: impl Fn() -> Vec<DMatrix<f64>> + 'a) -> Self {
+    pub(crate) fn new(joints: Vec<JointSums>, make_triangles: impl Fn() -> Vec<DMatrix<f64>> + 'a) -> Self {
         Sums { joints, triangles: OnceCell::new(), make_triangles: Box::new(make_triangles) }
     }
 
     /// The joints.
-    pub fn joints(&self) -> &[JointSums] {
+    pub(crate) fn joints(&self) -> &[JointSums] {
         &self.joints
     }
 
     /// X'WX with W = 1 / sigma^2 on each joint's rows.
-    pub fn normal(&self, sigma: &[f64], parameters: usize) -> DMatrix<f64> {
+    pub(crate) fn normal(&self, sigma: &[f64], parameters: usize) -> DMatrix<f64> {
         let mut normal = DMatrix::zeros(parameters, parameters);
         for (joint, s) in self.joints.iter().zip(sigma) {
             let weight = 1.0 / (s * s);

@@ -75,7 +75,11 @@ impl AutoregressiveNoise {
 }
 
 /// A stretch of each of several noises, one after the other from the same source.
-pub fn simulate_together(noises: &[AutoregressiveNoise], samples: usize, source: &mut impl Rng) -> Vec<Vec<f64>> {
+pub(crate) fn simulate_together(
+    noises: &[AutoregressiveNoise],
+    samples: usize,
+    source: &mut impl Rng,
+) -> Vec<Vec<f64>> {
     let mut table = Channels::zeros(noises.len(), RUN_IN + samples);
     table.as_mut_slice().fill_with(|| StandardNormal.sample(source));
     let laws: Vec<Law> =
@@ -86,7 +90,7 @@ pub fn simulate_together(noises: &[AutoregressiveNoise], samples: usize, source:
 
 /// Autocovariance at lags 0..=`most` of the samples where `valid`, divided by their number at every lag, which keeps it
 /// positive definite.
-pub fn autocovariance(signal: &[f64], valid: &[bool], most: usize) -> Vec<f64> {
+pub(crate) fn autocovariance(signal: &[f64], valid: &[bool], most: usize) -> Vec<f64> {
     let kept: Vec<f64> = signal.iter().zip(valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect();
     let count = valid.iter().filter(|&&ok| ok).count().max(1) as f64;
     lagged_products(&kept, most).into_iter().map(|sum| sum / count).collect()

@@ -3,8 +3,8 @@
 //! The URDF's bodies where it has some, balls where not. A URDF without inertials, or with placeholders, says nothing of how
 //! heavy the arm is; the identified parameters do: all bodies are then scaled until they make as much torque.
 
-use super::consistent::pseudo_inertia;
 use super::model::Model;
+use super::pseudo_inertia::pseudo_inertia;
 use crate::robot::Inertia;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -20,7 +20,7 @@ const AS_DESCRIBED: f64 = 3.0;
 
 /// Sizes and start of the standard parameters, 13 per moving body in the order of [`Model::names`].
 #[derive(Debug, Clone)]
-pub struct Plausible {
+pub(super) struct Plausible {
     /// Size of every standard parameter.
     pub scale: Vec<f64>,
     /// Parameters of bodies and drives that can exist.
@@ -29,7 +29,7 @@ pub struct Plausible {
 
 impl Plausible {
     /// For base parameters `fitted` with their inverse covariance `normal`.
-    pub fn new(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Self {
+    pub(super) fn new(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Self {
         let (robot, bodies) = (model.robot(), model.robot().bodies());
         let described: Vec<f64> = (0..bodies).map(|body| robot.body(body).inertia.mass()).collect();
         let heaviest = described.iter().copied().fold(0.0, f64::max);

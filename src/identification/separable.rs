@@ -56,7 +56,7 @@ pub struct EffectFit {
 ///
 /// # Errors
 /// If the logs cannot tell the parameters apart or are too short.
-pub fn fit(model: &mut EffectModel) -> Result<EffectFit> {
+pub(crate) fn fit(model: &mut EffectModel) -> Result<EffectFit> {
     let nonlinear = model.nonlinear();
     if model.placed().is_empty() {
         // Weights are found on the way to the standard deviations, without a second pass over long logs.

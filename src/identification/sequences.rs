@@ -10,7 +10,7 @@ const TOGETHER: usize = 4;
 ///
 /// # Panics
 /// If there is not one weight per column.
-pub fn combined(table: &Channels, weights: &[f64]) -> Vec<f64> {
+pub(crate) fn combined(table: &Channels, weights: &[f64]) -> Vec<f64> {
     combined_in(Lanes::best(), table, weights)
 }
 
@@ -25,7 +25,7 @@ fn combined_in(lanes: Lanes, table: &Channels, weights: &[f64]) -> Vec<f64> {
 ///
 /// # Panics
 /// If the table has another size.
-pub fn combine_into(table: &[f64], weights: &[f64], out: &mut [f64]) {
+pub(crate) fn combine_into(table: &[f64], weights: &[f64], out: &mut [f64]) {
     assert_eq!(table.len(), weights.len() * out.len(), "one weight per column is wanted");
     Lanes::best().run(Combined { table, weights, out });
 }
@@ -71,7 +71,7 @@ impl Kernel for Combined<'_> {
 }
 
 /// Sums of products of a signal with itself shifted by 0..=`most` samples.
-pub fn lagged_products(signal: &[f64], most: usize) -> Vec<f64> {
+pub(crate) fn lagged_products(signal: &[f64], most: usize) -> Vec<f64> {
     Lanes::best().run(Lagged { signal, most })
 }
 
@@ -111,7 +111,7 @@ impl Kernel for Lagged<'_> {
 
 /// Runs y(t) = gain x(t) + sum_k coefficients_k y(t + k + 1) backward through every signal of a table, several signals side
 /// by side.
-pub fn recur_backward(table: &mut Channels, gain: f64, coefficients: &[f64]) {
+pub(crate) fn recur_backward(table: &mut Channels, gain: f64, coefficients: &[f64]) {
     recur_backward_in(Lanes::best(), table, gain, coefficients);
 }
 
@@ -181,7 +181,7 @@ impl Kernel for Recursion<'_> {
 
 /// y(t) = gain x(t) + sum_k coefficients_k y(t - k - 1), one law for every signal.
 #[derive(Debug, Clone, Copy)]
-pub struct Law<'a> {
+pub(crate) struct Law<'a> {
     /// Factor of what comes in.
     pub gain: f64,
     /// Factors of what came out before, the latest first.
@@ -192,7 +192,7 @@ pub struct Law<'a> {
 ///
 /// # Panics
 /// If there is not one law per signal.
-pub fn recur_forward(table: &mut Channels, laws: &[Law]) {
+pub(crate) fn recur_forward(table: &mut Channels, laws: &[Law]) {
     recur_forward_in(Lanes::best(), table, laws);
 }
 

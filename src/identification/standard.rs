@@ -3,13 +3,13 @@
 use crate::robot::PARAMETERS;
 
 /// Place of rotor inertia among the standard parameters of a joint, behind the inertial ones of its link.
-pub const ROTOR: usize = PARAMETERS;
+pub(crate) const ROTOR: usize = PARAMETERS;
 
 /// Place of viscous friction.
-pub const VISCOUS: usize = PARAMETERS + 1;
+pub(crate) const VISCOUS: usize = PARAMETERS + 1;
 
 /// Place of Coulomb friction.
-pub const COULOMB: usize = PARAMETERS + 2;
+pub(crate) const COULOMB: usize = PARAMETERS + 2;
 
 /// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
-pub const STANDARD: usize = PARAMETERS + 3;
+pub(crate) const STANDARD: usize = PARAMETERS + 3;

@@ -17,7 +17,7 @@ const RUN: usize = 16;
 const KEPT: usize = 1 << 24;
 
 /// What makes columns: for a range of samples a table `[column][sample of the range]`.
-pub trait Writer: Sync {
+pub(super) trait Writer: Sync {
     /// Columns in a table.
     fn places(&self) -> usize;
 
@@ -30,7 +30,7 @@ pub trait Writer: Sync {
 ///
 /// # Errors
 /// Those of the filter: the log is too short for it.
-pub fn filtered(
+pub(super) fn filtered(
     writer: &impl Writer,
     filter: &Filter,
     step: usize,

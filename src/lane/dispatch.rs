@@ -1,16 +1,13 @@
 //! Which lanes the machine has, and kernels compiled for each of them.
 
-use super::Lane;
 #[cfg(target_arch = "aarch64")]
 use super::neon::Neon;
+use super::number::Lane;
 use super::portable::Pair;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
 use crate::channels::Channels;
 use std::ops::Range;
-
-/// Samples in the widest lanes there are.
-pub(crate) const WIDEST: usize = 8;
 
 /// Angles up to here, rad, are in reach of [`Lane::sin_cos`] in lanes.
 const LARGEST_ANGLE: f64 = 1e6;

@@ -1,6 +1,7 @@
 //! Lanes of NEON, which every 64-bit ARM processor has.
 
-use super::Lane;
+use super::number::Lane;
+use super::sin_cos::sin_cos;
 use std::arch::aarch64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -78,5 +79,10 @@ impl Lane for Neon {
     fn round(self) -> Self {
         // SAFETY: NEON is part of the architecture.
         unsafe { Neon(vrndnq_f64(self.0)) }
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        sin_cos(self)
     }
 }

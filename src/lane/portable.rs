@@ -1,7 +1,8 @@
 //! Two numbers side by side in plain Rust, for machines without lanes of their own: compilers turn them into SSE2 and the
 //! like.
 
-use super::Lane;
+use super::number::Lane;
+use super::sin_cos::sin_cos;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Two numbers side by side.
@@ -66,5 +67,10 @@ impl Lane for Pair {
     #[inline(always)]
     fn round(self) -> Self {
         self + Self::splat(WHOLE) - Self::splat(WHOLE)
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        sin_cos(self)
     }
 }

@@ -4,7 +4,7 @@
 //! with whole numbers up to 2^25 are exact; there polynomials to x^17 and x^16 leave less than the rounding. The sign is that of
 //! an even or odd multiple, so neither a choice nor a swap is needed.
 
-use super::Lane;
+use super::number::Lane;
 use std::f64::consts::FRAC_1_PI;
 
 /// pi in parts of 28 bits each, the last one rounded.

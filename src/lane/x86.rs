@@ -4,7 +4,8 @@
 //! [`Lanes::run`](super::Lanes) names them, in functions compiled for those instructions and called after the machine was
 //! asked for them: this is what makes each `unsafe` below sound.
 
-use super::Lane;
+use super::number::Lane;
+use super::sin_cos::sin_cos;
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -80,6 +81,11 @@ macro_rules! lane {
             fn round(self) -> Self {
                 // SAFETY: the machine has the instruction, see the module's words.
                 unsafe { $name($round::<NEAREST>(self.0)) }
+            }
+
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                sin_cos(self)
             }
         }
     };

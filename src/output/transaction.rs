@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 /// Steps done so far; dropped before [`Transaction::commit`], it undoes them, last one first.
 #[derive(Debug)]
-pub struct Transaction {
+pub(super) struct Transaction {
     /// Holds what the steps replaced, under numbers; on the same file system.
     backup: TempDir,
     done: Vec<Step>,
@@ -20,12 +20,12 @@ enum Step {
 }
 
 impl Transaction {
-    pub fn new(backup: TempDir) -> Self {
+    pub(super) fn new(backup: TempDir) -> Self {
         Transaction { backup, done: Vec::new() }
     }
 
     /// Creates a folder with its parents; nothing if it is there.
-    pub fn create_folder(&mut self, path: &Path) -> io::Result<()> {
+    pub(super) fn create_folder(&mut self, path: &Path) -> io::Result<()> {
         let missing: Vec<&Path> = path.ancestors().take_while(|folder| !folder.is_dir()).collect();
         for folder in missing.into_iter().rev() {
             std::fs::create_dir(folder)?;
@@ -35,7 +35,7 @@ impl Transaction {
     }
 
     /// Removes a file; nothing if it is not there.
-    pub fn remove(&mut self, place: &Path) -> io::Result<()> {
+    pub(super) fn remove(&mut self, place: &Path) -> io::Result<()> {
         // A link is a file of its own, wherever it leads.
         match place.symlink_metadata() {
             Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
@@ -52,7 +52,7 @@ impl Transaction {
     }
 
     /// Moves `file` to `place`, in the stead of the file there.
-    pub fn replace(&mut self, file: &Path, place: &Path) -> io::Result<()> {
+    pub(super) fn replace(&mut self, file: &Path, place: &Path) -> io::Result<()> {
         if let Some(folder) = place.parent() {
             self.create_folder(folder)?;
         }
@@ -63,7 +63,7 @@ impl Transaction {
     }
 
     /// Keeps what was done.
-    pub fn commit(mut self) {
+    pub(super) fn commit(mut self) {
         self.done.clear();
     }
 }

@@ -8,11 +8,11 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Schema of the `blind.json` that `tauscope blind` writes.
-pub const SCHEMA: &str = "tauscope.blind/2";
+pub(crate) const SCHEMA: &str = "tauscope.blind/2";
 
 /// All runs with what they come to.
 #[derive(Debug, Serialize)]
-pub struct BlindResult {
+pub(crate) struct BlindResult {
     /// Seed of the study.
     pub seed: u64,
     /// Counts with intervals.
@@ -23,7 +23,7 @@ pub struct BlindResult {
 }
 
 /// A run in one line.
-pub fn line(row: &Row) -> String {
+pub(crate) fn line(row: &Row) -> String {
     let outcome = row.outcome.map_or("failed", outcome);
     let trust = if row.inertias_believed { "nominal" } else { "structure" };
     let noise = if row.correlation_s > 0.0 { format!("{} s", row.correlation_s) } else { "white".to_owned() };
@@ -58,13 +58,13 @@ fn answer(answer: &Answer) -> String {
 }
 
 /// The counts for people.
-pub fn counts(summary: &Summary) -> String {
+pub(crate) fn counts(summary: &Summary) -> String {
     let rows = summary.classes.iter().map(class_row).collect();
     console::table(&HEADER, rows)
 }
 
 /// The counts and the confusion matrix as Markdown.
-pub fn page(result: &BlindResult) -> String {
+pub(crate) fn page(result: &BlindResult) -> String {
     let classes: Vec<Vec<String>> = result.summary.classes.iter().map(class_row).collect();
     let confusion: Vec<Vec<String>> = result
         .summary
@@ -89,7 +89,7 @@ pub fn page(result: &BlindResult) -> String {
 }
 
 /// The confusion matrix as CSV: a line per hidden effect, a column per answer.
-pub fn confusion_csv(summary: &Summary) -> String {
+pub(crate) fn confusion_csv(summary: &Summary) -> String {
     let answers: BTreeSet<&str> = summary.confusion.iter().map(|entry| entry.answered.as_str()).collect();
     let mut rows: BTreeMap<(Class, &str), BTreeMap<&str, usize>> = BTreeMap::new();
     for entry in &summary.confusion {

@@ -18,7 +18,7 @@ pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
 }
 
 /// The scores of a scenario run: torque error per joint with and without smoothing, then one line per variant.
-pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters: usize) -> String {
+pub(crate) fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters: usize) -> String {
     let find = |variant: Variant| scored.iter().find(|result| result.variant == variant);
     let (Some(raw), Some(smoothed)) = (find(Variant::Raw), find(Variant::SavitzkyGolay)) else {
         return String::new();
@@ -80,7 +80,7 @@ pub fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters
 }
 
 /// Whether an identification predicts the torque of the held-out motion to within the sensors' noise, and that in words.
-pub fn verdict(setup: &Setup, scored: &Scored) -> (bool, String) {
+pub(crate) fn verdict(setup: &Setup, scored: &Scored) -> (bool, String) {
     let errors = scored.score.torque_std_held_out_nm.iter().zip(&setup.sensors);
     let above: Vec<&str> = setup
         .plant
@@ -103,7 +103,7 @@ pub fn verdict(setup: &Setup, scored: &Scored) -> (bool, String) {
 }
 
 /// A line for every joint whose drive was at its limit; nothing where none was.
-pub fn at_effort_limit(setup: &Setup, limited: &AtEffortLimit) -> String {
+pub(crate) fn at_effort_limit(setup: &Setup, limited: &AtEffortLimit) -> String {
     let mut text = String::new();
     for (motion, shares) in [("training", &limited.training), ("held-out", &limited.held_out)] {
         for (joint, share) in setup.plant.joints.iter().zip(shares).filter(|(_, share)| **share > 0.0) {

@@ -9,14 +9,14 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Schema of what a search found, as JSON.
-pub const SCHEMA: &str = "tauscope.excitation/1";
+pub(crate) const SCHEMA: &str = "tauscope.excitation/1";
 
 /// Schema of a comparison, as JSON.
-pub const COMPARISON_SCHEMA: &str = "tauscope.excitation_comparison/1";
+pub(crate) const COMPARISON_SCHEMA: &str = "tauscope.excitation_comparison/1";
 
 /// What a search found.
 #[derive(Debug, Serialize)]
-pub struct Found {
+pub(crate) struct Found {
     file: PathBuf,
     robot: String,
     kind: &'static str,
@@ -32,7 +32,7 @@ pub struct Found {
 }
 
 /// The content of the JSON result.
-pub fn found(
+pub(crate) fn found(
     problem: &Problem,
     request: &Request,
     outcome: &Outcome,
@@ -57,7 +57,7 @@ pub fn found(
 }
 
 /// The motions side by side.
-pub fn table(parameters: usize, rows: &[Row]) -> String {
+pub(crate) fn table(parameters: usize, rows: &[Row]) -> String {
     let header = [
         "motion",
         "rank",
@@ -91,7 +91,7 @@ pub fn table(parameters: usize, rows: &[Row]) -> String {
 }
 
 /// The comparison with what its columns mean.
-pub fn comparison(problem: &Problem, comparison: &Comparison) -> String {
+pub(crate) fn comparison(problem: &Problem, comparison: &Comparison) -> String {
     format!(
         "{}: motions of {} s, each found by {}\n\n{}\n\n\
          kappa: rows divided by the torque noise, columns of unit length, proximal base parameters. D: nats a parameter.\n\
@@ -105,7 +105,7 @@ pub fn comparison(problem: &Problem, comparison: &Comparison) -> String {
 }
 
 /// How the search went and what the motion keeps clear of.
-pub fn summary(problem: &Problem, request: &Request, outcome: &Outcome) -> String {
+pub(crate) fn summary(problem: &Problem, request: &Request, outcome: &Outcome) -> String {
     let Clearance { effort_used, floor_m, column_m } = outcome.clearance;
     let mut text = format!(
         "{} {:.4} after {} evaluations{} (seed {}). In samples at {CHECK_RATE_HZ} Hz: {:.0} % of the effort limits",

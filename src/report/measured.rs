@@ -6,11 +6,11 @@ use crate::study::measured::Scored;
 use serde::Serialize;
 
 /// Schema of the `score.json` of a measured data set.
-pub const SCHEMA: &str = "tauscope.measured/1";
+pub(crate) const SCHEMA: &str = "tauscope.measured/1";
 
 /// How well each variant predicts the torque.
 #[derive(Debug, Serialize)]
-pub struct Scores<'a> {
+pub(crate) struct Scores<'a> {
     robot: &'a str,
     joints: Vec<String>,
     effort_units: Vec<&'static str>,
@@ -27,7 +27,7 @@ struct Variant<'a> {
 }
 
 /// The content of `score.json`.
-pub fn result<'a>(robot: &'a Robot, scored: &'a [Scored], notes: &'a [String]) -> Scores<'a> {
+pub(crate) fn result<'a>(robot: &'a Robot, scored: &'a [Scored], notes: &'a [String]) -> Scores<'a> {
     let variants = scored.iter().map(|one| Variant {
         signals: one.variant.name(),
         condition_number: one.fitted.fit.estimate.condition_number,
@@ -44,7 +44,7 @@ pub fn result<'a>(robot: &'a Robot, scored: &'a [Scored], notes: &'a [String]) -
 }
 
 /// The table for people: torque error per joint of every variant, and that of the last over that of the first.
-pub fn text(robot: &Robot, scored: &[Scored]) -> String {
+pub(crate) fn text(robot: &Robot, scored: &[Scored]) -> String {
     let [Some(first), Some(last)] = [scored.first(), scored.last()] else { return String::new() };
     let held_out = !first.torque_std_held_out_nm.is_empty();
     let (unit, names) = by_joint(robot);

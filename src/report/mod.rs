@@ -1,17 +1,17 @@
 //! What a run tells: tables on the console and JSON files.
 
-pub mod blind;
-pub mod console;
-pub mod diagnosis;
-pub mod excitation;
+pub(crate) mod blind;
+pub(crate) mod console;
+pub(crate) mod diagnosis;
+pub(crate) mod excitation;
 pub mod fit;
-pub mod html;
+pub(crate) mod html;
 mod markdown;
-pub mod measured;
-pub mod montecarlo;
-pub mod paper;
-pub mod quality;
-pub mod results;
-pub mod robot;
-pub mod svg;
+pub(crate) mod measured;
+pub(crate) mod montecarlo;
+pub(crate) mod paper;
+pub(crate) mod quality;
+pub(crate) mod results;
+pub(crate) mod robot;
+pub(crate) mod svg;
 pub mod viewer;

@@ -5,7 +5,7 @@ use crate::study::check::{Report, Verdict};
 use crate::study::montecarlo::{Cell, Found, Row, Summary, Timings};
 
 /// The table of a study, and the best window per noise level.
-pub fn summary(summary: &Summary, times: &Timings) -> String {
+pub(crate) fn summary(summary: &Summary, times: &Timings) -> String {
     let header = [
         "noise q, rad",
         "tau, N m",
@@ -103,7 +103,7 @@ pub(super) fn window(window: u32) -> String {
 }
 
 /// One trial, replayed.
-pub fn trial(rows: &[Row]) -> String {
+pub(crate) fn trial(rows: &[Row]) -> String {
     let header = ["noise level", "S-G window", "estimator", "d_beta", "coverage", "torque std / joint, N m"];
     let cells = rows
         .iter()
@@ -123,7 +123,7 @@ pub fn trial(rows: &[Row]) -> String {
 }
 
 /// What an accuracy check found: what got worse, or that nothing did.
-pub fn check(report: &Report) -> String {
+pub(crate) fn check(report: &Report) -> String {
     let worse: Vec<Vec<String>> = report
         .metrics
         .iter()

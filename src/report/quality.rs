@@ -9,14 +9,14 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Schema of what `tauscope inspect --json` prints.
-pub const SCHEMA: &str = "tauscope.quality/1";
+pub(crate) const SCHEMA: &str = "tauscope.quality/1";
 
 /// Rejected rows that are listed one by one.
 const LISTED: usize = 100;
 
 /// The content of the JSON.
 #[derive(Debug, Serialize)]
-pub struct Quality<'a> {
+pub(crate) struct Quality<'a> {
     log: String,
     robot: Option<&'a str>,
     usable: bool,
@@ -78,7 +78,7 @@ impl Hypotheses {
 }
 
 /// What was found in several logs of one arm, the first in front.
-pub fn together<'a>(
+pub(crate) fn together<'a>(
     first: (&Path, &'a Report),
     others: &[(&Path, &'a Report)],
     robot: Option<&'a Robot>,
@@ -88,7 +88,7 @@ pub fn together<'a>(
 }
 
 /// What was found in the log at `path`.
-pub fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Report) -> Quality<'a> {
+pub(crate) fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Report) -> Quality<'a> {
     Quality {
         log: path.display().to_string(),
         robot: robot.map(|robot| robot.name.as_str()),
@@ -113,7 +113,7 @@ pub fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Report) -> 
 }
 
 /// The same for people.
-pub fn text(path: &Path, robot: Option<&Robot>, report: &Report) -> String {
+pub(crate) fn text(path: &Path, robot: Option<&Robot>, report: &Report) -> String {
     let mut text = format!(
         "{}: {} rows over {:.3} s at {} Hz, jitter {} ms, {} gaps, {} rows left out",
         path.display(),

@@ -1,21 +1,21 @@
 //! The JSON results of a scenario run.
 
 use crate::identification::model::Model;
-use crate::identification::paper78::tables::PRINTED_TABLE_3;
+use crate::paper::equations::tables::PRINTED_TABLE_3;
 use crate::robot::Joint;
 use crate::scenario::Setup;
 use crate::study::testbed::{self, Runs, Score, Scored};
 use serde::Serialize;
 
 /// Schema of `identification.json`.
-pub const IDENTIFICATION_SCHEMA: &str = "tauscope.identification/1";
+pub(crate) const IDENTIFICATION_SCHEMA: &str = "tauscope.identification/1";
 
 /// Schema of `score.json`.
-pub const SCORE_SCHEMA: &str = "tauscope.score/1";
+pub(crate) const SCORE_SCHEMA: &str = "tauscope.score/1";
 
 /// `identification.json`: what each variant found.
 #[derive(Debug, Serialize)]
-pub struct Identification {
+pub(crate) struct Identification {
     scenario: String,
     robot: String,
     joints: Vec<String>,
@@ -51,7 +51,7 @@ struct Parameter {
 
 /// `score.json`: how close each variant came.
 #[derive(Debug, Serialize)]
-pub struct Scores {
+pub(crate) struct Scores {
     scenario: String,
     robot: String,
     joints: Vec<String>,
@@ -74,7 +74,7 @@ struct Definitions {
 
 /// How often the drives gave all they can, per joint.
 #[derive(Debug, Clone, Serialize)]
-pub struct AtEffortLimit {
+pub(crate) struct AtEffortLimit {
     /// On the training motion.
     pub training: Vec<f64>,
     /// On the held-out motion.
@@ -83,7 +83,7 @@ pub struct AtEffortLimit {
 
 impl AtEffortLimit {
     /// Of both runs of a scenario.
-    pub fn new(setup: &Setup, runs: &Runs) -> Self {
+    pub(crate) fn new(setup: &Setup, runs: &Runs) -> Self {
         AtEffortLimit {
             training: testbed::at_effort_limit(setup, &runs.training),
             held_out: testbed::at_effort_limit(setup, &runs.held_out),
@@ -104,7 +104,7 @@ struct VariantScore {
 
 /// Torque standard deviation with Savitzky-Golay over that without, per joint, beside the paper's.
 #[derive(Debug, Clone, Serialize)]
-pub struct SmoothingGain {
+pub(crate) struct SmoothingGain {
     /// On the training motion.
     pub training: Vec<f64>,
     /// On the held-out motion.
@@ -126,7 +126,7 @@ fn parameters(setup: &Setup, model: &Model) -> Vec<(String, &'static str, f64)> 
 }
 
 /// The content of `identification.json`.
-pub fn identification(setup: &Setup, model: &Model, scored: &[Scored]) -> Identification {
+pub(crate) fn identification(setup: &Setup, model: &Model, scored: &[Scored]) -> Identification {
     let named = parameters(setup, model);
     let variants = scored
         .iter()
@@ -168,7 +168,7 @@ pub fn identification(setup: &Setup, model: &Model, scored: &[Scored]) -> Identi
 }
 
 /// The content of `score.json`. `gain` is [`smoothing_gain`]'s.
-pub fn scores(
+pub(crate) fn scores(
     setup: &Setup,
     model: &Model,
     scored: &[Scored],
@@ -207,7 +207,7 @@ pub fn scores(
 }
 
 /// Ratio of the torque standard deviations of two variants, smoothed over raw, beside the paper's.
-pub fn smoothing_gain(raw: &Scored, smoothed: &Scored) -> SmoothingGain {
+pub(crate) fn smoothing_gain(raw: &Scored, smoothed: &Scored) -> SmoothingGain {
     let printed = PRINTED_TABLE_3.iter().map(|[alone, smoothed]| smoothed / alone);
     let comparable = raw.residual_rms.len() == PRINTED_TABLE_3.len();
     let ratio = |with: &[f64], without: &[f64]| with.iter().zip(without).map(|(a, b)| a / b).collect();

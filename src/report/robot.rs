@@ -6,11 +6,11 @@ use crate::robot::{JointKind, Robot};
 use serde::Serialize;
 
 /// Schema of what `tauscope robot --json` prints.
-pub const SCHEMA: &str = "tauscope.robot/1";
+pub(crate) const SCHEMA: &str = "tauscope.robot/1";
 
 /// The content of the JSON.
 #[derive(Debug, Serialize)]
-pub struct RobotResult {
+pub(crate) struct RobotResult {
     name: String,
     /// Number of coordinates.
     dof: usize,
@@ -44,7 +44,7 @@ struct JointResult {
 }
 
 /// The robot as JSON.
-pub fn result(file: &Description, robot: &Robot) -> RobotResult {
+pub(crate) fn result(file: &Description, robot: &Robot) -> RobotResult {
     let joint = |described: &JointDescription| {
         let kind = described.kind()?;
         let name = described.name.clone();
@@ -87,7 +87,7 @@ pub fn result(file: &Description, robot: &Robot) -> RobotResult {
 }
 
 /// The robot as a table.
-pub fn text(file: &Description, robot: &Robot) -> String {
+pub(crate) fn text(file: &Description, robot: &Robot) -> String {
     let rows = result(file, robot).joints.into_iter().map(|joint| {
         let unit = if joint.kind == JointKind::Prismatic { "m" } else { "rad" };
         let motion = match (&joint.follows, joint.position) {

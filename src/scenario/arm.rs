@@ -1,7 +1,7 @@
 //! The arm of a scenario with its sensors and limits: all that a scenario says before any motion.
 
 use super::locate::Located;
-use super::{PerJoint, Scenario, motions};
+use super::{PerJoint, Scenario, load, motions};
 use crate::error::Result;
 use crate::excitation::JointLimits;
 use crate::robot::{self, InertiaCheck, Robot};
@@ -28,7 +28,7 @@ impl Arm {
     /// Names file, line and key for anything that is missing, malformed, impossible or meant for another arm.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
         let path = path.as_ref();
-        let text = super::read(path)?;
+        let text = load::read(path)?;
         let mut scenario = Scenario::parse(path, &text)?;
         scenario.seed = seed.unwrap_or(scenario.seed);
         Self::new(scenario, &Located::new(path, &text))

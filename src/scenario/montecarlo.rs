@@ -1,6 +1,6 @@
 //! The `[montecarlo]` table: what a study draws, and what it compares.
 
-use super::{RandomMotion, Scenario};
+use super::values::RandomMotion;
 use crate::simulation::engine::EngineKind;
 use serde::{Deserialize, Serialize};
 
@@ -63,33 +63,5 @@ impl NoiseLevel {
     /// Whether the numbers are standard deviations.
     pub fn is_possible(&self) -> bool {
         [self.encoder_rad, self.torque_nm].into_iter().flatten().all(|std| std.is_finite() && (0.0..1e9).contains(&std))
-    }
-}
-
-impl MonteCarloSpec {
-    /// What is wrong with the table on its own, with its key.
-    pub(super) fn fault(&self, scenario: &Scenario) -> Option<(&'static str, String)> {
-        for (key, error) in [("plant_error", self.plant_error), ("start_error", self.start_error)] {
-            if !(0.0..1.0).contains(&error) {
-                return Some((key, format!("{error} must lie in 0 .. 1")));
-            }
-        }
-        if self.trials == 0 || u32::try_from(self.trials).is_err() {
-            return Some(("trials", format!("{} trials make no study; take 1 to {}", self.trials, u32::MAX)));
-        }
-        if self.raw_decimation == 0 {
-            return Some(("raw_decimation", "must be 1 or more".to_owned()));
-        }
-        if let Some(level) = self.noise.iter().find(|level| !level.is_possible()) {
-            return Some(("noise", format!("{level:?}: standard deviations are numbers from zero up")));
-        }
-        let motion = self.random_motion.as_ref()?;
-        if motion.moves < 2 || !(motion.duration_s.is_finite() && motion.duration_s > 0.0) {
-            return Some(("random_motion", "takes 2 moves or more and a duration above zero".to_owned()));
-        }
-        let (samples, window) = (scenario.samples(motion.duration_s), scenario.identification.smoothing_window);
-        (samples < window || samples > super::validate::MOST_SAMPLES).then(|| {
-            ("random_motion", format!("{} s are {samples} samples; take {window} to 1000000", motion.duration_s))
-        })
     }
 }

@@ -1,8 +1,8 @@
 //! A scenario brought to life: the arm, the plant, the controller's belief, motions and sensors.
 
 use super::locate::Located;
-use super::{Arm, Scenario, motions};
-use crate::effects::{CoulombFriction, Placed, Site, ViscousFriction};
+use super::{Arm, Scenario, load, motions};
+use crate::effects::{Placed, Site, drive_friction};
 use crate::error::{Error, Result};
 use crate::excitation::{JointLimits, Motion};
 use crate::random;
@@ -49,7 +49,7 @@ impl Setup {
     /// and for motions outside the limits.
     pub fn load(path: impl AsRef<Path>, seed: Option<u64>) -> Result<Self> {
         let path = path.as_ref();
-        let text = super::read(path)?;
+        let text = load::read(path)?;
         let mut scenario = Scenario::parse(path, &text)?;
         scenario.seed = seed.unwrap_or(scenario.seed);
         Self::new(scenario, &Located::new(path, &text))
@@ -141,22 +141,6 @@ impl Setup {
             held_out,
         })
     }
-}
-
-/// The friction of an arm's drives as effects; what is not above zero is left out.
-pub fn drive_friction(plant: &Robot) -> Vec<Placed> {
-    plant
-        .joints
-        .iter()
-        .enumerate()
-        .flat_map(|(joint, spec)| {
-            [
-                Placed { effect: &ViscousFriction, joint, parameters: vec![spec.drive.viscous] },
-                Placed { effect: &CoulombFriction, joint, parameters: vec![spec.drive.coulomb] },
-            ]
-        })
-        .filter(|placed| placed.parameters[0] > 0.0)
-        .collect()
 }
 
 /// A copy of `robot` in which every body, friction and rotor is wrong by a factor drawn from 1 - error .. 1 + error.

@@ -1,7 +1,9 @@
 //! Checks of a scenario on its own; what needs the arm or a motion is checked where those are loaded.
 
 use super::locate::Located;
-use super::{MotionSpec, PerJoint, SCHEMA, Scenario};
+use super::montecarlo::MonteCarloSpec;
+use super::spec::{MotionSpec, SCHEMA, Scenario};
+use super::values::PerJoint;
 use crate::error::Result;
 use crate::robot::LARGEST;
 use crate::signal::{Edge, SavitzkyGolay};
@@ -72,7 +74,7 @@ pub(super) fn validate(scenario: &Scenario, at: &Located) -> Result<()> {
     for (key, value) in scenario.per_joint() {
         per_joint(key, value, at)?;
     }
-    if let Some((key, problem)) = scenario.montecarlo.as_ref().and_then(|spec| spec.fault(scenario)) {
+    if let Some((key, problem)) = scenario.montecarlo.as_ref().and_then(|spec| montecarlo_fault(spec, scenario)) {
         return Err(at.error(&format!("montecarlo.{key}"), problem));
     }
     motion("motion", &scenario.motion, at)?;
@@ -165,4 +167,29 @@ fn motion(key: &str, spec: &MotionSpec, at: &Located) -> Result<()> {
         (None, Some(_)) => Ok(()),
         _ => Err(at.error(key, "give exactly one of `file` and `random`")),
     }
+}
+
+/// What is wrong with the `[montecarlo]` table, with its key.
+fn montecarlo_fault(spec: &MonteCarloSpec, scenario: &Scenario) -> Option<(&'static str, String)> {
+    for (key, error) in [("plant_error", spec.plant_error), ("start_error", spec.start_error)] {
+        if !(0.0..1.0).contains(&error) {
+            return Some((key, format!("{error} must lie in 0 .. 1")));
+        }
+    }
+    if spec.trials == 0 || u32::try_from(spec.trials).is_err() {
+        return Some(("trials", format!("{} trials make no study; take 1 to {}", spec.trials, u32::MAX)));
+    }
+    if spec.raw_decimation == 0 {
+        return Some(("raw_decimation", "must be 1 or more".to_owned()));
+    }
+    if let Some(level) = spec.noise.iter().find(|level| !level.is_possible()) {
+        return Some(("noise", format!("{level:?}: standard deviations are numbers from zero up")));
+    }
+    let motion = spec.random_motion.as_ref()?;
+    if motion.moves < 2 || !(motion.duration_s.is_finite() && motion.duration_s > 0.0) {
+        return Some(("random_motion", "takes 2 moves or more and a duration above zero".to_owned()));
+    }
+    let (samples, window) = (scenario.samples(motion.duration_s), scenario.identification.smoothing_window);
+    (samples < window || samples > MOST_SAMPLES)
+        .then(|| ("random_motion", format!("{} s are {samples} samples; take {window} to 1000000", motion.duration_s)))
 }

@@ -13,7 +13,7 @@ pub(super) struct Gram {
 
 impl Gram {
     /// Up to `order`, over `half` points on either side of the centre.
-    pub fn new(half: usize, order: usize) -> Self {
+    pub(super) fn new(half: usize, order: usize) -> Self {
         let points = 2 * half + 1;
         let mut gram = Gram { half, polynomials: Vec::with_capacity(order + 1) };
         let (mut at, mut at_before) = (vec![1.0; points], vec![0.0; points]);
@@ -36,7 +36,7 @@ impl Gram {
 
     /// Weight of each sample in the `derivative`-th derivative (in samples) of the fitted polynomial at `position`
     /// (in samples from the centre): sum over k of p_k(x_i) p_k^(derivative)(x) / |p_k|^2.
-    pub fn weights(&self, position: f64, derivative: usize) -> Vec<f64> {
+    pub(super) fn weights(&self, position: f64, derivative: usize) -> Vec<f64> {
         let x = position / self.scale();
         // The derivatives 0..=derivative of p_k and p_{k-1} at the position.
         let (mut here, mut here_before) = (vec![0.0; derivative + 1], vec![0.0; derivative + 1]);

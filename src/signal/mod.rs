@@ -1,14 +1,14 @@
 //! Filters and differences for uniformly sampled signals: pure functions on slices of f64, one channel at a time.
 
-pub mod decimate;
-pub mod difference;
-pub mod filter;
+pub(crate) mod decimate;
+pub(crate) mod difference;
+pub(crate) mod filter;
 mod gram;
-pub mod low_pass;
-pub mod noise;
-pub mod savitzky_golay;
+pub(crate) mod low_pass;
+pub(crate) mod noise;
+pub(crate) mod savitzky_golay;
 mod sliding;
-pub mod spectrum;
+pub(crate) mod spectrum;
 
 pub use decimate::{block_means, downsample};
 pub use difference::{first_derivative, second_derivative, smooth_derivatives};

@@ -1,6 +1,6 @@
 //! Joints that friction holds still, and laws that depend on the acceleration they take part in.
 
-use super::plant::{Contact, Plant};
+use super::engine::Engine;
 use nalgebra::{DMatrix, DVector};
 
 /// Newton steps after which accelerations that laws depend on are taken as they are.
@@ -21,22 +21,32 @@ pub(super) struct Balance {
 }
 
 impl Balance {
-    /// Of the accelerations and the effects' torque with nothing held and no law that depends on acceleration.
-    pub fn new(plant: &Plant, contacts: &[Contact], qdd: &[f64], link_qdd: &[f64], torque: &[f64]) -> Self {
-        let dof = plant.dof();
+    /// For the joints that friction holds (`stuck`), at the accelerations and the effects' torque with nothing held and no
+    /// law that depends on acceleration. `arm` has just answered for this state; `rotors` are the inertias of the rotors
+    /// that gears set apart from their links, None for rigid joints.
+    pub(super) fn new(
+        arm: &Engine,
+        rotors: &[Option<f64>],
+        stuck: Vec<usize>,
+        qdd: &[f64],
+        link_qdd: &[f64],
+        torque: &[f64],
+    ) -> Self {
+        let dof = rotors.len();
         let (mut motor, mut link) = (DMatrix::zeros(dof, dof), DMatrix::zeros(dof, dof));
         for joint in 0..dof {
-            if plant.is_rigid(joint) {
-                link.set_column(joint, &DVector::from_vec(plant.arm.response(joint)));
-                for row in (0..dof).filter(|&row| plant.is_rigid(row)) {
-                    motor[(row, joint)] = link[(row, joint)];
+            match rotors[joint] {
+                None => {
+                    link.set_column(joint, &DVector::from_vec(arm.response(joint)));
+                    for row in (0..dof).filter(|&row| rotors[row].is_none()) {
+                        motor[(row, joint)] = link[(row, joint)];
+                    }
                 }
-            } else {
-                motor[(joint, joint)] = 1.0 / plant.robot.joints[joint].drive.armature;
+                Some(inertia) => motor[(joint, joint)] = 1.0 / inertia,
             }
         }
         Balance {
-            stuck: (0..dof).filter(|&joint| contacts[joint] == Contact::Stuck).collect(),
+            stuck,
             motor,
             link,
             free_qdd: DVector::from_column_slice(qdd),
@@ -74,20 +84,20 @@ impl Balance {
         (qdd, link_qdd, torque)
     }
 
-    /// Motor and link accelerations and the effects' torque at which the laws hold: Newton's method on the effects' torque
+    /// Motor and link accelerations and the effects' torque at which `law`, their torque at given accelerations of motors
+    /// and links, holds: Newton's method on the effects' torque
     /// with a Jacobian by differences, which is exact for laws that are linear in acceleration and load.
-    pub fn solve(
+    pub(super) fn solve(
         &self,
-        plant: &Plant,
         depends: bool,
-        law: impl Fn(&Plant, &[f64], &[f64]) -> Vec<f64>,
+        law: impl Fn(&[f64], &[f64]) -> Vec<f64>,
     ) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let dof = self.free_qdd.len();
         let mut extra = DVector::zeros(dof);
         if depends {
             let residual = |extra: &DVector<f64>| -> DVector<f64> {
                 let (qdd, link_qdd, _) = self.held(extra);
-                DVector::from_vec(law(plant, qdd.as_slice(), link_qdd.as_slice())) - &self.start_torque - extra
+                DVector::from_vec(law(qdd.as_slice(), link_qdd.as_slice())) - &self.start_torque - extra
             };
             let mut off = residual(&extra);
             for _ in 0..MOST_NEWTON_STEPS {

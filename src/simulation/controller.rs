@@ -11,7 +11,7 @@ const COMPENSATION_WIDTH: f64 = 0.02;
 
 /// Motor torque tau = ID_nominal(q, qd, qdd_ref + kp e + kd de/dt) + rotor and friction compensation, cut off at the
 /// drives' effort limits (Siciliano et al. 2009, chapter 8).
-pub struct ComputedTorque<'a> {
+pub(crate) struct ComputedTorque<'a> {
     reference: &'a dyn Reference,
     chain: Chain,
     inertial: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct ComputedTorque<'a> {
 impl<'a> ComputedTorque<'a> {
     /// A controller that believes `nominal` and follows `reference` with a closed loop of natural frequency
     /// `bandwidth_hz` and damping ratio `damping_ratio`.
-    pub fn new(nominal: &Robot, reference: &'a dyn Reference, bandwidth_hz: f64, damping_ratio: f64) -> Self {
+    pub(crate) fn new(nominal: &Robot, reference: &'a dyn Reference, bandwidth_hz: f64, damping_ratio: f64) -> Self {
         let natural = std::f64::consts::TAU * bandwidth_hz;
         ComputedTorque {
             reference,

@@ -53,7 +53,7 @@ impl Engine {
     ///
     /// # Errors
     /// As [`RapierArm::new`].
-    pub fn new(kind: EngineKind, robot: &Robot) -> Result<Self> {
+    pub(super) fn new(kind: EngineKind, robot: &Robot) -> Result<Self> {
         Ok(match kind.of(robot) {
             EngineKind::Rapier => Engine::Rapier(Box::new(RapierArm::new(robot)?)),
             EngineKind::Recursive => Engine::Recursive(Box::new(RecursiveArm {
@@ -67,7 +67,7 @@ impl Engine {
 
     /// Joint accelerations at position `q` and velocity `qd` under joint torques `tau`; the mass matrix is kept for
     /// [`Engine::response`].
-    pub fn forward_dynamics(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
+    pub(super) fn forward_dynamics(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
         match self {
             Engine::Rapier(arm) => arm.forward_dynamics(q, qd, tau, qdd),
             Engine::Recursive(arm) => {
@@ -87,7 +87,7 @@ impl Engine {
     ///
     /// # Panics
     /// Before the first [`Engine::forward_dynamics`].
-    pub fn response(&self, joint: usize) -> Vec<f64> {
+    pub(super) fn response(&self, joint: usize) -> Vec<f64> {
         match self {
             Engine::Rapier(arm) => arm.response(joint),
             Engine::Recursive(arm) => arm.last.as_ref().expect("forward dynamics come first").response(joint),
@@ -95,7 +95,7 @@ impl Engine {
     }
 
     /// Rapier, if it is the engine.
-    pub fn rapier(&mut self) -> Option<&mut RapierArm> {
+    pub(super) fn rapier(&mut self) -> Option<&mut RapierArm> {
         match self {
             Engine::Rapier(arm) => Some(arm),
             Engine::Recursive(_) => None,

@@ -8,10 +8,9 @@ use super::measured_motion::MeasuredMotion;
 use super::plant::{Plant, State};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
-use crate::effects::{Placed, Scope, Site};
+use crate::effects::{Placed, Scope, Site, drive_friction};
 use crate::error::{Error, Result};
 use crate::robot::Robot;
-use crate::scenario::drive_friction;
 
 /// Closed loop that keeps the arm on the motion: stiff enough that it follows, soft enough not to shake elastic gears.
 const BANDWIDTH_HZ: f64 = 8.0;
@@ -38,7 +37,7 @@ pub struct Followed {
 ///
 /// # Errors
 /// If rapier does not take the arm, or the simulation runs away.
-pub fn follow(
+pub(crate) fn follow(
     engine: EngineKind,
     robot: &Robot,
     effects: &[Placed],
@@ -96,6 +95,6 @@ pub fn follow(
 }
 
 /// Joints whose sensors an effect may distort.
-pub fn sensed(placed: &Placed, dof: usize) -> Vec<usize> {
+pub(crate) fn sensed(placed: &Placed, dof: usize) -> Vec<usize> {
     if placed.effect.about().scope == Scope::Arm { (0..dof).collect() } else { placed.joints() }
 }

@@ -4,7 +4,7 @@ use crate::dynamics::Motion;
 use crate::excitation::Reference;
 
 /// Quintic pieces between samples that meet position, velocity and acceleration at every sample.
-pub struct MeasuredMotion<'a> {
+pub(crate) struct MeasuredMotion<'a> {
     motion: &'a Motion,
     start: f64,
     period: f64,
@@ -12,7 +12,7 @@ pub struct MeasuredMotion<'a> {
 
 impl<'a> MeasuredMotion<'a> {
     /// A motion of at least two samples, the first at `start`, `period` seconds apart.
-    pub fn new(motion: &'a Motion, start: f64, period: f64) -> Self {
+    pub(crate) fn new(motion: &'a Motion, start: f64, period: f64) -> Self {
         MeasuredMotion { motion, start, period }
     }
 }

@@ -73,7 +73,7 @@ pub struct Plant {
     /// The gears that are not rigid.
     gears: Vec<Option<Gear>>,
     uses_acceleration: bool,
-    pub(super) robot: Robot,
+    robot: Robot,
     inertial: Vec<f64>,
     chain: Chain,
 }
@@ -137,6 +137,11 @@ impl Plant {
     /// Whether motor and link of a joint are one.
     pub fn is_rigid(&self, joint: usize) -> bool {
         self.gears[joint].is_none()
+    }
+
+    /// Inertia of the rotor that an elastic gear sets apart from its link, kg m2; None for a rigid joint.
+    fn rotor_apart(&self, joint: usize) -> Option<f64> {
+        (!self.is_rigid(joint)).then(|| self.robot.joints[joint].drive.armature)
     }
 
     /// Motors at rest at `q` with the links where their gears hold them against gravity.
@@ -249,11 +254,13 @@ impl Plant {
         let mut friction = self.effect_torque(t, x, memory, &direction, &zeros, &zeros);
         let (mut qdd, mut link_qdd) = self.accelerate(x, &tau, &friction);
         if self.uses_acceleration || contacts.contains(&Contact::Stuck) {
-            let balance = Balance::new(self, contacts, &qdd, &link_qdd, &friction);
-            let law = |plant: &Plant, qdd: &[f64], link_qdd: &[f64]| {
-                plant.effect_torque(t, x, memory, &direction, qdd, &plant.load(x, link_qdd))
+            let stuck = (0..dof).filter(|&joint| contacts[joint] == Contact::Stuck).collect();
+            let rotors: Vec<Option<f64>> = (0..dof).map(|joint| self.rotor_apart(joint)).collect();
+            let balance = Balance::new(&self.arm, &rotors, stuck, &qdd, &link_qdd, &friction);
+            let law = |qdd: &[f64], link_qdd: &[f64]| {
+                self.effect_torque(t, x, memory, &direction, qdd, &self.load(x, link_qdd))
             };
-            (qdd, link_qdd, friction) = balance.solve(self, self.uses_acceleration, law);
+            (qdd, link_qdd, friction) = balance.solve(self.uses_acceleration, law);
         }
         Response { tau, qdd, link_qdd, friction }
     }

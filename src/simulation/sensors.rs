@@ -20,7 +20,7 @@ pub struct JointSensors {
 }
 
 /// Position as the encoders of the joints tell it. `seed` and `run` choose the noise; every joint has a stream of its own.
-pub fn encoders(q: &Channels, sensors: &[JointSensors], seed: u64, run: u64) -> Channels {
+pub(crate) fn encoders(q: &Channels, sensors: &[JointSensors], seed: u64, run: u64) -> Channels {
     assert!(sensors.len() >= q.channels(), "every joint has its sensors");
     Channels::appended(q.channels(), q.samples(), |joint, out| {
         let JointSensors { encoder_noise, encoder_resolution, .. } = sensors[joint];
@@ -86,14 +86,14 @@ fn correlated(memory: f64, mut normals: Normals) -> impl FnMut(&mut [f64]) {
 }
 
 /// Velocity of one joint as its tachometer tells it.
-pub fn tachometer(qd: &[f64], noise_std: f64, seed: u64, run: u64, joint: usize) -> Vec<f64> {
+pub(crate) fn tachometer(qd: &[f64], noise_std: f64, seed: u64, run: u64, joint: usize) -> Vec<f64> {
     let mut out = Vec::with_capacity(qd.len());
     measure(qd, noise_std, white(normals(seed, "tachometer", run, joint)), 0.0, &mut out);
     out
 }
 
 /// Torque as measured, sampled every `period_s`.
-pub fn torque(tau: &Channels, sensors: &[JointSensors], period_s: f64, seed: u64, run: u64) -> Channels {
+pub(crate) fn torque(tau: &Channels, sensors: &[JointSensors], period_s: f64, seed: u64, run: u64) -> Channels {
     assert!(sensors.len() >= tau.channels(), "every joint has its sensors");
     Channels::appended(tau.channels(), tau.samples(), |joint, out| {
         let JointSensors { torque_noise, torque_correlation_s, .. } = sensors[joint];

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Layout of a baseline file.
-pub const SCHEMA: &str = "tauscope.baseline/1";
+pub(crate) const SCHEMA: &str = "tauscope.baseline/1";
 
 /// Trials of a new baseline.
-pub const TRIALS: usize = 16;
+pub(crate) const TRIALS: usize = 16;
 
 /// Worsening in standard errors of the difference of two means beyond which chance is no excuse.
 const WORSE: f64 = 3.0;
@@ -30,7 +30,7 @@ const SEVERITY: f64 = 3.0;
 /// What identification was worth when the baseline was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Baseline {
+pub(crate) struct Baseline {
     /// Name of the scenario.
     pub scenario: String,
     /// Seed of the trials.
@@ -47,7 +47,7 @@ pub struct Baseline {
 /// A figure of merit over the trials, the smaller the better.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// What it is.
     pub name: String,
     /// Mean over the trials.
@@ -59,7 +59,7 @@ pub struct Figure {
 /// Outcomes of blind diagnoses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Diagnoses {
+pub(crate) struct Diagnoses {
     /// Runs made.
     pub runs: usize,
     /// Runs in which what was hidden was named, alone or as one of a set.
@@ -69,7 +69,7 @@ pub struct Diagnoses {
 /// How a figure stands against the baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// Beyond chance.
     Worse,
     /// Within chance.
@@ -80,7 +80,7 @@ pub enum Verdict {
 
 /// A figure now and in the baseline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Metric {
+pub(crate) struct Metric {
     /// What it is.
     pub name: String,
     /// Mean in the baseline.
@@ -97,7 +97,7 @@ pub struct Metric {
 
 /// What a check found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Name of the scenario.
     pub scenario: String,
     /// Every figure.
@@ -106,7 +106,7 @@ pub struct Report {
 
 impl Report {
     /// Whether anything got worse.
-    pub fn failed(&self) -> bool {
+    pub(crate) fn failed(&self) -> bool {
         self.metrics.iter().any(|metric| metric.verdict == Verdict::Worse)
     }
 }
@@ -116,7 +116,7 @@ impl Baseline {
     ///
     /// # Errors
     /// If a simulation or an identification fails.
-    pub fn measure(setup: &Setup, trials: usize, runs: usize, tick: &(dyn Fn() + Sync)) -> Result<Self> {
+    pub(crate) fn measure(setup: &Setup, trials: usize, runs: usize, tick: &(dyn Fn() + Sync)) -> Result<Self> {
         let window = setup.scenario.identification.smoothing_window;
         let overrides = Overrides {
             trials: Some(trials),
@@ -146,7 +146,7 @@ impl Baseline {
     ///
     /// # Errors
     /// If there is none (it says how to make one), or it is not well formed.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| Error::io(path, "read the baseline (--update makes one)", source))?;
         let bad =
@@ -163,7 +163,7 @@ impl Baseline {
     ///
     /// # Errors
     /// If the two are not of the same figures.
-    pub fn compare(&self, now: &Baseline) -> Result<Report> {
+    pub(crate) fn compare(&self, now: &Baseline) -> Result<Report> {
         let names = |baseline: &Baseline| baseline.figures.iter().map(|figure| figure.name.clone()).collect::<Vec<_>>();
         if self.scenario != now.scenario || names(self) != names(now) {
             let problem = format!(

@@ -2,6 +2,7 @@
 //! and output-error identification take their columns from.
 
 use crate::dynamics::{EquationsOfMotion, Motion};
+use crate::effects::drive_friction;
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
 use crate::identification::estimators::SimulatedRows;
@@ -11,10 +12,9 @@ use crate::identification::prepare::Prepared;
 use crate::identification::standard::STANDARD;
 use crate::recording::Signals;
 use crate::robot::{Joint, Robot};
-use crate::scenario::{Setup, drive_friction};
+use crate::scenario::{Setup, simulate_with};
 use crate::simulation::engine::EngineKind;
 use crate::simulation::integrator::Integrator;
-use crate::simulation::simulate_with;
 use std::sync::{Arc, Mutex};
 
 /// Instants of the reference at which the mass matrix is tried.

@@ -11,7 +11,7 @@ use crate::recording::Recording;
 
 /// An identification from measured logs and how well it predicts their torque.
 #[derive(Debug, Clone)]
-pub struct Scored {
+pub(crate) struct Scored {
     /// Which signals it saw; never the exact ones.
     pub variant: Variant,
     /// What it found.
@@ -28,7 +28,7 @@ pub struct Scored {
 ///
 /// # Errors
 /// If a log is too short, or the motion cannot tell the parameters apart (named).
-pub fn identify(model: &Model, logs: Logs, variant: Variant, smoothing: Preparation) -> Result<Scored> {
+pub(crate) fn identify(model: &Model, logs: Logs, variant: Variant, smoothing: Preparation) -> Result<Scored> {
     let seen = match variant {
         Variant::Raw => Preparation { smoothing: Smoothing::None, ..smoothing },
         Variant::Exact | Variant::SavitzkyGolay => smoothing,

@@ -1,11 +1,10 @@
 //! Studies on simulated arms, where the truth is known.
 
 pub mod blind;
-pub mod check;
+pub(crate) mod check;
 pub mod closed_loop;
-pub mod measured;
+pub(crate) mod measured;
 pub mod montecarlo;
-pub mod paper;
 pub mod replay;
-pub mod score;
+pub(crate) mod score;
 pub mod testbed;

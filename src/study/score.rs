@@ -5,7 +5,7 @@ use crate::channels::Channels;
 /// Distance of estimated from true parameters, d_beta = (2 / p) sum |beta - est| / (|beta| + |est|): 0 is perfect, 2 the
 /// worst. Parameters that are zero in both count as right; zero to rounding, a share of 1e-9 of the largest true one, is
 /// zero.
-pub fn parameter_distance(truth: &[f64], estimate: &[f64]) -> f64 {
+pub(crate) fn parameter_distance(truth: &[f64], estimate: &[f64]) -> f64 {
     let rounding = 1e-9 * truth.iter().fold(0.0f64, |most, b| most.max(b.abs()));
     let sum: f64 = truth
         .iter()
@@ -19,12 +19,12 @@ pub fn parameter_distance(truth: &[f64], estimate: &[f64]) -> f64 {
 }
 
 /// Relative error of each parameter, (estimate - truth) / |truth|; infinite for a true zero that is estimated otherwise.
-pub fn relative_errors(truth: &[f64], estimate: &[f64]) -> Vec<f64> {
+pub(crate) fn relative_errors(truth: &[f64], estimate: &[f64]) -> Vec<f64> {
     truth.iter().zip(estimate).map(|(b, e)| if e == b { 0.0 } else { (e - b) / b.abs() }).collect()
 }
 
 /// Standard deviation of the torque error of each joint over the samples that count.
-pub fn torque_std(predicted: &Channels, truth: &Channels, counts: impl Fn(usize) -> Vec<bool>) -> Vec<f64> {
+pub(crate) fn torque_std(predicted: &Channels, truth: &Channels, counts: impl Fn(usize) -> Vec<bool>) -> Vec<f64> {
     (0..truth.channels())
         .map(|joint| {
             let errors: Vec<f64> = predicted
@@ -41,7 +41,7 @@ pub fn torque_std(predicted: &Channels, truth: &Channels, counts: impl Fn(usize)
 }
 
 /// Standard deviation about the mean.
-pub fn standard_deviation(values: &[f64]) -> f64 {
+pub(crate) fn standard_deviation(values: &[f64]) -> f64 {
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()

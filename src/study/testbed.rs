@@ -8,8 +8,8 @@ use crate::identification::least_squares::{Estimate, weighted_least_squares};
 use crate::identification::model::Model;
 use crate::identification::prepare::{self, Prepared, Smoothing};
 use crate::recording::Recording;
-use crate::scenario::Setup;
-use crate::simulation::{Truth, measure, simulate};
+use crate::scenario::{Setup, measure, simulate};
+use crate::simulation::Truth;
 use std::time::Instant;
 
 /// Which signals an identification sees.

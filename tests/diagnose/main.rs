@@ -12,8 +12,7 @@ use std::sync::LazyLock;
 use tauscope::effects::Placed;
 use tauscope::excitation::random_sequence::random_sequence;
 use tauscope::recording::Recording;
-use tauscope::scenario::Setup;
-use tauscope::simulation::{measure, simulate};
+use tauscope::scenario::{Setup, measure, simulate};
 
 /// Length of the motions, s, and moves of every joint in them.
 const DURATION_S: f64 = 12.0;

@@ -62,7 +62,7 @@ impl ExtendedModel {
     /// Torque along a motion that is known: bodies, drives, and effects at the joints (those in gears and sensors are left
     /// out), `[joint][time]`.
     pub fn torque(&self, time: &[f64], motion: &Motion) -> Channels {
-        let mut effects = crate::scenario::drive_friction(&self.robot);
+        let mut effects = crate::effects::drive_friction(&self.robot);
         effects.extend(self.effects.iter().filter(|placed| placed.effect.about().site == Site::Joint).cloned());
         torque(&self.robot, &effects, time, motion)
     }

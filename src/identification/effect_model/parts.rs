@@ -1,23 +1,14 @@
 //! Torque of the arm and of its effects along one motion, before sensors and filter.
 
-use super::{EffectModel, Trust, without_amplitudes};
+use super::arm_parameters::{ArmParameter, Trust, drive_of};
+use super::sensing::without_amplitudes;
+use super::state::EffectModel;
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Placed, contributions, direction};
-use crate::identification::model::Model;
 use crate::identification::prepare::Prepared;
-use crate::identification::standard::{ROTOR, STANDARD};
 use std::borrow::Cow;
 use std::cell::OnceCell;
-
-/// A linear parameter of the arm itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ArmParameter {
-    /// A base parameter, by its index.
-    Base(usize),
-    /// Rotor inertia (0), viscous (1) or Coulomb friction (2) of a joint whose link is believed.
-    Drive(usize, usize),
-}
 
 /// Torque of all parts along one motion, before sensors and filter.
 pub(super) struct Parts<'a> {
@@ -37,7 +28,7 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    pub fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
+    pub(super) fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
         let model = owner.model;
         let silent: Vec<Placed> = owner
             .placed
@@ -94,7 +85,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Forgets the columns of the base parameters on a joint until they are asked for again.
-    pub fn release(&mut self, joint: usize) {
+    pub(super) fn release(&mut self, joint: usize) {
         self.base[joint].take();
     }
 
@@ -103,7 +94,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque on a joint that has no free parameter; None where there is none.
-    pub fn known(&self, joint: usize) -> Option<&[f64]> {
+    pub(super) fn known(&self, joint: usize) -> Option<&[f64]> {
         Some(self.known[joint].as_slice()).filter(|torque| !torque.is_empty())
     }
 
@@ -131,7 +122,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque on a joint per unit of a parameter of the arm; None where it cannot act.
-    pub fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Cow<'_, [f64]>> {
+    pub(super) fn column(&self, parameter: ArmParameter, joint: usize) -> Option<Cow<'_, [f64]>> {
         let model = self.owner.model;
         match (drive_of(model, parameter), parameter) {
             (Some((own, _)), _) if own != joint => None,
@@ -147,21 +138,21 @@ impl<'a> Parts<'a> {
     }
 
     /// All columns that can act on a joint, with the index of their linear parameter.
-    pub fn columns(&self, joint: usize) -> Vec<(usize, Cow<'_, [f64]>)> {
+    pub(super) fn columns(&self, joint: usize) -> Vec<(usize, Cow<'_, [f64]>)> {
         let arm = self.owner.arm.iter().enumerate();
         let arm = arm.filter_map(|(index, &parameter)| Some((index, self.column(parameter, joint)?)));
         arm.chain(self.amplitudes(joint).map(|(index, column)| (index, column.into()))).collect()
     }
 
     /// The columns of amplitudes that can act on a joint, with the index of their linear parameter.
-    pub fn amplitudes(&self, joint: usize) -> impl Iterator<Item = (usize, &[f64])> {
+    pub(super) fn amplitudes(&self, joint: usize) -> impl Iterator<Item = (usize, &[f64])> {
         let offset = self.owner.baseline.len();
         let columns = self.amplitudes.iter().enumerate().map(move |(k, torque)| (offset + k, torque.channel(joint)));
         columns.filter(|(_, column)| column.iter().any(|&v| v != 0.0))
     }
 
     /// Torque on a joint that the present parameters predict, before sensors.
-    pub fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
+    pub(super) fn predicted(&self, joint: usize, linear: &[f64]) -> Vec<f64> {
         let mut torque = vec![0.0; self.motor.samples()];
         if let Some(known) = self.known(joint) {
             torque.copy_from_slice(known);
@@ -173,7 +164,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque that the gear of a joint carries: that of the bodies, without rotor and friction.
-    pub fn carried(&self, joint: usize, link_qdd: &[f64]) -> Vec<f64> {
+    pub(super) fn carried(&self, joint: usize, link_qdd: &[f64]) -> Vec<f64> {
         let owner = self.owner;
         if owner.trust == Trust::Nominal {
             return self.bodies[joint].clone();
@@ -188,56 +179,5 @@ impl<'a> Parts<'a> {
             }
         }
         torque
-    }
-}
-
-/// The effects that stand for what differs from the arm's own rotor inertia, viscous and Coulomb friction.
-const DRIVE_EFFECTS: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
-
-/// Joint and kind (an index of [`DRIVE_EFFECTS`]) of a parameter that belongs to a drive alone.
-pub(super) fn drive_of(model: &Model, parameter: ArmParameter) -> Option<(usize, usize)> {
-    match parameter {
-        ArmParameter::Drive(joint, which) => Some((joint, which)),
-        ArmParameter::Base(base) => model.drive_of(base),
-    }
-}
-
-/// Whether an effect stands for what differs from a parameter of a drive ([`drive_of`]).
-pub(super) fn stands_for(placed: &Placed, (joint, which): (usize, usize)) -> bool {
-    placed.joint == joint && placed.effect.about().name == DRIVE_EFFECTS[which]
-}
-
-/// The arm's linear parameters with their values according to its URDF: where fits start.
-pub(super) fn arm_parameters(model: &Model, trust: Trust) -> Vec<(ArmParameter, f64)> {
-    match trust {
-        Trust::Structure => {
-            let values = model.base().values(&Model::standard_values(model.robot()));
-            values.into_iter().enumerate().map(|(base, value)| (ArmParameter::Base(base), value)).collect()
-        }
-        Trust::Nominal => {
-            let joints = model.robot().joints.iter().enumerate();
-            joints
-                .filter(|(joint, _)| model.has_equation(*joint))
-                .flat_map(|(joint, spec)| {
-                    let drive = [spec.drive.armature, spec.drive.viscous, spec.drive.coulomb];
-                    drive.into_iter().enumerate().map(move |(k, value)| (ArmParameter::Drive(joint, k), value))
-                })
-                .collect()
-        }
-    }
-}
-
-pub(super) fn arm_name(model: &Model, parameter: ArmParameter) -> String {
-    match parameter {
-        ArmParameter::Base(base) => model.base().groupings()[base].name.clone(),
-        ArmParameter::Drive(joint, which) => format!("{}{}", ["Ia", "Fv", "Fc"][which], joint + 1),
-    }
-}
-
-/// The standard parameter that a parameter of the arm is, or that leads it.
-pub(super) fn leader(model: &Model, parameter: ArmParameter) -> usize {
-    match parameter {
-        ArmParameter::Base(base) => model.base().kept()[base],
-        ArmParameter::Drive(joint, which) => joint * STANDARD + ROTOR + which,
     }
 }

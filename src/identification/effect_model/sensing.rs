@@ -1,7 +1,6 @@
 //! What the torque sensors of one joint make of torque.
 
-use super::without_amplitudes;
-use crate::effects::Placed;
+use crate::effects::{Placed, Role};
 
 /// Size of the small signal on which linear sensors are told from clipping ones, N m.
 const SMALL: f64 = 1e-6;
@@ -16,12 +15,12 @@ pub(super) struct Sensing<'a> {
 }
 
 impl<'a> Sensing<'a> {
-    pub fn new(sensors: Vec<&'a Placed>, period: f64) -> Self {
+    pub(super) fn new(sensors: Vec<&'a Placed>, period: f64) -> Self {
         Sensing { sensors, period }
     }
 
     /// Whether there are any.
-    pub fn acts(&self) -> bool {
+    pub(super) fn acts(&self) -> bool {
         !self.sensors.is_empty()
     }
 
@@ -35,7 +34,7 @@ impl<'a> Sensing<'a> {
     }
 
     /// The linear part of what the sensors do: their response to a signal too small to be clipped.
-    pub fn small_signal(&self, signal: &[f64]) -> Vec<f64> {
+    pub(super) fn small_signal(&self, signal: &[f64]) -> Vec<f64> {
         let largest = signal.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         if !self.acts() || largest == 0.0 {
             return signal.to_vec();
@@ -46,7 +45,7 @@ impl<'a> Sensing<'a> {
     }
 
     /// Logged torque per unit of an amplitude of `placed`; None unless it is one of these sensors.
-    pub fn amplitude(&self, placed: &Placed, k: usize, samples: usize) -> Option<Vec<f64>> {
+    pub(super) fn amplitude(&self, placed: &Placed, k: usize, samples: usize) -> Option<Vec<f64>> {
         self.sensors.iter().find(|other| std::ptr::eq(**other, placed))?;
         let mut unit = without_amplitudes(placed);
         unit[k] = 1.0;
@@ -57,7 +56,7 @@ impl<'a> Sensing<'a> {
 
     /// Where the predicted torque `total` is clipped, the log says nothing of the parameters: the known torque becomes
     /// what is logged there, and the columns vanish.
-    pub fn clip(&self, total: &[f64], known: &mut [f64], columns: &mut [(usize, Vec<f64>)]) {
+    pub(super) fn clip(&self, total: &[f64], known: &mut [f64], columns: &mut [(usize, Vec<f64>)]) {
         let linear = self.small_signal(total);
         let logged = self.logged(total, without_amplitudes);
         let largest = linear.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -68,4 +67,10 @@ impl<'a> Sensing<'a> {
             }
         }
     }
+}
+
+/// Parameters of an effect with its amplitudes at zero.
+pub(super) fn without_amplitudes(placed: &Placed) -> Vec<f64> {
+    let parameters = placed.effect.parameters().iter().zip(&placed.parameters);
+    parameters.map(|(p, &value)| if p.role == Role::Amplitude { 0.0 } else { value }).collect()
 }

@@ -1,7 +1,7 @@
 //! Output error by simulation (DIDIM: Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter
 //! identification of robot dynamics", IEEE Transactions on Control Systems Technology 21, 2013).
 
-use super::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
+use super::estimator::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
 use crate::error::Result;
 use crate::identification::least_squares::{
     Estimate, require_rows, residual_sigma, weighted_least_squares, weighted_solution,
@@ -11,7 +11,7 @@ use crate::identification::least_squares::{
 /// the arm follow its reference whatever its parameters, the simulated motion hardly depends on them, which leaves a linear
 /// fit to iterate.
 #[derive(Debug, Clone, Copy)]
-pub struct Didim;
+pub(crate) struct Didim;
 
 impl Estimator for Didim {
     fn name(&self) -> &'static str {

@@ -8,7 +8,7 @@ use crate::identification::scaled_normal::ScaledNormal;
 use nalgebra::{DMatrix, DVector, LU};
 
 /// The moment equations H beta = Z'W tau of rows X and instruments Z with W = 1 / sigma^2 on each joint's rows.
-pub struct MomentEquations {
+pub(super) struct MomentEquations {
     /// H = Z'W X.
     pub matrix: DMatrix<f64>,
     /// Z'W tau.
@@ -18,7 +18,12 @@ pub struct MomentEquations {
 impl MomentEquations {
     /// The equations over the rows that count for the instruments. Both must have the same parameters and number of rows;
     /// with the rows as their own instruments these are the normal equations.
-    pub fn new(instruments: &[JointRegression], rows: &[JointRegression], sigma: &[f64], parameters: usize) -> Self {
+    pub(super) fn new(
+        instruments: &[JointRegression],
+        rows: &[JointRegression],
+        sigma: &[f64],
+        parameters: usize,
+    ) -> Self {
         let mut matrix = DMatrix::zeros(parameters, parameters);
         let mut right = DVector::zeros(parameters);
         for ((z, x), s) in instruments.iter().zip(rows).zip(sigma) {
@@ -42,7 +47,7 @@ impl MomentEquations {
     ///
     /// # Errors
     /// If H is singular: the instruments say nothing of some parameters.
-    pub fn solve(&self) -> Result<Vec<f64>> {
+    pub(super) fn solve(&self) -> Result<Vec<f64>> {
         let solution = LU::new(self.matrix.clone()).solve(&self.right);
         solution.map(|beta| beta.as_slice().to_vec()).ok_or_else(uninformed)
     }
@@ -60,7 +65,7 @@ fn uninformed() -> Error {
 ///
 /// # Errors
 /// Names the parameters that the motion cannot tell apart.
-pub fn assemble(
+pub(super) fn assemble(
     instruments: &[JointRegression],
     rows: &[JointRegression],
     beta: Vec<f64>,

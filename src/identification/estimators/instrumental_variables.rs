@@ -2,7 +2,7 @@
 //! approach for industrial robot identification", IEEE Transactions on Control Systems Technology 22, 2014).
 
 use super::covariance::{MomentEquations, assemble};
-use super::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
+use super::estimator::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
 use crate::error::Result;
 use crate::identification::joint_regression::JointRegression;
 use crate::identification::least_squares::{Estimate, require_rows, residual_sigma};
@@ -10,7 +10,7 @@ use crate::identification::least_squares::{Estimate, require_rows, residual_sigm
 /// Z'W (tau - Y beta) = 0 with instruments Z, the columns along the motion that the arm with the present estimate makes in
 /// simulation: they follow the true columns but not the noise in the measured ones, which biases least squares.
 #[derive(Debug, Clone, Copy)]
-pub struct InstrumentalVariables;
+pub(crate) struct InstrumentalVariables;
 
 impl Estimator for InstrumentalVariables {
     fn name(&self) -> &'static str {

@@ -21,7 +21,7 @@ const SETTLED: f64 = 1e-4;
 
 /// Huber weights within each joint, joints weighted by the median of their absolute residuals.
 #[derive(Debug, Clone, Copy)]
-pub struct IterativelyReweighted;
+pub(crate) struct IterativelyReweighted;
 
 impl Estimator for IterativelyReweighted {
     fn name(&self) -> &'static str {

@@ -9,7 +9,7 @@ use crate::identification::linear_problem::LinearProblem;
 
 /// The minimum that weighted least squares names in one step, reached by damped steps from the start.
 #[derive(Debug, Clone, Copy)]
-pub struct LevenbergMarquardt;
+pub(crate) struct LevenbergMarquardt;
 
 impl Estimator for LevenbergMarquardt {
     fn name(&self) -> &'static str {

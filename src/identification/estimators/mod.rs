@@ -3,6 +3,7 @@
 
 mod closed_loop_output_error;
 mod covariance;
+mod estimator;
 mod instrumental_variables;
 mod iteratively_reweighted;
 mod levenberg_marquardt;
@@ -10,70 +11,19 @@ mod ordinary;
 mod total_least_squares;
 mod weighted;
 
-pub use closed_loop_output_error::Didim;
-pub use instrumental_variables::InstrumentalVariables;
-pub use iteratively_reweighted::IterativelyReweighted;
-pub use levenberg_marquardt::LevenbergMarquardt;
-pub use ordinary::OrdinaryLeastSquares;
-pub use total_least_squares::TotalLeastSquares;
-pub use weighted::WeightedLeastSquares;
+pub(crate) use closed_loop_output_error::Didim;
+pub(crate) use estimator::{Data, Estimator, SimulatedRows};
+pub(crate) use instrumental_variables::InstrumentalVariables;
+pub(crate) use iteratively_reweighted::IterativelyReweighted;
+pub(crate) use levenberg_marquardt::LevenbergMarquardt;
+pub(crate) use ordinary::OrdinaryLeastSquares;
+pub(crate) use total_least_squares::TotalLeastSquares;
+pub(crate) use weighted::WeightedLeastSquares;
 
-use super::joint_regression::JointRegression;
-use super::least_squares::Estimate;
 use crate::error::{Error, Result};
 
-/// What an estimator sees.
-#[derive(Clone, Copy)]
-pub struct Data<'a> {
-    /// Regression rows of every joint along the measured motion.
-    pub rows: &'a [JointRegression],
-    /// Names of the parameters, for errors.
-    pub names: &'a [String],
-    /// Parameters to start from, for estimators that iterate.
-    pub start: &'a [f64],
-    /// The arm simulated under its controller, for estimators that need it.
-    pub simulated: Option<&'a dyn SimulatedRows>,
-}
-
-impl<'a> Data<'a> {
-    fn require_simulation(&self, estimator: &str) -> Result<&'a dyn SimulatedRows> {
-        self.simulated.ok_or_else(|| {
-            let problem =
-                "needs the arm's controller and reference motion to simulate it; measured logs do not have them";
-            Error::request(estimator, problem)
-        })
-    }
-}
-
-/// An arm with given parameters, simulated under the controller and along the reference of the measured one.
-pub trait SimulatedRows {
-    /// The measured torque with the columns along the simulated motion, row by row beside the measured rows. Rows count
-    /// where the simulated motion says so.
-    ///
-    /// # Errors
-    /// If the parameters make no arm that can be simulated.
-    fn rows(&self, beta: &[f64]) -> Result<Vec<JointRegression>>;
-}
-
-/// A way from regression rows to parameters.
-pub trait Estimator: Sync {
-    /// Name on the command line and in results.
-    fn name(&self) -> &'static str;
-    /// What it is, in a few words.
-    fn title(&self) -> &'static str;
-    /// Whether it needs [`Data::simulated`].
-    fn simulates(&self) -> bool {
-        false
-    }
-    /// Estimates the parameters.
-    ///
-    /// # Errors
-    /// Names the joint without rows, or the parameters that the motion cannot tell apart; if an iteration does not settle.
-    fn estimate(&self, data: &Data) -> Result<Estimate>;
-}
-
 /// All estimators, in the order of tables.
-pub static ALL: [&dyn Estimator; 7] = [
+pub(crate) static ALL: [&dyn Estimator; 7] = [
     &OrdinaryLeastSquares,
     &WeightedLeastSquares,
     &IterativelyReweighted,
@@ -87,7 +37,7 @@ pub static ALL: [&dyn Estimator; 7] = [
 ///
 /// # Errors
 /// Lists the names there are.
-pub fn find(name: &str) -> Result<&'static dyn Estimator> {
+pub(crate) fn find(name: &str) -> Result<&'static dyn Estimator> {
     ALL.into_iter().find(|estimator| estimator.name() == name).ok_or_else(|| {
         let names: Vec<&str> = ALL.iter().map(|estimator| estimator.name()).collect();
         Error::request(
@@ -95,28 +45,6 @@ pub fn find(name: &str) -> Result<&'static dyn Estimator> {
             format!("there is none of this name; there are {}", names.join(", ")),
         )
     })
-}
-
-/// Rounds after which an iteration through simulations has not settled.
-const MOST_ROUNDS: usize = 15;
-
-/// Change of the predicted torque, root mean square over that of the residual, at which such an iteration has settled.
-const SETTLED: f64 = 1e-2;
-
-/// Whether the torque that `rows` predict changes too little between two sets of parameters for the noise `sigma` to show.
-fn settled(rows: &[JointRegression], before: &[f64], after: &[f64], sigma: &[f64]) -> bool {
-    let change: Vec<f64> = before.iter().zip(after).map(|(b, a)| a - b).collect();
-    let moved = rows.iter().zip(sigma).map(|(joint, s)| {
-        let torque = joint.predict(&change);
-        (joint.dot(&torque, &torque) / joint.rows().max(1) as f64).sqrt() / s
-    });
-    moved.fold(0.0, f64::max) <= SETTLED
-}
-
-/// The error of an iteration through simulations that does not settle.
-fn unsettled(estimator: &dyn Estimator) -> Error {
-    let problem = format!("has not settled after {MOST_ROUNDS} rounds; start nearer to the truth or smooth more");
-    Error::request(estimator.name(), problem)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::identification::least_squares::{Estimate, require_rows, weighted_solu
 
 /// All rows alike, whatever their joint.
 #[derive(Debug, Clone, Copy)]
-pub struct OrdinaryLeastSquares;
+pub(crate) struct OrdinaryLeastSquares;
 
 impl Estimator for OrdinaryLeastSquares {
     fn name(&self) -> &'static str {

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// The smallest singular direction of rows and torque side by side, rows weighted as weighted least squares does and
 /// columns scaled to unit length, since what errors the columns have is not known.
 #[derive(Debug, Clone, Copy)]
-pub struct TotalLeastSquares;
+pub(crate) struct TotalLeastSquares;
 
 impl Estimator for TotalLeastSquares {
     fn name(&self) -> &'static str {

@@ -6,7 +6,7 @@ use crate::identification::least_squares::{Estimate, weighted_least_squares};
 
 /// Rows weighted by the standard deviation of their joint's residual (Gautier 1997).
 #[derive(Debug, Clone, Copy)]
-pub struct WeightedLeastSquares;
+pub(crate) struct WeightedLeastSquares;
 
 impl Estimator for WeightedLeastSquares {
     fn name(&self) -> &'static str {

@@ -54,7 +54,7 @@ pub(super) struct Lambda {
 
 impl Lambda {
     /// The damping at the start, where J'WJ is `jtwj`.
-    pub fn new(rule: Damping, scaling: Scaling, initial: f64, jtwj: &DMatrix<f64>) -> Self {
+    pub(super) fn new(rule: Damping, scaling: Scaling, initial: f64, jtwj: &DMatrix<f64>) -> Self {
         let unit = match scaling {
             Scaling::Identity => jtwj.diagonal().max().max(f64::MIN_POSITIVE),
             Scaling::Diagonal => 1.0,
@@ -64,7 +64,7 @@ impl Lambda {
 
     /// lambda D for the diagonal `diagonal` of J'WJ. A parameter without influence gets the pivot 1: its gradient is
     /// zero, so it stays where it is.
-    pub fn diagonal(&self, diagonal: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn diagonal(&self, diagonal: &DVector<f64>) -> DVector<f64> {
         diagonal.map(|d| match self.scaling {
             _ if d <= 0.0 => 1.0,
             Scaling::Identity => self.value,
@@ -73,12 +73,12 @@ impl Lambda {
     }
 
     /// lambda free of units.
-    pub fn relative(&self) -> f64 {
+    pub(super) fn relative(&self) -> f64 {
         self.value / self.unit
     }
 
     /// After a step that is taken, whose gain was `rho` times the expected one and whose line search gave `alpha`.
-    pub fn decrease(&mut self, rho: f64, alpha: f64) {
+    pub(super) fn decrease(&mut self, rho: f64, alpha: f64) {
         let floor = LIMITS[0] * self.unit;
         self.value = match self.rule {
             Damping::Marquardt { down, .. } => (self.value / down).max(floor),
@@ -90,7 +90,7 @@ impl Lambda {
 
     /// After a step that is not taken, which would have lowered chi2 by the share `gain`. False when lambda was at its upper
     /// limit already.
-    pub fn increase(&mut self, gain: f64, alpha: f64) -> bool {
+    pub(super) fn increase(&mut self, gain: f64, alpha: f64) -> bool {
         let ceiling = LIMITS[1] * self.unit;
         let before = self.value;
         let grown = match self.rule {

@@ -1,6 +1,6 @@
 //! A problem small enough to hold its Jacobian.
 
-use super::{LeastSquaresProblem, NormalEquations};
+use super::problem::{LeastSquaresProblem, NormalEquations};
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,7 @@
 //! One damped step inside the box, and the measures by which it is judged.
 
 use super::damping::Lambda;
-use super::{Bounds, NormalEquations};
+use super::problem::{Bounds, NormalEquations};
 use crate::error::{Error, Result};
 use nalgebra::{Cholesky, DMatrix, DVector};
 

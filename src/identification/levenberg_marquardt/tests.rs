@@ -1,5 +1,6 @@
 use super::*;
 use crate::random;
+use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use rand::RngExt;
 

@@ -1,33 +1,25 @@
 //! What `tauscope diagnose` tells: `diagnosis.json`, and a few lines for people.
 
+mod findings;
 mod text;
 
-pub use text::{extrapolation, impacts, lines, mend, mixed_rates, place, sampling, stopped_lines};
+pub(crate) use findings::{EXTENDED_SCENARIO, EXTENDED_URDF, NOT_SIZED, joints};
+pub(crate) use text::{extrapolation, impacts, lines, mend, mixed_rates, place, sampling, stopped_lines};
 
-use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, Family, Found, Gain, ResidualStructure, Resimulation, Share, Verdict,
-};
-use crate::effects::{self, Placed, Role, Scope};
+use findings::{Finding, finding, findings};
+
+use crate::diagnosis::{Consequence, DataFault, Diagnosis, ResidualStructure, Resimulation, Share, Verdict};
 use crate::quality::Kind;
 use crate::robot::Robot;
 use crate::simulation::engine::EngineKind;
 use serde::Serialize;
 
 /// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
-pub const SCHEMA: &str = "tauscope.diagnosis/1";
-
-/// File of the scenario with the extended model, and of its bodies and drives.
-pub const EXTENDED_SCENARIO: &str = "extended.toml";
-/// The URDF that [`EXTENDED_SCENARIO`] refers to.
-pub const EXTENDED_URDF: &str = "extended.urdf";
-
-/// What is said where the inertias of the description are wrong as a whole.
-const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on several links: no single effect explains the \
-                            logs, and re-identified base parameters do. extended.urdf holds them.";
+pub(crate) const SCHEMA: &str = "tauscope.diagnosis/1";
 
 /// The content of `diagnosis.json`.
 #[derive(Debug, Default, Serialize)]
-pub struct DiagnosisResult {
+pub(crate) struct DiagnosisResult {
     verdict: Option<Verdict>,
     robot: String,
     joints: Vec<String>,
@@ -75,39 +67,6 @@ struct Structure {
     joint: String,
     #[serde(flatten)]
     structure: ResidualStructure,
-}
-
-#[derive(Debug, Serialize)]
-struct Finding {
-    effect: &'static str,
-    joints: Vec<String>,
-    verdict: Verdict,
-    alternatives: Vec<Alternative>,
-    parameters: Vec<Parameter>,
-    /// Whether any of its amplitudes is told from zero.
-    size_told: bool,
-    family_wise_p: f64,
-    test_rms_before_nm: Vec<f64>,
-    test_rms_after_nm: Vec<f64>,
-    gain_lower_bound: f64,
-    explanation: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct Alternative {
-    effect: &'static str,
-    joints: Vec<String>,
-    relative_likelihood: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct Parameter {
-    name: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    joint: Option<String>,
-    value: f64,
-    std: f64,
-    unit: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -170,7 +129,7 @@ enum QualityKind {
 }
 
 /// The answer as `diagnosis.json` holds it.
-pub fn result(
+pub(crate) fn result(
     robot: &Robot,
     diagnosis: &Diagnosis,
     resimulation: Option<&Resimulation>,
@@ -260,7 +219,7 @@ pub fn result(
 }
 
 /// The answer where faults of the data forbid one.
-pub fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResult {
+pub(crate) fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> DiagnosisResult {
     DiagnosisResult {
         verdict: Some(Verdict::NotTestable),
         robot: robot.name.clone(),
@@ -290,73 +249,4 @@ fn qualities(robot: &Robot, faults: &[DataFault]) -> Vec<Quality> {
         consequence: fault.consequence,
     };
     notes.chain(faults.iter().map(quality)).collect()
-}
-
-fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
-    let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
-    let found = diagnosis.found.iter().zip(&diagnosis.derived);
-    inertias.chain(found.map(|(found, derived)| finding(robot, found, derived))).collect()
-}
-
-/// What is said of a finding whose amplitudes the logs leave open.
-pub const NOT_SIZED: &str =
-    "the logs show that it is there, and not how its parameters share it: none is told from zero";
-
-/// The inertias of the description are wrong as a whole.
-fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
-    let [before, after] = gain.rms.clone();
-    Finding {
-        effect: "link_inertia_error",
-        joints: robot.joint_names(),
-        verdict: Verdict::Named,
-        alternatives: Vec::new(),
-        parameters: Vec::new(),
-        size_told: false,
-        family_wise_p: 0.0,
-        test_rms_before_nm: before,
-        test_rms_after_nm: after,
-        gain_lower_bound: gain.lower_bound,
-        explanation: ALL_INERTIAS,
-    }
-}
-
-fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::Derived]) -> Finding {
-    let placed = &found.member.placed;
-    let own = joints(robot, found.member.candidate.family());
-    let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
-    let alternatives = found.alternatives.iter().map(|other| Alternative {
-        effect: other.family.effect,
-        joints: joints(robot, other.family),
-        relative_likelihood: other.relative_likelihood,
-    });
-    let joint = own.first().cloned();
-    let parameters = values
-        .filter(|((_, parameter), _)| parameter.role != Role::Held)
-        .map(|((k, parameter), (&value, &std))| (parameter.name, value, std, placed.unit(k, robot)));
-    let derived = derived.iter().map(|one| (one.name, one.value, one.std, one.unit));
-    let [before, after] = found.rms.clone();
-    Finding {
-        effect: placed.effect.about().name,
-        verdict: found.verdict,
-        alternatives: alternatives.collect(),
-        parameters: parameters
-            .chain(derived)
-            .map(|(name, value, std, unit)| Parameter { name, joint: joint.clone(), value, std, unit })
-            .collect(),
-        size_told: found.member.is_sized(),
-        joints: own,
-        family_wise_p: found.family_wise_p,
-        test_rms_before_nm: before,
-        test_rms_after_nm: after,
-        gain_lower_bound: found.gain_lower_bound,
-        explanation: placed.effect.about().explanation,
-    }
-}
-
-/// Names of the joints of an effect; none for one on the whole arm.
-pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
-    let effect = effects::find(family.effect).ok();
-    let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
-    let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();
-    placed.into_iter().map(|joint| robot.joints[joint].name.clone()).collect()
 }

@@ -1,6 +1,6 @@
 //! The answer in a few lines.
 
-use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
+use super::findings::{EXTENDED_SCENARIO, NOT_SIZED, Parameter, finding, findings, joints};
 use crate::diagnosis::{
     Consequence, DataFault, Diagnosis, Family, Found, LOGS_DISAGREE, Play, Resimulation, Share, Verdict, predicts_worse,
 };
@@ -18,7 +18,7 @@ const FAULTS: usize = 6;
 const SURE: f64 = 1e-12;
 
 /// The answer in a few lines.
-pub fn lines(
+pub(crate) fn lines(
     robot: &Robot,
     diagnosis: &Diagnosis,
     resimulation: Option<&Resimulation>,
@@ -80,7 +80,7 @@ pub fn lines(
 }
 
 /// What is said when faults of the data forbid an answer.
-pub fn stopped_lines(faults: &[DataFault]) -> String {
+pub(crate) fn stopped_lines(faults: &[DataFault]) -> String {
     let mut lines = vec!["The logs cannot be diagnosed: a cause named from them would be wrong.".to_owned()];
     lines.extend(fault_lines(faults));
     lines.push(format!("Next: {}.", mend(faults)));
@@ -88,7 +88,7 @@ pub fn stopped_lines(faults: &[DataFault]) -> String {
 }
 
 /// What to do about the faults that stop a diagnosis.
-pub fn mend(faults: &[DataFault]) -> String {
+pub(crate) fn mend(faults: &[DataFault]) -> String {
     let places = |still: bool| -> Vec<&str> {
         let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
         let mut places: Vec<&str> = stops
@@ -133,7 +133,7 @@ fn headline(diagnosis: &Diagnosis) -> String {
 }
 
 /// What is said of logs of several rates.
-pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
@@ -145,7 +145,7 @@ pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of delays and lags that are of the sampling.
-pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
         let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
         match short.joint {
@@ -161,7 +161,7 @@ pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of friction that does not change its direction at once.
-pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(super) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = robot.joints.iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
     let each: Vec<String> = each
         .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
@@ -176,7 +176,7 @@ pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said where the training logs leave the model more open on the held-out logs than the noise.
-pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
         true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
@@ -247,7 +247,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
 }
 
 /// What shows a gear's play.
-pub fn impacts(play: &Play) -> String {
+pub(crate) fn impacts(play: &Play) -> String {
     format!(
         "the torque jumps within milliseconds of {} of {} changes of sign of the gear's load, which averages over 20 ms do not show",
         play.impacts, play.changes
@@ -255,7 +255,7 @@ pub fn impacts(play: &Play) -> String {
 }
 
 /// What is told of the parameters: what practitioners call them where there are such, else the first few.
-fn values(parameters: &[super::Parameter]) -> String {
+fn values(parameters: &[Parameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
     let told = parameters[named..].iter().take(MENTIONED);
     let each = told.map(|p| match p.std.is_finite() {
@@ -358,7 +358,7 @@ fn percent(share: Share) -> String {
 }
 
 /// An effect with its joints, in words.
-pub fn place(robot: &Robot, family: Family) -> String {
+pub(crate) fn place(robot: &Robot, family: Family) -> String {
     let joints = joints(robot, family);
     if joints.is_empty() { family.effect.to_owned() } else { format!("{} on {}", family.effect, joints.join(" and ")) }
 }

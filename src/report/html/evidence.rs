@@ -12,7 +12,7 @@ const FEWEST_IN_BIN: usize = 8;
 
 /// One model's part in the plots.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Contender {
+pub(crate) struct Contender {
     /// Name in the legend.
     pub name: String,
     /// Its colour.
@@ -21,7 +21,7 @@ pub struct Contender {
 
 /// The rows of one joint. NaN breaks lines and counts nowhere: between two logs, and where a row does not count.
 #[derive(Debug, Clone, Default)]
-pub struct Joint {
+pub(crate) struct Joint {
     /// Name.
     pub name: String,
     /// Unit of its torque.
@@ -53,7 +53,7 @@ impl Joint {
 
 /// The sections on torque and residuals. The last contender is the one the report argues for; `row_s` is the time between
 /// two rows.
-pub fn sections(joints: &[Joint], contenders: &[Contender], row_s: f64) -> Vec<Section> {
+pub(crate) fn sections(joints: &[Joint], contenders: &[Contender], row_s: f64) -> Vec<Section> {
     let gaps = "Gaps are rows that do not count: near reversals, where the direction of friction is uncertain.";
     vec![
         Section::new(

@@ -13,7 +13,7 @@ use crate::study::measured::Scored;
 const NOTABLE: f64 = 0.1;
 
 /// The report of an identification from measured logs; `scored` are the variants, the smoothed one last.
-pub fn page(robot: &Robot, logs: Logs, scored: &[Scored], notes: &[String], provenance: Provenance) -> Page {
+pub(crate) fn page(robot: &Robot, logs: Logs, scored: &[Scored], notes: &[String], provenance: Provenance) -> Page {
     let best = &scored[scored.len() - 1];
     let fitted = &best.fitted;
     let rows = rows(robot, fitted);

@@ -5,23 +5,23 @@
 //! [`diagnosis`], [`stopped`], [`montecarlo`] and [`paper`] fill it; [`evidence`] draws what a residual looks like over time,
 //! velocity, position and frequency.
 
-pub mod diagnosis;
-pub mod evidence;
-pub mod measured;
-pub mod montecarlo;
-pub mod paper;
-pub mod provenance;
-pub mod run;
-pub mod stopped;
+pub(crate) mod diagnosis;
+pub(crate) mod evidence;
+pub(crate) mod measured;
+pub(crate) mod montecarlo;
+pub(crate) mod paper;
+pub(crate) mod provenance;
+pub(crate) mod run;
+pub(crate) mod stopped;
 
-pub use provenance::Provenance;
+pub(crate) use provenance::Provenance;
 
 use super::svg::chart::{Chart, Mark};
 use super::svg::{Color, STYLE};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Name of the report in a results folder.
-pub const FILE: &str = "report.html";
+pub(crate) const FILE: &str = "report.html";
 
 /// Length of a cell from which on it is a sentence.
 const PROSE: usize = 40;
@@ -30,7 +30,7 @@ const CSS: &str = include_str!("report.css");
 
 /// Whether a verdict is good news.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tone {
+pub(crate) enum Tone {
     /// Nothing is wrong.
     Good,
     /// Something was found.
@@ -41,7 +41,7 @@ pub enum Tone {
 
 /// A report.
 #[derive(Debug, Clone)]
-pub struct Page {
+pub(crate) struct Page {
     /// What kind of report on what: "Diagnosis of irb1600".
     pub kind: String,
     /// The verdict in one sentence.
@@ -60,7 +60,7 @@ pub struct Page {
 
 /// A heading with what stands under it.
 #[derive(Debug, Clone)]
-pub struct Section {
+pub(crate) struct Section {
     /// The heading.
     pub heading: String,
     /// What stands under it.
@@ -69,7 +69,7 @@ pub struct Section {
 
 /// A piece of a section.
 #[derive(Debug, Clone)]
-pub enum Block {
+pub(crate) enum Block {
     /// A paragraph.
     Text(String),
     /// Sentences, one below the other.
@@ -98,19 +98,19 @@ pub enum Block {
 
 impl Section {
     /// A section with its blocks.
-    pub fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Self {
+    pub(crate) fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Self {
         Section { heading: heading.into(), blocks }
     }
 }
 
 impl Block {
     /// A paragraph.
-    pub fn text(text: impl Into<String>) -> Self {
+    pub(crate) fn text(text: impl Into<String>) -> Self {
         Block::Text(text.into())
     }
 
     /// A table.
-    pub fn table<H: Into<String>>(header: impl IntoIterator<Item = H>, rows: Vec<Vec<String>>) -> Self {
+    pub(crate) fn table<H: Into<String>>(header: impl IntoIterator<Item = H>, rows: Vec<Vec<String>>) -> Self {
         Block::Table { header: header.into_iter().map(Into::into).collect(), rows }
     }
 
@@ -136,7 +136,7 @@ impl Block {
 
 impl Page {
     /// The page as a file.
-    pub fn render(&self) -> String {
+    pub(crate) fn render(&self) -> String {
         let tone = match self.tone {
             Tone::Good => "good",
             Tone::Warn => "warn",

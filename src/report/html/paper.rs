@@ -4,7 +4,7 @@ use super::{Block, Page, Provenance, Section, Tone};
 use crate::report::paper::Verdict;
 
 /// The report of the paper's study: its verdict, the tables as in `tables.md`, and the figures.
-pub fn page(
+pub(crate) fn page(
     scenario: &str,
     verdict: &Verdict,
     tables: &str,

@@ -5,20 +5,20 @@ use std::path::Path;
 
 /// Command, seed and versions.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Provenance {
+pub(crate) struct Provenance {
     command: String,
     seed: Option<u64>,
 }
 
 impl Provenance {
     /// Of this process and the seed it used.
-    pub fn here(seed: Option<u64>) -> Self {
+    pub(crate) fn here(seed: Option<u64>) -> Self {
         let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
         Self::of(std::iter::once("tauscope".to_owned()).chain(arguments), seed)
     }
 
     /// Of a command. Absolute paths are given relative to the present folder where they are inside, else by their name.
-    pub fn of(command: impl IntoIterator<Item = impl Into<String>>, seed: Option<u64>) -> Self {
+    pub(crate) fn of(command: impl IntoIterator<Item = impl Into<String>>, seed: Option<u64>) -> Self {
         let here = std::env::current_dir().unwrap_or_default();
         let words: Vec<String> = command.into_iter().map(|word| plain(&word.into(), &here)).collect();
         Provenance { command: words.join(" "), seed }

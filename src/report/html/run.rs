@@ -16,7 +16,7 @@ const ROW_S: f64 = 0.02;
 
 /// What was found in a run.
 #[derive(Debug, Clone, Copy)]
-pub struct Found<'a> {
+pub(crate) struct Found<'a> {
     /// The model that was identified.
     pub model: &'a Model,
     /// All variants.
@@ -31,7 +31,7 @@ pub struct Found<'a> {
 ///
 /// # Errors
 /// If the signals cannot be prepared.
-pub fn page(setup: &Setup, runs: &Runs, found: Found, provenance: Provenance) -> Result<Page> {
+pub(crate) fn page(setup: &Setup, runs: &Runs, found: Found, provenance: Provenance) -> Result<Page> {
     let best = found.scored.iter().find(|one| one.variant == Variant::SavitzkyGolay).unwrap_or(&found.scored[0]);
     let (good, verdict) = console::verdict(setup, best);
     let (joints, contenders) = rows(setup, runs, found.model, best)?;

@@ -11,7 +11,7 @@ use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
 
 /// The report of a diagnosis of `logs`, training logs first, that `faults` have stopped.
-pub fn page(robot: &Robot, logs: &[&Recording], faults: &[DataFault], provenance: Provenance) -> Page {
+pub(crate) fn page(robot: &Robot, logs: &[&Recording], faults: &[DataFault], provenance: Provenance) -> Page {
     let stops: Vec<&DataFault> = faults.iter().filter(|fault| fault.consequence == Consequence::Stops).collect();
     let next = mend(faults);
     let next = next[..1].to_uppercase() + &next[1..] + ".";

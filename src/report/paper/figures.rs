@@ -1,13 +1,13 @@
 //! Figures 4 to 7: position, velocity, acceleration and torque of every joint; reference, disturbed, smoothed.
 
 use crate::channels::Channels;
+use crate::paper::PaperStudy;
 use crate::report::console::significant;
 use crate::report::svg::{Color, Curve, Figure, Panel, Series};
 use crate::scenario::Setup;
-use crate::study::paper::PaperStudy;
 
 /// File name and content of each figure.
-pub fn figures(setup: &Setup, study: &PaperStudy) -> Vec<(&'static str, String)> {
+pub(crate) fn figures(setup: &Setup, study: &PaperStudy) -> Vec<(&'static str, String)> {
     let signals = &study.signals;
     let (reference, disturbed, smoothed) = (&signals.reference, &signals.disturbed, &signals.smoothed);
     let run = &study.runs.training;

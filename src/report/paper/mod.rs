@@ -1,20 +1,20 @@
 //! What the study of the paper tells: its tables and figures done again, and a verdict.
 
-pub mod figures;
-pub mod results;
-pub mod tables;
-pub mod verdict;
+pub(crate) mod figures;
+pub(crate) mod results;
+pub(crate) mod tables;
+pub(crate) mod verdict;
 
-pub use results::SCHEMA;
-pub use verdict::Verdict;
+pub(crate) use results::SCHEMA;
+pub(crate) use verdict::Verdict;
 
-use crate::identification::paper78;
-use crate::study::paper::planar::PlanarFit;
-use crate::study::paper::{PaperStudy, SpatialFit};
+use crate::paper::equations;
+use crate::paper::planar::PlanarFit;
+use crate::paper::{PaperStudy, SpatialFit};
 use crate::study::testbed::Variant;
 
 /// The fit of a variant of the 78-parameter model to the raw or the smoothed log.
-fn planar(study: &PaperStudy, variant: paper78::Variant, signals: Variant) -> &PlanarFit {
+fn planar(study: &PaperStudy, variant: equations::Variant, signals: Variant) -> &PlanarFit {
     let fits = study.planar.iter().filter(|model| model.variant == variant).flat_map(|model| &model.fits);
     fits.into_iter().find(|fit| fit.signals == signals).expect("the study fits every variant to both")
 }

@@ -3,25 +3,25 @@
 use super::verdict::PLANAR_CHAIN;
 use super::{Verdict, planar, ratios, spatial};
 use crate::identification::model::Model;
-use crate::identification::paper78::tables::{
+use crate::paper::equations::tables::{
     CORRECTED_TABLE_1, DenavitHartenberg, PARAMETERS, PRINTED_TABLE_1, PRINTED_TABLE_2, PRINTED_TABLE_3,
 };
-use crate::identification::paper78::{self, DEPARTURES, PARAMETER_COUNT};
+use crate::paper::equations::{self, DEPARTURES, PARAMETER_COUNT};
+use crate::paper::planar::OtherStart;
+use crate::paper::procedure::Stage;
+use crate::paper::quality::Quality;
+use crate::paper::single_move::MotionRank;
+use crate::paper::{PaperStudy, SpatialFit};
 use crate::scenario::Setup;
-use crate::study::paper::planar::OtherStart;
-use crate::study::paper::procedure::Stage;
-use crate::study::paper::quality::Quality;
-use crate::study::paper::single_move::MotionRank;
-use crate::study::paper::{PaperStudy, SpatialFit};
 use crate::study::testbed::Variant;
 use serde::Serialize;
 
 /// Schema of `paper.json`.
-pub const SCHEMA: &str = "tauscope.paper/1";
+pub(crate) const SCHEMA: &str = "tauscope.paper/1";
 
 /// The content of `paper.json`.
 #[derive(Debug, Serialize)]
-pub struct PaperResults {
+pub(crate) struct PaperResults {
     scenario: String,
     robot: String,
     joints: Vec<String>,
@@ -150,7 +150,7 @@ struct DepartureRow {
 }
 
 /// Gathers the content of `paper.json`.
-pub fn results(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> PaperResults {
+pub(crate) fn results(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> PaperResults {
     PaperResults {
         scenario: setup.scenario.name.clone(),
         robot: setup.plant.name.clone(),
@@ -215,9 +215,9 @@ fn table_2(study: &PaperStudy) -> Vec<Table2Row> {
             symbol: parameter.symbol,
             unit: parameter.unit,
             meaning: parameter.meaning,
-            as_printed: x(paper78::Variant::AsPrinted, k),
-            consistent: x(paper78::Variant::Consistent, k),
-            euler_lagrange: x(paper78::Variant::EulerLagrange, k),
+            as_printed: x(equations::Variant::AsPrinted, k),
+            consistent: x(equations::Variant::Consistent, k),
+            euler_lagrange: x(equations::Variant::EulerLagrange, k),
             printed: PRINTED_TABLE_2[k],
         })
         .collect()
@@ -226,7 +226,7 @@ fn table_2(study: &PaperStudy) -> Vec<Table2Row> {
 fn table_3(setup: &Setup, study: &PaperStudy) -> Vec<Table3Row> {
     let both = [Variant::Raw, Variant::SavitzkyGolay];
     let paper_model =
-        both.map(|signals| &planar(study, paper78::Variant::Consistent, signals).quality.training.torque_std_nm);
+        both.map(|signals| &planar(study, equations::Variant::Consistent, signals).quality.training.torque_std_nm);
     let arm = both.map(|signals| &spatial(study, signals).quality.training.torque_std_nm);
     let paper_ratio = ratios(paper_model[1], paper_model[0]);
     let arm_ratio = ratios(arm[1], arm[0]);
@@ -248,7 +248,7 @@ fn table_3(setup: &Setup, study: &PaperStudy) -> Vec<Table3Row> {
         .collect()
 }
 
-fn planar_result(model: &crate::study::paper::PlanarModel) -> PlanarResult {
+fn planar_result(model: &crate::paper::PlanarModel) -> PlanarResult {
     PlanarResult {
         variant: model.variant.name(),
         parameters: PARAMETER_COUNT,

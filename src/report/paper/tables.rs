@@ -2,23 +2,23 @@
 
 use super::verdict::sums;
 use super::{Verdict, planar, ratios, spatial};
-use crate::identification::paper78::tables::{
+use crate::paper::PaperStudy;
+use crate::paper::equations::tables::{
     CORRECTED_TABLE_1, DenavitHartenberg, PARAMETERS, PRINTED_TABLE_1, PRINTED_TABLE_2, PRINTED_TABLE_3,
 };
-use crate::identification::paper78::{self, DEPARTURES, PARAMETER_COUNT};
+use crate::paper::equations::{self, DEPARTURES, PARAMETER_COUNT};
+use crate::paper::procedure::Stage;
+use crate::paper::quality::{Quality, TorqueQuality};
 use crate::report::console::significant;
 use crate::report::markdown::{table, text_table};
 use crate::scenario::Setup;
-use crate::study::paper::PaperStudy;
-use crate::study::paper::procedure::Stage;
-use crate::study::paper::quality::{Quality, TorqueQuality};
 use crate::study::testbed::Variant;
 
 /// Parameters in a row of Table 2.
 const PAIRS: usize = 3;
 
 /// The content of `tables.md`.
-pub fn tables(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> String {
+pub(crate) fn tables(setup: &Setup, study: &PaperStudy, verdict: &Verdict) -> String {
     let sections = [
         format!("# The paper, reproduced and judged: {}\n", setup.scenario.name),
         judgement(verdict),
@@ -81,7 +81,7 @@ pub(super) fn theta(row: &DenavitHartenberg) -> String {
 }
 
 fn table_2(study: &PaperStudy) -> String {
-    let [printed, mended] = [paper78::Variant::AsPrinted, paper78::Variant::Consistent]
+    let [printed, mended] = [equations::Variant::AsPrinted, equations::Variant::Consistent]
         .map(|variant| &planar(study, variant, Variant::SavitzkyGolay).fit.parameters);
     let per_column = PARAMETER_COUNT.div_ceil(PAIRS);
     let rows: Vec<Vec<String>> = (0..per_column)
@@ -110,9 +110,9 @@ fn table_2(study: &PaperStudy) -> String {
          in the space that the torques show, so these are the shortest X of all that fit equally well (share outside: \
          {} as printed, {} mended). X that only occur in sums get equal shares of the sum: {}.\n",
         table(&header, &rows),
-        significant(model(paper78::Variant::AsPrinted).fits[1].unseen_share),
-        significant(model(paper78::Variant::Consistent).fits[1].unseen_share),
-        sums(&model(paper78::Variant::Consistent).structure.groups)
+        significant(model(equations::Variant::AsPrinted).fits[1].unseen_share),
+        significant(model(equations::Variant::Consistent).fits[1].unseen_share),
+        sums(&model(equations::Variant::Consistent).structure.groups)
     )
 }
 
@@ -123,7 +123,7 @@ fn printed_value(value: f64) -> String {
 
 fn table_3(setup: &Setup, study: &PaperStudy) -> String {
     let both = [Variant::Raw, Variant::SavitzkyGolay];
-    let paper_model = both.map(|signals| &planar(study, paper78::Variant::Consistent, signals).quality);
+    let paper_model = both.map(|signals| &planar(study, equations::Variant::Consistent, signals).quality);
     let arm = both.map(|signals| &spatial(study, signals).quality);
     let rows: Vec<Vec<String>> = setup
         .plant
@@ -165,13 +165,13 @@ fn table_3(setup: &Setup, study: &PaperStudy) -> String {
 }
 
 fn residuals(setup: &Setup, study: &PaperStudy) -> String {
-    let fits: Vec<(&str, &Quality)> = paper78::Variant::ALL
+    let fits: Vec<(&str, &Quality)> = equations::Variant::ALL
         .into_iter()
         .map(|variant| {
             let name = match variant {
-                paper78::Variant::AsPrinted => "78 as printed",
-                paper78::Variant::Consistent => "78 mended",
-                paper78::Variant::EulerLagrange => "78 Euler-Lagrange",
+                equations::Variant::AsPrinted => "78 as printed",
+                equations::Variant::Consistent => "78 mended",
+                equations::Variant::EulerLagrange => "78 Euler-Lagrange",
             };
             (name, &planar(study, variant, Variant::SavitzkyGolay).quality)
         })
@@ -276,7 +276,7 @@ fn departures() -> String {
     let rows: Vec<Vec<String>> = DEPARTURES
         .iter()
         .map(|departure| {
-            let variants = if departure.variants.len() == paper78::Variant::ALL.len() {
+            let variants = if departure.variants.len() == equations::Variant::ALL.len() {
                 "all".to_owned()
             } else {
                 departure.variants.iter().map(|variant| variant.name().replace('_', " ")).collect::<Vec<_>>().join(", ")

@@ -2,17 +2,17 @@
 
 use super::{planar, ratios, spatial};
 use crate::excitation::freudenstein::PEAK_ACCELERATION;
-use crate::identification::paper78::tables::{PARAMETERS, PRINTED_TABLE_2, PRINTED_TABLE_3};
-use crate::identification::paper78::{self, DEPARTURES, GRAVITY, PARAMETER_COUNT};
+use crate::paper::PaperStudy;
+use crate::paper::equations::tables::{PARAMETERS, PRINTED_TABLE_2, PRINTED_TABLE_3};
+use crate::paper::equations::{self, DEPARTURES, GRAVITY, PARAMETER_COUNT};
 use crate::report::console::{significant, table};
 use crate::scenario::Setup;
-use crate::study::paper::PaperStudy;
 use crate::study::testbed::Variant;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Why the 78-parameter model fails on a spatial arm.
-pub const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar chain in absolute angles: all axes parallel, the \
+pub(crate) const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar chain in absolute angles: all axes parallel, the \
     coupling of two joints a function of the difference of their angles, the gravity on a joint a function of its angle \
     alone. The arm is spatial: joint 1 turns about the vertical, where gravity does no work, yet (4) gives it g \
     cos(theta1); gravity on joint 3 depends on theta2 + theta3 and on the wrist; the inertia about joint 1 changes with \
@@ -21,7 +21,7 @@ pub const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar chain in a
 
 /// Findings, one sentence or a few each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Verdict {
+pub(crate) struct Verdict {
     /// What the paper claims and the study confirms.
     pub right: Vec<String>,
     /// What does not hold.
@@ -30,7 +30,7 @@ pub struct Verdict {
 
 impl Verdict {
     /// Weighs a study.
-    pub fn new(study: &PaperStudy) -> Self {
+    pub(crate) fn new(study: &PaperStudy) -> Self {
         let (smoothing_holds, smoothing) = smoothing(study);
         let (solver_holds, solver) = solver(study);
         let mut verdict = Verdict { right: vec![smooth_motion()], wrong: Vec::new() };
@@ -48,9 +48,9 @@ impl Verdict {
     }
 
     /// The verdict for a terminal, with the residuals of both models.
-    pub fn console(&self, setup: &Setup, study: &PaperStudy) -> String {
-        let consistent = &planar(study, paper78::Variant::Consistent, Variant::SavitzkyGolay).quality;
-        let printed = &planar(study, paper78::Variant::AsPrinted, Variant::SavitzkyGolay).quality;
+    pub(crate) fn console(&self, setup: &Setup, study: &PaperStudy) -> String {
+        let consistent = &planar(study, equations::Variant::Consistent, Variant::SavitzkyGolay).quality;
+        let printed = &planar(study, equations::Variant::AsPrinted, Variant::SavitzkyGolay).quality;
         let arm = &spatial(study, Variant::SavitzkyGolay).quality;
         let header = [
             "torque residual, rms in % of the torque",
@@ -84,7 +84,7 @@ fn smooth_motion() -> String {
 
 fn smoothing(study: &PaperStudy) -> (bool, String) {
     let ratio = |smoothed: &[f64], raw: &[f64]| ratios(smoothed, raw);
-    let fit = |signals| &planar(study, paper78::Variant::Consistent, signals).quality.training.torque_std_nm;
+    let fit = |signals| &planar(study, equations::Variant::Consistent, signals).quality.training.torque_std_nm;
     let paper_model = ratio(fit(Variant::SavitzkyGolay), fit(Variant::Raw));
     let arm = |signals| &spatial(study, signals).quality.training.torque_std_nm;
     let spatial_model = ratio(arm(Variant::SavitzkyGolay), arm(Variant::Raw));
@@ -135,7 +135,7 @@ fn solver(study: &PaperStudy) -> (bool, String) {
 fn not_identifiable(study: &PaperStudy) -> String {
     let model =
         |variant| study.planar.iter().find(|model| model.variant == variant).expect("the study has every variant");
-    let (printed, mended) = (model(paper78::Variant::AsPrinted), model(paper78::Variant::Consistent));
+    let (printed, mended) = (model(equations::Variant::AsPrinted), model(equations::Variant::Consistent));
     let other = study.other_starts.iter().fold((0.0f64, 0.0f64), |(x, torque), start| {
         (x.max(start.largest_x_change), torque.max(start.largest_torque_change_nm))
     });
@@ -166,7 +166,7 @@ fn single_move(study: &PaperStudy) -> String {
 }
 
 fn planar_chain(study: &PaperStudy) -> String {
-    let mended = &planar(study, paper78::Variant::Consistent, Variant::SavitzkyGolay).quality;
+    let mended = &planar(study, equations::Variant::Consistent, Variant::SavitzkyGolay).quality;
     let arm = &spatial(study, Variant::SavitzkyGolay).quality;
     let percent = |values: &[f64]| values[..3].iter().map(|value| significant(*value)).collect::<Vec<_>>().join(", ");
     format!(
@@ -190,7 +190,8 @@ fn printed_values(study: &PaperStudy) -> String {
         .map(|(parameter, _)| parameter.symbol)
         .collect();
     let gravity = PRINTED_TABLE_2[44].map_or(0.0, |value| GRAVITY * value.abs());
-    let found = GRAVITY * planar(study, paper78::Variant::Consistent, Variant::SavitzkyGolay).fit.parameters[44].abs();
+    let found =
+        GRAVITY * planar(study, equations::Variant::Consistent, Variant::SavitzkyGolay).fit.parameters[44].abs();
     format!(
         "Table 2 is not the physics of an arm: the friction coefficients {} are negative (friction that drives), and X45 \
          puts at most {} N m of gravity on joint 2, where the same model finds {} N m here.",

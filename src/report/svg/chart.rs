@@ -14,7 +14,7 @@ const POINT_GRID: f64 = 1.5;
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Mark {
+pub(crate) enum Mark {
     /// A line of this width in pixels; x must ascend.
     Line(f64),
     /// A dashed line of this width.
@@ -25,7 +25,7 @@ pub enum Mark {
 
 /// One curve of a chart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trace {
+pub(crate) struct Trace {
     /// How it is drawn.
     pub mark: Mark,
     /// Colour.
@@ -38,7 +38,7 @@ pub struct Trace {
 
 /// A pair of axes.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Chart {
+pub(crate) struct Chart {
     /// Heading at the left.
     pub title: String,
     /// Remark at the right of the heading.
@@ -53,7 +53,7 @@ pub struct Chart {
 
 impl Chart {
     /// The chart as an SVG element for an HTML page.
-    pub fn to_svg(&self) -> String {
+    pub(crate) fn to_svg(&self) -> String {
         let Area { left, top, width, height } = AREA;
         let (right, bottom) = (left + width, top + height);
         let x = Scale::new(self.traces.iter().flat_map(|trace| &trace.x), 0.0, left, right);

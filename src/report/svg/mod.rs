@@ -1,7 +1,7 @@
 //! Line charts as SVG: panels in a grid, axes with round ticks, several lines, a legend. Light and dark follow the
 //! reader's setting; the text is real text, and long signals are thinned to what shows.
 
-pub mod chart;
+pub(crate) mod chart;
 mod polyline;
 mod ticks;
 
@@ -18,7 +18,7 @@ const AXIS_TITLE: f64 = 18.0;
 const CAPTION_LINE: f64 = 16.0;
 
 /// Look of all figures. Colours are direct values rather than variables, which many viewers do not know.
-pub const STYLE: &str = "\
+pub(crate) const STYLE: &str = "\
 .ts-figure{font-family:system-ui,'DejaVu Sans',sans-serif;font-size:11px}
 .ts-figure .paper{fill:#fff}.ts-figure text{fill:#1f2328}.ts-figure .soft{fill:#59636e}
 .ts-figure .grid{stroke:#e3e6ea;fill:none}.ts-figure .frame{stroke:#b4bcc5;fill:none}
@@ -35,7 +35,7 @@ pub const STYLE: &str = "\
 
 /// Colours of lines; they are told apart in light and dark and by readers who see few colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Color {
+pub(crate) enum Color {
     /// That of the text.
     Ink,
     /// Blue.
@@ -52,7 +52,7 @@ pub enum Color {
 
 /// How all lines of one kind look, and their name in the legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Series {
+pub(crate) struct Series {
     /// Name in the legend.
     pub name: String,
     /// Colour.
@@ -65,7 +65,7 @@ pub struct Series {
 
 /// One line of a panel.
 #[derive(Debug, Clone)]
-pub struct Curve<'a> {
+pub(crate) struct Curve<'a> {
     /// Which of the figure's series it belongs to.
     pub series: usize,
     /// Abscissae, ascending.
@@ -76,7 +76,7 @@ pub struct Curve<'a> {
 
 /// One pair of axes. Curves are drawn in their order, the last on top.
 #[derive(Debug, Clone, Default)]
-pub struct Panel<'a> {
+pub(crate) struct Panel<'a> {
     /// Heading at the left.
     pub title: String,
     /// Remark at the right of the heading.
@@ -87,7 +87,7 @@ pub struct Panel<'a> {
 
 /// A figure of panels that share the meaning of their axes.
 #[derive(Debug, Clone, Default)]
-pub struct Figure<'a> {
+pub(crate) struct Figure<'a> {
     /// Heading.
     pub title: String,
     /// Lines of text below the panels.
@@ -106,7 +106,7 @@ pub struct Figure<'a> {
 
 impl Figure<'_> {
     /// The figure as an SVG document, which may also stand inside an HTML page.
-    pub fn to_svg(&self) -> String {
+    pub(crate) fn to_svg(&self) -> String {
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns);
         let panels_end = HEADER + rows as f64 * PANEL_HEIGHT + AXIS_TITLE;

@@ -12,7 +12,12 @@ const POSES_HZ: f64 = 50.0;
 const GHOST: [u8; 4] = [86, 180, 233, 110];
 
 /// Logs the shapes once and the pose of every joint over time.
-pub fn log(stream: &RecordingStream, robot: &Robot, visuals: &Visuals, track: &Track) -> RecordingStreamResult<()> {
+pub(super) fn log(
+    stream: &RecordingStream,
+    robot: &Robot,
+    visuals: &Visuals,
+    track: &Track,
+) -> RecordingStreamResult<()> {
     let paths = paths(robot, track.name);
     for (index, visual) in visuals.shapes.iter().enumerate() {
         log_shape(stream, &format!("{}/shape_{index}", paths[visual.body]), visual, track.ghost)?;
@@ -35,7 +40,7 @@ pub fn log(stream: &RecordingStream, robot: &Robot, visuals: &Visuals, track: &T
 }
 
 /// Entity paths of base and bodies: each inside the one it hangs on.
-pub fn paths(robot: &Robot, name: &str) -> Vec<String> {
+pub(super) fn paths(robot: &Robot, name: &str) -> Vec<String> {
     let mut paths = vec![format!("arm/{name}"); robot.bodies() + 1];
     for body in robot.outwards() {
         let parent = robot.parent(body).map_or(0, |parent| parent + 1);

@@ -22,7 +22,7 @@ const BACKGROUND: [u8; 3] = [30, 34, 40];
 type Properties = Vec<(String, Box<dyn AsComponents>)>;
 
 /// Sends the layout of `film` to its recording.
-pub fn send(stream: &RecordingStream, film: &Film) -> RecordingStreamResult<()> {
+pub(super) fn send(stream: &RecordingStream, film: &Film) -> RecordingStreamResult<()> {
     let mut properties = Properties::new();
     let blueprint = blueprint(film, &mut properties);
 

@@ -2,10 +2,11 @@
 //! friction of some per cent of a joint's load, rotors, and torque noise of 0.5 to 1 % of it.
 
 use crate::dynamics::{Chain, inverse_dynamics_at};
+use crate::effects::drive_friction;
 use crate::excitation::JointLimits;
 use crate::random;
 use crate::robot::{Drive, GRAVITY, Inertia, Joint, JointKind, Limits, Pose, Robot};
-use crate::scenario::{Setup, drive_friction, misjudged};
+use crate::scenario::{Setup, misjudged};
 use chacha20::ChaCha8Rng;
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
@@ -25,7 +26,7 @@ const STATES: usize = 60;
 const MODEL_ERROR: f64 = 0.1;
 
 /// `setup` with an arm of `dof` turning joints, drawn from `seed`, in place of its own; without effects.
-pub fn random_setup(setup: &Setup, dof: usize, seed: u64) -> Setup {
+pub(crate) fn random_setup(setup: &Setup, dof: usize, seed: u64) -> Setup {
     let mut source = random::stream(seed, "blind arm", 0);
     let mut robot = bodies(dof, &mut source);
     let load = drives(&mut robot, &mut source);

@@ -14,9 +14,8 @@ use crate::quality;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
 use crate::robot::Robot;
-use crate::scenario::Setup;
+use crate::scenario::{Setup, measure, simulate};
 use crate::simulation::integrator::Integrator;
-use crate::simulation::{measure, simulate};
 use std::time::Instant;
 
 /// A blind run that was made.

@@ -127,12 +127,12 @@ pub fn draw(setup: &Setup, seed: u64, severity: f64, correlation_s: f64, trust: 
 }
 
 /// Effects of the library that can be told from the baseline under `trust`.
-pub fn visible(trust: Trust) -> Vec<&'static dyn Effect> {
+pub(crate) fn visible(trust: Trust) -> Vec<&'static dyn Effect> {
     LIBRARY.iter().copied().filter(|effect| is_candidate(*effect, trust, &[])).collect()
 }
 
 /// `effect` on a place drawn out of all on an arm of `dof` joints, with drawn shapes and signs.
-pub fn drawn(effect: &'static dyn Effect, dof: usize, source: &mut ChaCha8Rng) -> Placed {
+pub(crate) fn drawn(effect: &'static dyn Effect, dof: usize, source: &mut ChaCha8Rng) -> Placed {
     let joint = source.random_range(places(effect, dof));
     let mut placed = Placed::typical(effect, joint);
     let factor = SHAPE_FACTOR.powf(source.random_range(-1.0..1.0));

@@ -13,7 +13,7 @@ const LINES: &str = "runs.jsonl";
 
 /// What a study is made from: runs of another one must not be taken for its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Identity {
+pub(crate) struct Identity {
     /// Seed of the study.
     pub seed: u64,
     /// The scenario whose arm and sensors are used.
@@ -24,7 +24,7 @@ pub struct Identity {
 
 /// Finished runs in a file.
 #[derive(Debug)]
-pub struct Journal {
+pub(crate) struct Journal {
     folder: PathBuf,
     file: File,
 }
@@ -34,7 +34,7 @@ impl Journal {
     ///
     /// # Errors
     /// If it cannot be written, holds runs of another study, or of this one without `resume`.
-    pub fn open(results: &Path, identity: &Identity, resume: bool) -> Result<(Self, Vec<Row>)> {
+    pub(crate) fn open(results: &Path, identity: &Identity, resume: bool) -> Result<(Self, Vec<Row>)> {
         let folder = results.join(UNFINISHED);
         let path = folder.join(LINES);
         let failed = |source| Error::io(&path, "keep finished runs", source);
@@ -75,7 +75,7 @@ impl Journal {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn add(&mut self, row: &Row) -> Result<()> {
+    pub(crate) fn add(&mut self, row: &Row) -> Result<()> {
         self.line(row)
     }
 
@@ -89,7 +89,7 @@ impl Journal {
     ///
     /// # Errors
     /// If it cannot be removed.
-    pub fn remove(self) -> Result<()> {
+    pub(crate) fn remove(self) -> Result<()> {
         fs::remove_dir_all(&self.folder).map_err(|source| Error::io(&self.folder, "remove the finished runs", source))
     }
 }

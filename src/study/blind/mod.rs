@@ -18,19 +18,19 @@
 //!
 //! Every random number comes from the study's seed and the run's index, so that a run is replayed alone by its index.
 
-pub mod arm;
-pub mod blind_run;
-pub mod case;
+pub(crate) mod arm;
+pub(crate) mod blind_run;
+pub(crate) mod case;
 pub mod fault;
-pub mod journal;
-pub mod motion;
-pub mod outcome;
+pub(crate) mod journal;
+pub(crate) mod motion;
+pub(crate) mod outcome;
 pub mod outside;
-pub mod plan;
+pub(crate) mod plan;
 pub mod power;
-pub mod row;
-pub mod sizing;
-pub mod summary;
+pub(crate) mod row;
+pub(crate) mod sizing;
+pub(crate) mod summary;
 
 pub use blind_run::{BlindRun, run};
 pub use case::{ArmKind, Case, Class, MotionKind, draw};

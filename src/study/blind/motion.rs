@@ -12,7 +12,7 @@ use crate::scenario::Setup;
 use rand::RngExt;
 
 /// Motions of a run that are identified from; the other is held out.
-pub const TRAIN: usize = 2;
+pub(crate) const TRAIN: usize = 2;
 const MOTIONS: usize = 3;
 
 /// Length of each log, s, and what is cut off at either end of a longer motion.
@@ -27,7 +27,7 @@ const HARMONICS: std::ops::RangeInclusive<usize> = 5..=10;
 ///
 /// # Errors
 /// If the limits allow none.
-pub fn motions(case: &Case, setup: &Setup) -> Result<Vec<Motion>> {
+pub(crate) fn motions(case: &Case, setup: &Setup) -> Result<Vec<Motion>> {
     let duration = if case.cut { DURATION_S + 2.0 * CUT_S } else { DURATION_S };
     (0..MOTIONS as u64)
         .map(|index| {
@@ -47,12 +47,12 @@ pub fn motions(case: &Case, setup: &Setup) -> Result<Vec<Motion>> {
 }
 
 /// The part of a log of a motion that is kept; times stay as they are.
-pub fn kept(case: &Case, log: &Recording) -> Recording {
+pub(crate) fn kept(case: &Case, log: &Recording) -> Recording {
     if case.cut { log.time_slice(CUT_S..=CUT_S + DURATION_S) } else { log.clone() }
 }
 
 /// A log of the motion itself, without torque.
-pub fn reference_log(case: &Case, setup: &Setup, motion: &Motion) -> Recording {
+pub(crate) fn reference_log(case: &Case, setup: &Setup, motion: &Motion) -> Recording {
     let dof = setup.known.dof();
     let rate = setup.scenario.sensors.rate_hz;
     let samples = setup.scenario.samples(motion.duration_s());

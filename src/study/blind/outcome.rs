@@ -8,7 +8,7 @@ use crate::effects::Placed;
 const SMALL_SET: usize = 2;
 
 /// What re-identified inertias are called among the names.
-pub const ALL_INERTIAS: &str = "all_inertias";
+pub(crate) const ALL_INERTIAS: &str = "all_inertias";
 
 /// How a blind run came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -68,7 +68,7 @@ pub struct Judgement {
 }
 
 /// Weighs the answer to `case`, whose effects were hidden at the sizes of `hidden`.
-pub fn judge(case: &Case, hidden: &[Placed], faults: &[DataFault], diagnosis: Option<&Diagnosis>) -> Judgement {
+pub(crate) fn judge(case: &Case, hidden: &[Placed], faults: &[DataFault], diagnosis: Option<&Diagnosis>) -> Judgement {
     let stopped = faults.iter().any(|fault| fault.consequence == Consequence::Stops);
     let found: &[Found] = diagnosis.map_or(&[], |diagnosis| &diagnosis.found);
     let inertias = diagnosis.is_some_and(|diagnosis| diagnosis.inertias.is_some());
@@ -158,7 +158,7 @@ fn overall(each: &[Outcome], wrong: bool) -> Outcome {
 }
 
 /// A name with its joint, counted from 1.
-pub fn text(family: Family) -> String {
+pub(crate) fn text(family: Family) -> String {
     format!("{}:{}", family.effect, family.joint + 1)
 }
 

@@ -11,7 +11,7 @@ use chacha20::ChaCha8Rng;
 use rand::RngExt;
 
 /// Correlation times of the torque noise, s: white, and two that are slow.
-pub const CORRELATIONS_S: [f64; 3] = [0.0, 0.13, 0.5];
+pub(crate) const CORRELATIONS_S: [f64; 3] = [0.0, 0.13, 0.5];
 
 const TRUSTS: [Trust; 2] = [Trust::Nominal, Trust::Structure];
 

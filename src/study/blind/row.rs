@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Its place in the plan: `--run` repeats it.
     pub run: usize,
     /// What kind of thing it hides.
@@ -66,7 +66,7 @@ pub struct Row {
 
 /// An effect that was hidden.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Hidden {
+pub(crate) struct Hidden {
     /// Its name.
     pub effect: String,
     /// Its joint, counted from 1 (the first of a pair); None for the whole arm.
@@ -77,7 +77,7 @@ pub struct Hidden {
 
 /// A finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
+pub(crate) struct Answer {
     /// `named`, `one_of`, or `unexplained` for a name that was taken back.
     pub verdict: String,
     /// Its names with their joints, the best first.
@@ -92,7 +92,7 @@ pub struct Answer {
 
 impl Row {
     /// The line of a run, made or failed.
-    pub fn new(case: &Case, run: &Result<BlindRun>) -> Self {
+    pub(crate) fn new(case: &Case, run: &Result<BlindRun>) -> Self {
         let hidden = run.as_ref().map_or(&case.hidden, |run| &run.hidden);
         let row = Row {
             run: case.index,
@@ -149,7 +149,7 @@ impl Row {
     }
 
     /// What was hidden, for tables.
-    pub fn hidden_text(&self) -> String {
+    pub(crate) fn hidden_text(&self) -> String {
         match (&self.fault, &self.hidden[..]) {
             (Some(fault), _) => fault.name().to_owned(),
             (None, []) => "nothing".to_owned(),
@@ -166,7 +166,7 @@ impl Hidden {
     }
 
     /// With its joint.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         self.joint.map_or(self.effect.clone(), |joint| format!("{}:{joint}", self.effect))
     }
 }

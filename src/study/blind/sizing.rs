@@ -25,7 +25,7 @@ const REACHED: f64 = 0.8;
 ///
 /// # Errors
 /// If it cannot be as large as that on this arm: not within the bounds of its parameters, or not at all.
-pub fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<Placed> {
+pub(crate) fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<Placed> {
     if placed.effect.about().site == Site::Integrator {
         return Ok(placed.clone());
     }
@@ -75,7 +75,7 @@ fn reached(setup: &Setup, session: &Session, placed: Placed, case: &Case) -> Res
 ///
 /// # Errors
 /// If it does not show on this arm at all.
-pub fn noise_at_size(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<f64> {
+pub(crate) fn noise_at_size(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) -> Result<f64> {
     let about = placed.effect.about();
     if about.site != Site::Integrator && about.nature != Nature::Delay {
         return Ok(1.0);

@@ -17,7 +17,7 @@ const CLOSED: f64 = 0.9;
 
 /// A share of runs, with its 95 % interval (Wilson 1927).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Rate {
+pub(crate) struct Rate {
     /// Runs of which it holds.
     pub hits: usize,
     /// All runs.
@@ -28,7 +28,7 @@ pub struct Rate {
 
 impl Rate {
     /// `hits` out of `of`.
-    pub fn new(hits: usize, of: usize) -> Self {
+    pub(crate) fn new(hits: usize, of: usize) -> Self {
         if of == 0 {
             return Rate { hits, of, interval: [0.0, 1.0] };
         }
@@ -44,7 +44,7 @@ impl Rate {
     }
 
     /// In per cent with its interval.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let percent = |share: f64| (100.0 * share).round();
         let [low, high] = self.interval.map(percent);
         match self.of {
@@ -58,7 +58,7 @@ impl Rate {
 
 /// All runs of one class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ClassSummary {
+pub(crate) struct ClassSummary {
     /// The class.
     pub class: Class,
     /// Runs that could not be made.
@@ -85,7 +85,7 @@ pub struct ClassSummary {
 
 /// Runs by what was hidden and what was answered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Confusion {
+pub(crate) struct Confusion {
     /// The class.
     pub class: Class,
     /// Name of the effect or fault that was hidden, or `nothing`.
@@ -99,7 +99,7 @@ pub struct Confusion {
 
 /// What a study comes to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// By class.
     pub classes: Vec<ClassSummary>,
     /// By hidden effect and answer.
@@ -108,7 +108,7 @@ pub struct Summary {
 
 impl Summary {
     /// Of these runs.
-    pub fn new(rows: &[Row]) -> Self {
+    pub(crate) fn new(rows: &[Row]) -> Self {
         let classes: BTreeSet<Class> = rows.iter().map(|row| row.class).collect();
         let classes = classes.into_iter().map(|class| {
             let own: Vec<&Row> = rows.iter().filter(|row| row.class == class).collect();

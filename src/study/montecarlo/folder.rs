@@ -1,11 +1,13 @@
 //! The folder of a study in the making: finished chunks survive whatever ends the program.
 
-use super::join::{self, Report, Source, TRIALS, identity_of, summarise};
+use super::files::{SHARD, STUDY_SCHEMA, TRIALS, identity_of};
+use super::join::{self, Report, Source, summarise};
 use super::plan::Identity;
 use super::shard::Shard;
+use super::study::Study;
 use super::summary::Summary;
 use super::table::{self, Timings, Writer};
-use super::{Row, Study};
+use super::trial::Row;
 use crate::error::{Error, Result};
 use crate::output::{self, ResultFolder};
 use rayon::prelude::*;
@@ -15,12 +17,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Where chunks are kept until the study is finished.
 const UNFINISHED: &str = "unfinished";
-
-/// Start of the names of shards' folders.
-const SHARD: &str = "shard_";
-
-/// Copies of what the study was made from.
-pub(super) const INPUTS: [&str; 4] = ["scenario.toml", "robot.urdf", "motion.toml", "held_out.toml"];
 
 /// How far a study is.
 pub struct Progress<'a> {
@@ -74,8 +70,7 @@ impl StudyFolder {
             let file = folder.place("study.json");
             write_whole(&file, |path| {
                 let target = File::create(path).map_err(|e| Error::io(path, "write the study", e))?;
-                output::json(target, join::STUDY_SCHEMA, &folder.identity)
-                    .map_err(|e| Error::io(path, "write the study", e))
+                output::json(target, STUDY_SCHEMA, &folder.identity).map_err(|e| Error::io(path, "write the study", e))
             })?;
         }
         Ok(folder)
@@ -181,18 +176,4 @@ fn write_whole(path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<(
         let _ = folder.sync_all();
     }
     Ok(())
-}
-
-/// Folders of shards inside a folder, in order.
-pub(super) fn shards_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |source| Error::io(folder, "read the folder", source);
-    let mut shards = Vec::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        if entry.file_name().to_string_lossy().starts_with(SHARD) && entry.path().is_dir() {
-            shards.push(entry.path());
-        }
-    }
-    shards.sort();
-    Ok(shards)
 }

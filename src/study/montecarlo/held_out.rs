@@ -12,7 +12,7 @@ const EVERY: usize = 5;
 
 /// Per joint the covariance, over the samples at which it moves, of its regressor columns and (last) its true torque along
 /// the exact held-out motion. The variance of a torque error is a quadratic form in it.
-pub struct HeldOut {
+pub(super) struct HeldOut {
     joints: Vec<(Vec<usize>, DMatrix<f64>)>,
 }
 
@@ -21,7 +21,7 @@ impl HeldOut {
     ///
     /// # Errors
     /// Those of the regression.
-    pub fn new(setup: &Setup, model: &Model, truth: &Truth) -> Result<Self> {
+    pub(super) fn new(setup: &Setup, model: &Model, truth: &Truth) -> Result<Self> {
         let band = setup.scenario.identification.reversal_band_rad_s;
         let rows = prepare::exact(&truth.time, &truth.signals, band).every(EVERY).regression(model)?;
         let joints = rows
@@ -47,7 +47,7 @@ impl HeldOut {
 
     /// Standard deviation per joint, N m, of predicted minus true torque: of the simulated plant, or of an arm with the
     /// base parameters `truth` where given.
-    pub fn torque_std(&self, beta: &[f64], truth: Option<&[f64]>) -> Vec<f64> {
+    pub(super) fn torque_std(&self, beta: &[f64], truth: Option<&[f64]>) -> Vec<f64> {
         self.joints
             .iter()
             .map(|(parameters, covariance)| {

@@ -1,5 +1,8 @@
 //! Chunks of a study put together, from one machine or many, in the order of the trials.
 
+use super::files::{
+    INPUTS, REPORT, STUDY, STUDY_SCHEMA, SUMMARY, SUMMARY_SCHEMA, TIMINGS, TRIALS, identity_of, shards_in,
+};
 use super::plan::Identity;
 use super::summary::{Summary, Sums};
 use super::table::{self, Timings, Writer};
@@ -7,20 +10,6 @@ use crate::error::{Error, Result};
 use crate::output::ResultFolder;
 use arrow::array::RecordBatch;
 use std::path::{Path, PathBuf};
-
-/// Layouts of the files of a study.
-pub const STUDY_SCHEMA: &str = "tauscope.study/1";
-/// Layout of `summary.json`.
-pub const SUMMARY_SCHEMA: &str = "tauscope.montecarlo/1";
-
-/// Names of the files of a study.
-pub const TRIALS: &str = "trials.parquet";
-/// Times of the trials.
-pub const TIMINGS: &str = "timings.parquet";
-/// The study's [`Identity`].
-pub const STUDY: &str = "study.json";
-const SUMMARY: &str = "summary.json";
-const REPORT: &str = "report.html";
 
 /// Makes the page that a study's results are told on.
 pub type Report<'a> = &'a dyn Fn(&Summary, &Timings) -> String;
@@ -77,27 +66,6 @@ pub(super) fn summarise(folder: &Path, identity: &Identity) -> Result<(Summary, 
         times.add(&timings, &table::read(&timings, group)?)?;
     }
     Ok((sums.summary(), times))
-}
-
-/// The study that a folder holds, if it holds one.
-///
-/// # Errors
-/// If `study.json` cannot be read or is none.
-pub(super) fn identity_of(folder: &Path) -> Result<Option<Identity>> {
-    let path = folder.join(STUDY);
-    let text = match std::fs::read_to_string(&path) {
-        Ok(text) => text,
-        Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(source) => return Err(Error::io(&path, "read the study", source)),
-    };
-    let value: serde_json::Value = serde_json::from_str(&text)
-        .map_err(|problem| Error::input(&path, Some(problem.line()), "JSON", problem.to_string()))?;
-    if value["schema"] != STUDY_SCHEMA {
-        return Err(Error::input(&path, None, "schema", format!("is not `{STUDY_SCHEMA}`; choose another folder")));
-    }
-    let mut value = value;
-    value.as_object_mut().map(|object| object.remove("schema"));
-    serde_json::from_value(value).map(Some).map_err(|problem| Error::input(&path, None, "study", problem.to_string()))
 }
 
 /// Which chunk of a study a batch is.
@@ -169,7 +137,7 @@ pub fn merge(folders: &[PathBuf], out: &Path, report: Report) -> Result<(Summary
     let folder = ResultFolder::create(out)?;
     let sources: Vec<Source> = sources.into_iter().flatten().collect();
     let (summary, times) = join(&folder, &identity, &sources, report)?;
-    for name in super::folder::INPUTS {
+    for name in INPUTS {
         if let Ok(text) = std::fs::read_to_string(first.join(name)) {
             folder.write_text(name, &text)?;
         }
@@ -187,7 +155,7 @@ fn trial_range(identity: &Identity, chunk: usize) -> String {
 fn expand(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut shards = Vec::new();
     for folder in folders {
-        let inside = super::folder::shards_in(folder)?;
+        let inside = shards_in(folder)?;
         if inside.is_empty() { shards.push(folder.clone()) } else { shards.extend(inside) }
     }
     Ok(shards)

@@ -130,7 +130,7 @@ struct CellSums {
 }
 
 impl Sums {
-    pub fn new(identity: &Identity) -> Self {
+    pub(super) fn new(identity: &Identity) -> Self {
         let empty = CellSums {
             torque_std: vec![0.0; identity.joints.len()],
             error: vec![[0.0; 3]; identity.parameters.len()],
@@ -140,7 +140,7 @@ impl Sums {
     }
 
     /// Adds the rows of a chunk, which stand trial by trial in the order of the cells.
-    pub fn add(&mut self, path: &Path, batch: &RecordBatch) -> Result<()> {
+    pub(super) fn add(&mut self, path: &Path, batch: &RecordBatch) -> Result<()> {
         let cells = self.cells.len();
         let failure = text(path, batch, "failure")?;
         let (d_beta, coverage) = (float(path, batch, "d_beta")?, float(path, batch, "coverage")?);
@@ -174,7 +174,7 @@ impl Sums {
         Ok(())
     }
 
-    pub fn summary(self) -> Summary {
+    pub(super) fn summary(self) -> Summary {
         let Identity { scenario, seed, montecarlo: spec, joints, parameters, .. } = self.identity;
         let mut cells = Vec::new();
         let mut sums = self.cells.into_iter();

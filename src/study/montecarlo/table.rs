@@ -17,10 +17,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Name and version of the layout, kept in the file's metadata.
-pub const SCHEMA: &str = "tauscope.montecarlo.trials/1";
+pub(super) const SCHEMA: &str = "tauscope.montecarlo.trials/1";
 
 /// The columns of trials, in order.
-pub fn trials(identity: &Identity, rows: &[Row]) -> Result<RecordBatch> {
+pub(super) fn trials(identity: &Identity, rows: &[Row]) -> Result<RecordBatch> {
     let found = |pick: &dyn Fn(&Found) -> f64| -> ArrayRef {
         Arc::new(Float64Array::from_iter(rows.iter().map(|row| row.outcome.as_ref().ok().map(pick))))
     };
@@ -53,7 +53,7 @@ pub fn trials(identity: &Identity, rows: &[Row]) -> Result<RecordBatch> {
 }
 
 /// The times of the same rows.
-pub fn timings(rows: &[Row]) -> Result<RecordBatch> {
+pub(super) fn timings(rows: &[Row]) -> Result<RecordBatch> {
     let mut columns = keys(rows);
     columns
         .insert(1, ("noise_level".into(), Arc::new(UInt32Array::from_iter_values(rows.iter().map(|row| row.level)))));
@@ -82,7 +82,7 @@ fn batch(columns: Vec<(String, ArrayRef)>) -> Result<RecordBatch> {
 }
 
 /// Writes batches of one layout, a row group each.
-pub struct Writer<'a> {
+pub(super) struct Writer<'a> {
     path: &'a Path,
     file: Option<ArrowWriter<File>>,
     metadata: Vec<KeyValue>,
@@ -90,7 +90,7 @@ pub struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     /// Will write to `path` as the first batch comes.
-    pub fn new(path: &'a Path, identity: &Identity) -> Result<Self> {
+    pub(super) fn new(path: &'a Path, identity: &Identity) -> Result<Self> {
         let study = serde_json::to_string(identity)
             .map_err(|problem| Error::request("study", format!("cannot be written: {problem}")))?;
         let metadata = vec![KeyValue::new("schema".into(), SCHEMA.to_owned()), KeyValue::new("study".into(), study)];
@@ -98,7 +98,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes a batch as a row group.
-    pub fn write(&mut self, batch: &RecordBatch) -> Result<()> {
+    pub(super) fn write(&mut self, batch: &RecordBatch) -> Result<()> {
         let path = self.path;
         let failed = |problem: ParquetError| Error::io(path, "write the trials", into_io(problem));
         if self.file.is_none() {
@@ -111,7 +111,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Ends the file and makes sure that it is on the disk.
-    pub fn finish(self) -> Result<()> {
+    pub(super) fn finish(self) -> Result<()> {
         let failed = |source| Error::io(self.path, "write the trials", source);
         let Some(writer) = self.file else {
             return Err(Error::request("trials", "there are none to write"));
@@ -156,12 +156,12 @@ fn broken(path: &Path, problem: &str) -> Error {
 }
 
 /// Number of row groups of a file.
-pub fn groups(path: &Path) -> Result<usize> {
+pub(super) fn groups(path: &Path) -> Result<usize> {
     Ok(open(path)?.metadata().num_row_groups())
 }
 
 /// One row group as a batch.
-pub fn read(path: &Path, group: usize) -> Result<RecordBatch> {
+pub(super) fn read(path: &Path, group: usize) -> Result<RecordBatch> {
     let builder = open(path)?;
     let rows = builder.metadata().row_group(group).num_rows().max(1) as usize;
     let mut reader = builder
@@ -174,17 +174,17 @@ pub fn read(path: &Path, group: usize) -> Result<RecordBatch> {
 }
 
 /// Values of a column of whole numbers.
-pub fn whole<'a>(path: &Path, batch: &'a RecordBatch, name: &str) -> Result<&'a UInt32Array> {
+pub(super) fn whole<'a>(path: &Path, batch: &'a RecordBatch, name: &str) -> Result<&'a UInt32Array> {
     column(path, batch, name)
 }
 
 /// Values of a column of numbers.
-pub fn float<'a>(path: &Path, batch: &'a RecordBatch, name: &str) -> Result<&'a Float64Array> {
+pub(super) fn float<'a>(path: &Path, batch: &'a RecordBatch, name: &str) -> Result<&'a Float64Array> {
     column(path, batch, name)
 }
 
 /// Values of a column of texts.
-pub fn text<'a>(path: &Path, batch: &'a RecordBatch, name: &str) -> Result<&'a StringArray> {
+pub(super) fn text<'a>(path: &Path, batch: &'a RecordBatch, name: &str) -> Result<&'a StringArray> {
     column(path, batch, name)
 }
 

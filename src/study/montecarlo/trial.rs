@@ -1,6 +1,6 @@
 //! One trial: draws, measures, identifies, scores.
 
-use super::Study;
+use super::study::Study;
 use crate::error::Result;
 use crate::excitation::Motion;
 use crate::excitation::random_sequence::random_sequence;
@@ -10,8 +10,8 @@ use crate::identification::model::Model;
 use crate::identification::prepare::{Prepared, Smoothing, measured};
 use crate::random;
 use crate::recording::Recording;
-use crate::scenario::{NoiseLevel, Setup, drawable, misjudged};
-use crate::simulation::{Truth, sensed, simulate_with};
+use crate::scenario::{NoiseLevel, Setup, drawable, misjudged, sensed, simulate_with};
+use crate::simulation::Truth;
 use crate::study::closed_loop::{Beside, ClosedLoop};
 use crate::study::score::parameter_distance;
 use chacha20::ChaCha8Rng;

@@ -1,6 +1,6 @@
 //! Every candidate with its test, and how small what was not found would have to be.
 
-use super::{named, probability, spaced};
+use super::words::{named, probability, spaced};
 use crate::diagnosis::{Diagnosis, Family};
 use crate::effects;
 use crate::report::console::significant;
@@ -11,7 +11,7 @@ use crate::robot::Robot;
 const RANKED: usize = 12;
 
 /// The first scan, the likeliest candidate first.
-pub fn ranked(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+pub(super) fn ranked(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     let row = |(index, ranked): (usize, &crate::diagnosis::Ranked)| {
         vec![
             (index + 1).to_string(),
@@ -48,7 +48,7 @@ fn status(diagnosis: &Diagnosis, family: Family) -> &'static str {
 }
 
 /// Smallest sizes that would have been found, effects down, joints across.
-pub fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+pub(super) fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     let mut names: Vec<&str> = diagnosis.not_found.iter().map(|missed| missed.family.effect).collect();
     names.dedup();
     let rows = names.iter().map(|&name| {

@@ -1,6 +1,6 @@
 //! What was found: parameters with intervals, law, and what is easily taken for it.
 
-use super::{NORMAL_95, named, probability, sentence, spaced};
+use super::words::{NORMAL_95, named, probability, sentence, spaced};
 use crate::diagnosis::{Diagnosis, Found};
 use crate::effects::{About, Role};
 use crate::report::console::significant;
@@ -9,7 +9,7 @@ use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 
 /// The effects found, or what structure is left where there are none.
-pub fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
+pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     if diagnosis.found.is_empty() {
         let mut blocks = vec![Block::text("No effect of the library was found.")];
         let left = diagnosis.unexplained.iter().map(|left| {

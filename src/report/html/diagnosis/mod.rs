@@ -2,16 +2,18 @@
 
 mod candidates;
 mod findings;
+mod words;
+
+use words::{NORMAL_95, named, sentence};
 
 use super::evidence::{self, Contender, Joint};
 use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
-use crate::diagnosis::{DataFault, Diagnosis, Family, Found, Resimulation, Verdict};
+use crate::diagnosis::{DataFault, Diagnosis, Found, Resimulation, Verdict};
 use crate::effects::Role;
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
-use crate::report::diagnosis::joints;
 use crate::report::diagnosis::{extrapolation, mixed_rates, sampling};
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
@@ -20,12 +22,9 @@ use crate::robot::Robot;
 /// Time between two rows of a diagnosis, s.
 const ROW_S: f64 = 0.02;
 
-/// 97.5 % point of the normal distribution.
-const NORMAL_95: f64 = 1.959_964;
-
 /// What a diagnosis was given.
 #[derive(Debug, Clone, Copy)]
-pub struct Logs<'a> {
+pub(crate) struct Logs<'a> {
     /// Logs to find from.
     pub train: &'a [&'a Recording],
     /// Logs to judge by, in the order of the evidence.
@@ -35,7 +34,7 @@ pub struct Logs<'a> {
 }
 
 /// The report of a diagnosis; `resimulation` is what the simulator says of the extended model, where it was asked.
-pub fn page(
+pub(crate) fn page(
     robot: &Robot,
     diagnosis: &Diagnosis,
     resimulation: Option<&Resimulation>,
@@ -67,25 +66,6 @@ pub fn page(
 
 fn contender(name: &str, color: Color) -> Contender {
     Contender { name: name.into(), color }
-}
-
-/// An effect with its joints, in words.
-fn named(robot: &Robot, family: Family) -> String {
-    let joints = joints(robot, family);
-    let on = if joints.is_empty() { String::new() } else { format!(" on {}", joints.join(" and ")) };
-    spaced(family.effect) + &on
-}
-
-/// Name of an effect in words.
-fn spaced(name: &str) -> String {
-    name.replace('_', " ")
-}
-
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
-    let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
-    format!("{first}{}{end}", letters.as_str())
 }
 
 /// The answer in one sentence.
@@ -169,15 +149,6 @@ fn values(robot: &Robot, found: &Found) -> Vec<String> {
             format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), placed.unit(k, robot))
         })
         .collect()
-}
-
-/// A probability from its decimal logarithm: one that underflows is still told.
-fn probability(log10: f64) -> String {
-    match log10 {
-        p if p < -300.0 => "<1e-300".into(),
-        p if p < -3.0 => format!("1e{:.0}", p.ceil()),
-        p => significant(10f64.powf(p)),
-    }
 }
 
 fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> Section {
@@ -313,23 +284,4 @@ fn rows(robot: &Robot, diagnosis: &Diagnosis, held_out: &[&Recording]) -> Vec<Jo
             }
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn probabilities_that_underflow_are_told() {
-        assert_eq!(probability(-520.3), "<1e-300");
-        assert_eq!(probability(f64::NEG_INFINITY), "<1e-300");
-        assert_eq!(probability(-12.3), "1e-12");
-        assert_eq!(probability(-1.0), "0.100");
-    }
-
-    #[test]
-    fn sentences() {
-        assert_eq!(sentence("move joint 1"), "Move joint 1.");
-        assert_eq!(sentence(""), ".");
-    }
 }

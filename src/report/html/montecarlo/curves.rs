@@ -1,6 +1,6 @@
 //! The parameter error over the smoothing window and over the noise.
 
-use super::{legend, level, levels, smoothing};
+use super::labels::{legend, level, levels, smoothing};
 use crate::report::console::significant;
 use crate::report::html::{Block, Section};
 use crate::report::montecarlo::{noise, window};
@@ -8,7 +8,7 @@ use crate::report::svg::chart::{Chart, Mark, Trace};
 use crate::study::montecarlo::{Cell, Quantiles, Summary};
 
 /// The parameter error over the smoothing window, where more than one was tried.
-pub fn by_window(summary: &Summary) -> Option<Section> {
+pub(super) fn by_window(summary: &Summary) -> Option<Section> {
     if summary.best_windows.is_empty() {
         return None;
     }
@@ -45,7 +45,7 @@ pub fn by_window(summary: &Summary) -> Option<Section> {
 }
 
 /// What noise does, where more than one level was tried.
-pub fn by_noise(summary: &Summary) -> Option<Section> {
+pub(super) fn by_noise(summary: &Summary) -> Option<Section> {
     let axis = |cell: &Cell| cell.encoder_rad.filter(|&std| std > 0.0).map_or(f64::NAN, f64::log10);
     let mut distinct: Vec<f64> = summary.cells.iter().map(axis).filter(|at| at.is_finite()).collect();
     distinct.sort_by(f64::total_cmp);

@@ -1,10 +1,13 @@
 //! The report of a Monte Carlo study.
 
 mod curves;
+mod labels;
+
+use labels::{level, levels, smoothing};
 
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::report::console::significant;
-use crate::report::montecarlo::{noise, size, window};
+use crate::report::montecarlo::{noise, window};
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
 use crate::study::montecarlo::{Cell, Quantiles, Summary, Timings};
@@ -12,19 +15,8 @@ use crate::study::montecarlo::{Cell, Quantiles, Summary, Timings};
 /// Share of the 95 % intervals that hold the truth below which they say too much.
 const HONEST: f64 = 0.9;
 
-/// Looks of the estimators, in their order.
-const LOOKS: [(Color, Mark); 7] = [
-    (Color::Blue, Mark::Line(2.0)),
-    (Color::Orange, Mark::Line(2.0)),
-    (Color::Green, Mark::Line(2.0)),
-    (Color::Purple, Mark::Line(2.0)),
-    (Color::Blue, Mark::Dashed(2.0)),
-    (Color::Orange, Mark::Dashed(2.0)),
-    (Color::Green, Mark::Dashed(2.0)),
-];
-
 /// The report of a study, or of a part of one.
-pub fn page(summary: &Summary, times: &Timings, provenance: Provenance) -> Page {
+pub(crate) fn page(summary: &Summary, times: &Timings, provenance: Provenance) -> Page {
     let best: Vec<&Cell> = (0..levels(summary)).filter_map(|level| best(summary, level)).collect();
     let (verdict, tone) = verdict(summary, &best);
     let mut sections = vec![comparison(summary, times)];
@@ -41,10 +33,6 @@ pub fn page(summary: &Summary, times: &Timings, provenance: Provenance) -> Page 
         sections,
         provenance,
     }
-}
-
-fn levels(summary: &Summary) -> u32 {
-    summary.cells.iter().map(|cell| cell.noise_level + 1).max().unwrap_or(0)
 }
 
 /// What came closest to the true parameters at a noise level, of those that mostly gave an estimate.
@@ -139,37 +127,8 @@ fn next(summary: &Summary, best: &[&Cell]) -> Option<String> {
     }
 }
 
-fn smoothing(size: u32) -> String {
-    if size == 0 { "no smoothing".to_owned() } else { format!("a window of {size} samples") }
-}
-
 fn percent(share: Option<f64>) -> String {
     share.map_or("-".to_owned(), |share| format!("{:.1} %", 100.0 * share))
-}
-
-/// A noise level in words.
-fn level(cell: &Cell) -> String {
-    match (cell.encoder_rad, cell.torque_nm) {
-        (None, None) => "the scenario's noise".to_owned(),
-        (Some(q), None) => format!("{} rad of noise", size(q)),
-        (None, Some(tau)) => format!("{} N m of noise", size(tau)),
-        (Some(q), Some(tau)) => format!("{} rad and {} N m of noise", size(q), size(tau)),
-    }
-}
-
-fn estimators(summary: &Summary) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for cell in &summary.cells {
-        if !names.contains(&cell.estimator.as_str()) {
-            names.push(&cell.estimator);
-        }
-    }
-    names
-}
-
-fn legend(summary: &Summary) -> Vec<(String, Color, Mark)> {
-    let named = estimators(summary).into_iter().zip(LOOKS.iter().cycle());
-    named.map(|(name, &(color, mark))| (name.to_owned(), color, mark)).collect()
 }
 
 fn comparison(summary: &Summary, times: &Timings) -> Section {

@@ -1,0 +1,35 @@
+//! What all commands share: options and exit codes.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// Done.
+pub const DONE: u8 = 0;
+/// A check failed.
+pub const FAILED: u8 = 1;
+/// Bad input or usage.
+pub const BAD_INPUT: u8 = 2;
+
+/// Options of every command.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Global {
+    /// Print the result as JSON on standard output instead of tables.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Seed that replaces the scenario's; every random number comes from it.
+    #[arg(long, global = true, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Folder for the results, instead of `results/NAME` of the scenario.
+    #[arg(long, global = true, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// No progress bar and no tables: errors only.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+impl Global {
+    /// The results folder of something called `name`.
+    pub fn folder(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("results").join(name))
+    }
+}

@@ -1,0 +1,75 @@
+//! The linear parameters of the arm itself: base parameters, or those of its drives.
+
+use crate::effects::Placed;
+use crate::identification::model::Model;
+use crate::identification::standard::{ROTOR, STANDARD};
+
+/// Which parameters of the arm are believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Trust {
+    /// The URDF's inertias are believed; friction and rotor inertia of every joint are fitted.
+    Nominal,
+    /// Only the geometry is believed; all base parameters are fitted.
+    Structure,
+}
+
+/// A linear parameter of the arm itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ArmParameter {
+    /// A base parameter, by its index.
+    Base(usize),
+    /// Rotor inertia (0), viscous (1) or Coulomb friction (2) of a joint whose link is believed.
+    Drive(usize, usize),
+}
+
+/// The effects that stand for what differs from the arm's own rotor inertia, viscous and Coulomb friction.
+const DRIVE_EFFECTS: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
+
+/// Joint and kind (an index of [`DRIVE_EFFECTS`]) of a parameter that belongs to a drive alone.
+pub(super) fn drive_of(model: &Model, parameter: ArmParameter) -> Option<(usize, usize)> {
+    match parameter {
+        ArmParameter::Drive(joint, which) => Some((joint, which)),
+        ArmParameter::Base(base) => model.drive_of(base),
+    }
+}
+
+/// Whether an effect stands for what differs from a parameter of a drive ([`drive_of`]).
+pub(super) fn stands_for(placed: &Placed, (joint, which): (usize, usize)) -> bool {
+    placed.joint == joint && placed.effect.about().name == DRIVE_EFFECTS[which]
+}
+
+/// The arm's linear parameters with their values according to its URDF: where fits start.
+pub(super) fn arm_parameters(model: &Model, trust: Trust) -> Vec<(ArmParameter, f64)> {
+    match trust {
+        Trust::Structure => {
+            let values = model.base().values(&Model::standard_values(model.robot()));
+            values.into_iter().enumerate().map(|(base, value)| (ArmParameter::Base(base), value)).collect()
+        }
+        Trust::Nominal => {
+            let joints = model.robot().joints.iter().enumerate();
+            joints
+                .filter(|(joint, _)| model.has_equation(*joint))
+                .flat_map(|(joint, spec)| {
+                    let drive = [spec.drive.armature, spec.drive.viscous, spec.drive.coulomb];
+                    drive.into_iter().enumerate().map(move |(k, value)| (ArmParameter::Drive(joint, k), value))
+                })
+                .collect()
+        }
+    }
+}
+
+pub(super) fn arm_name(model: &Model, parameter: ArmParameter) -> String {
+    match parameter {
+        ArmParameter::Base(base) => model.base().groupings()[base].name.clone(),
+        ArmParameter::Drive(joint, which) => format!("{}{}", ["Ia", "Fv", "Fc"][which], joint + 1),
+    }
+}
+
+/// The standard parameter that a parameter of the arm is, or that leads it.
+pub(super) fn leader(model: &Model, parameter: ArmParameter) -> usize {
+    match parameter {
+        ArmParameter::Base(base) => model.base().kept()[base],
+        ArmParameter::Drive(joint, which) => joint * STANDARD + ROTOR + which,
+    }
+}

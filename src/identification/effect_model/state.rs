@@ -1,0 +1,200 @@
+//! The model with its effects and their present parameters.
+
+use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, leader, stands_for};
+use crate::effects::{Gear, Placed, Role, Scope, Site};
+use crate::error::Result;
+use crate::identification::joint_regression::JointRegression;
+use crate::identification::least_squares::require_rows;
+use crate::identification::model::Model;
+use crate::identification::prepare::{self, Prepared, Smoothing};
+use crate::identification::reversals::Band;
+use crate::identification::undetermined::undetermined;
+use crate::recording::Recording;
+
+/// How measured logs are made ready.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preparation {
+    /// Smoothing, differentiation and the filter of torque and columns.
+    pub smoothing: Smoothing,
+    /// Where the direction of a joint is certain.
+    pub band: Band,
+}
+
+/// A model with effects on a set of logs.
+pub struct EffectModel<'a> {
+    pub(super) model: &'a Model,
+    pub(super) trust: Trust,
+    pub(super) logs: Vec<(&'a Recording, Prepared<'a>)>,
+    pub(super) preparation: Preparation,
+    pub(super) placed: Vec<Placed>,
+    /// The arm's own parameters that are fitted.
+    pub(super) arm: Vec<ArmParameter>,
+    /// Those that are believed because an effect stands for what differs from them, with their values.
+    pub(super) believed: Vec<(ArmParameter, f64)>,
+    /// The arm's parameters as last solved for.
+    pub(super) baseline: Vec<f64>,
+    /// Those that the logs do not determine, with the values at which they are held; None before a regression was seen.
+    undetermined: Option<Vec<(usize, f64)>>,
+}
+
+/// Where a parameter of an effect is: index of the effect, index of the parameter.
+pub type Place = (usize, usize);
+
+impl<'a> EffectModel<'a> {
+    /// The model with `placed` effects on `logs`.
+    ///
+    /// # Errors
+    /// If a log is too short for its preparation.
+    pub fn new(
+        model: &'a Model,
+        trust: Trust,
+        logs: &[&'a Recording],
+        preparation: Preparation,
+        placed: Vec<Placed>,
+    ) -> Result<Self> {
+        let logs = logs
+            .iter()
+            .map(|&log| Ok((log, prepare::measured(log, preparation.smoothing, preparation.band)?)))
+            .collect::<Result<_>>()?;
+        let stood_for = |parameter: ArmParameter| {
+            drive_of(model, parameter).is_some_and(|drive| placed.iter().any(|placed| stands_for(placed, drive)))
+        };
+        let (believed, arm): (Vec<_>, Vec<_>) =
+            arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
+        let (arm, baseline) = arm.into_iter().unzip();
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline, undetermined: None })
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.model.dof()
+    }
+
+    /// The effects with their present parameters.
+    pub fn placed(&self) -> &[Placed] {
+        &self.placed
+    }
+
+    /// Names of the linear parameters: those of the arm, then the amplitudes.
+    pub fn linear_names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.arm.iter().map(|&parameter| arm_name(self.model, parameter)).collect();
+        names.extend(self.amplitudes().into_iter().map(|place| self.parameter_name(place)));
+        names
+    }
+
+    /// Units of the arm's linear parameters.
+    pub fn baseline_units(&self) -> Vec<&'static str> {
+        self.arm.iter().map(|&parameter| self.model.unit_on_joint(leader(self.model, parameter))).collect()
+    }
+
+    /// Indices of the arm's viscous and Coulomb frictions among its linear parameters: neither can be negative.
+    pub fn frictions(&self) -> Vec<usize> {
+        let is_friction = |parameter: ArmParameter| drive_of(self.model, parameter).is_some_and(|(_, which)| which > 0);
+        (0..self.arm.len()).filter(|&index| is_friction(self.arm[index])).collect()
+    }
+
+    /// Number of linear parameters that belong to the arm.
+    pub fn baseline_len(&self) -> usize {
+        self.baseline.len()
+    }
+
+    /// Name of an effect's parameter with its joints: "stribeck_friction:joint_2 rise".
+    pub fn parameter_name(&self, (effect, parameter): Place) -> String {
+        let placed = &self.placed[effect];
+        let joints: Vec<&str> = placed.joints().iter().map(|&j| self.model.robot().joints[j].name.as_str()).collect();
+        let at = if joints.is_empty() { String::new() } else { format!(":{}", joints.join("+")) };
+        format!("{}{at} {}", placed.effect.about().name, placed.effect.parameters()[parameter].name)
+    }
+
+    /// The amplitudes of all effects.
+    pub fn amplitudes(&self) -> Vec<Place> {
+        self.places(|role| role == Role::Amplitude)
+    }
+
+    /// The shapes and departures of all effects.
+    pub fn nonlinear(&self) -> Vec<Place> {
+        self.places(|role| matches!(role, Role::Shape | Role::Departure))
+    }
+
+    fn places(&self, wanted: impl Fn(Role) -> bool) -> Vec<Place> {
+        let of = |(index, placed): (usize, &Placed)| -> Vec<Place> {
+            let parameters = placed.effect.parameters().iter().enumerate();
+            parameters.filter(|(_, p)| wanted(p.role)).map(|(k, _)| (index, k)).collect()
+        };
+        self.placed.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// Sets parameters of effects.
+    pub fn set(&mut self, places: &[Place], values: &[f64]) {
+        for (&(effect, parameter), &value) in places.iter().zip(values) {
+            self.placed[effect].parameters[parameter] = value;
+        }
+    }
+
+    /// Values of parameters of effects.
+    pub fn get(&self, places: &[Place]) -> Vec<f64> {
+        places.iter().map(|&(effect, parameter)| self.placed[effect].parameters[parameter]).collect()
+    }
+
+    /// Whether the regression itself depends on the linear parameters (under elastic gears and clipping sensors), so that
+    /// solving takes more than one round.
+    pub fn settles(&self) -> bool {
+        (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
+    }
+
+    /// Holds the arm's parameters that `regression`, the first one, cannot tell from others.
+    ///
+    /// # Errors
+    /// Names a joint with too few rows to tell anything.
+    pub(in crate::identification) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
+        if self.undetermined.is_none() {
+            require_rows(regression)?;
+            self.undetermined = Some(undetermined(regression, &self.baseline, &self.baseline_units()));
+        }
+        Ok(())
+    }
+
+    /// The arm's parameters that are held because the logs do not determine them, with their values.
+    pub fn undetermined(&self) -> &[(usize, f64)] {
+        self.undetermined.as_deref().unwrap_or_default()
+    }
+
+    /// The arm's linear parameters as last solved for.
+    pub fn baseline(&self) -> &[f64] {
+        &self.baseline
+    }
+
+    /// Takes over the arm's linear parameters, under which gears twist.
+    pub fn set_baseline(&mut self, values: &[f64]) {
+        let arm = self.baseline.len();
+        self.baseline.copy_from_slice(&values[..arm]);
+    }
+
+    /// Present values of all linear parameters.
+    pub(super) fn all_linear(&self) -> Vec<f64> {
+        let mut values = self.baseline.clone();
+        values.extend(self.get(&self.amplitudes()));
+        values
+    }
+
+    /// The effects that distort the torque log of a joint.
+    pub(super) fn sensors(&self, joint: usize) -> impl Iterator<Item = &Placed> {
+        self.placed.iter().filter(move |placed| {
+            let about = placed.effect.about();
+            about.site == Site::Sensor && (about.scope == Scope::Arm || placed.joint == joint)
+        })
+    }
+
+    /// Rotor inertia of a joint that is fitted as part of its link's.
+    pub(super) fn lumped_rotor(&self, joint: usize) -> f64 {
+        let lumped = self.trust == Trust::Structure && !self.model.rotor_stands_alone(joint);
+        if lumped { self.model.robot().joints[joint].drive.armature } else { 0.0 }
+    }
+
+    /// The gear of a joint, if it is not rigid.
+    pub(super) fn gear(&self, joint: usize) -> Option<Gear> {
+        let gears = self.placed.iter().filter(|placed| placed.joint == joint);
+        let gear = gears.filter_map(|placed| placed.effect.gear(&placed.parameters)).reduce(Gear::in_series)?;
+        (!gear.is_rigid()).then_some(gear)
+    }
+}

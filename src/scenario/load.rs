@@ -1,0 +1,35 @@
+//! Scenario files read and checked.
+
+use super::locate::Located;
+use super::spec::Scenario;
+use super::validate;
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+impl Scenario {
+    /// Reads and checks a scenario file. Paths inside come back resolved against the file's folder.
+    ///
+    /// # Errors
+    /// Names file, line and key for anything unreadable, unknown, missing or impossible.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::parse(path, &read(path)?)
+    }
+
+    pub(super) fn parse(path: &Path, text: &str) -> Result<Self> {
+        let mut scenario: Scenario = toml::from_str(text).map_err(|e| Error::toml(path, text, &e))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let resolve = |file: &mut PathBuf| *file = folder.join(&*file);
+        resolve(&mut scenario.robot.urdf);
+        for motion in [&mut scenario.motion, &mut scenario.held_out] {
+            motion.file.iter_mut().for_each(resolve);
+        }
+        validate::validate(&scenario, &Located::new(path, text))?;
+        Ok(scenario)
+    }
+}
+
+/// The text of a scenario file.
+pub(super) fn read(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|e| Error::io(path, "read the scenario", e))
+}

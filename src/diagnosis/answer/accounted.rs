@@ -3,18 +3,18 @@
 //! Beside logs alone, only the gap to an estimated noise floor can be told (`gap`), which at the size of the noise scatters as
 //! much as the gap itself. With the hidden effects known, noise plays no part.
 
-use super::conclusion::Conclusion;
+use super::conclusion::Concluded;
 use crate::diagnosis::regression::{Column, combined, rms, solve};
 use crate::effects::Placed;
 use crate::error::Result;
 
-impl Conclusion<'_> {
+impl Concluded<'_> {
     /// Share of what `hidden` adds to the held-out torque beyond what the baseline takes up that the extended model adds too:
     /// 1 - (added - hidden)^2 / hidden^2 in sums of squares, the joints weighted by their noise; zero where it adds nothing.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn share_accounted_for(&self, hidden: &[Placed]) -> Result<f64> {
+    pub(super) fn share_accounted_for(&self, hidden: &[Placed]) -> Result<f64> {
         let (session, whitener) = (&self.session, &self.first_whitener);
         let added = |rows| Ok(combined(&session.arm.added(hidden, rows)?, &vec![1.0; hidden.len()]));
         let (train, mut wanted) = (added(&session.train.rows)?, added(&session.test.rows)?);

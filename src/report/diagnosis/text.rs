@@ -1,12 +1,12 @@
 //! The answer in a few lines.
 
-use super::{EXTENDED_SCENARIO, NOT_SIZED, finding, findings, joints};
+use crate::diagnosis::notices::{effort, extrapolation, mixed_rates, remedy, sampling, with_unit};
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, Family, Found, LOGS_DISAGREE, Play, Resimulation, Share, Verdict, predicts_worse,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, NOT_SIZED, NamedParameter,
+    Play, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
 };
-use crate::quality::Kind;
 use crate::report::console::{by_joint, significant, table};
-use crate::robot::{Joint, Robot};
+use crate::robot::Robot;
 
 /// Effects not found, and parameters of an effect, that the lines mention.
 const MENTIONED: usize = 4;
@@ -83,26 +83,8 @@ pub fn lines(
 pub fn stopped_lines(faults: &[DataFault]) -> String {
     let mut lines = vec!["The logs cannot be diagnosed: a cause named from them would be wrong.".to_owned()];
     lines.extend(fault_lines(faults));
-    lines.push(format!("Next: {}.", mend(faults)));
+    lines.push(format!("Next: {}.", remedy(faults)));
     lines.join("\n")
-}
-
-/// What to do about the faults that stop a diagnosis.
-pub fn mend(faults: &[DataFault]) -> String {
-    let places = |still: bool| -> Vec<&str> {
-        let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
-        let mut places: Vec<&str> = stops
-            .filter(|fault| (fault.kind == Kind::HardlyMoves) == still)
-            .map(|fault| fault.place.as_str())
-            .collect();
-        places.sort_unstable();
-        places.dedup();
-        places
-    };
-    match (places(false), places(true)) {
-        (wrong, _) if !wrong.is_empty() => format!("mend {} and diagnose again", wrong.join(", ")),
-        (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),
-    }
 }
 
 /// What explains nothing: all that was tried.
@@ -130,66 +112,6 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
     format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.alpha))
-}
-
-/// What is said of logs of several rates.
-pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
-    let each: Vec<String> = diagnosis.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
-    (each.len() > 1).then(|| {
-        format!(
-            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is told here, which is that of \
-             the training logs together; log all at one rate",
-            each.join(" and ")
-        )
-    })
-}
-
-/// What is said of delays and lags that are of the sampling.
-pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = diagnosis.of_sampling.iter().map(|short| {
-        let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
-        match short.joint {
-            None => format!("torque and positions lie {time} +- {std} ms apart"),
-            Some(joint) => format!("the torque of {} lags by {time} +- {std} ms", robot.joints[joint].name),
-        }
-    });
-    let each: Vec<String> = each.collect();
-    (!each.is_empty()).then(|| {
-        let each = each.join(", ");
-        format!("{each}: less than half a sample and less than the noise, which sampling does; the model has it, and it is no finding")
-    })
-}
-
-/// What is said of friction that does not change its direction at once.
-pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = robot.joints.iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
-    let each: Vec<String> = each
-        .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
-        .collect();
-    (!each.is_empty()).then(|| {
-        format!(
-            "dry friction changes its direction over some speed, as tanh(v / width), not at once: the baseline has it, and it is no \
-             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths: {}",
-            each.join(", ")
-        )
-    })
-}
-
-/// What is said where the training logs leave the model more open on the held-out logs than the noise.
-pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(&robot.joints);
-    let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
-        true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
-        false => format!("{} by any amount", joint.name),
-    });
-    let open: Vec<String> = open.collect();
-    (!open.is_empty()).then(|| {
-        format!(
-            "the training logs do not tell all that the held-out motions take; there the model is unsure of {}: what is said of these \
-             joints is as unsure. Identify from motions as rich as those; inertias that are believed (--trust nominal) ask less of them",
-            open.join(", ")
-        )
-    })
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {
@@ -255,7 +177,7 @@ pub fn impacts(play: &Play) -> String {
 }
 
 /// What is told of the parameters: what practitioners call them where there are such, else the first few.
-fn values(parameters: &[super::Parameter]) -> String {
+fn values(parameters: &[NamedParameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
     let told = parameters[named..].iter().take(MENTIONED);
     let each = told.map(|p| match p.std.is_finite() {
@@ -340,16 +262,6 @@ fn percent_of(probability: f64) -> String {
         true => format!("{:.0e} %", 100.0 * probability),
         false => format!("{} %", (1e8 * probability).round() / 1e6),
     }
-}
-
-/// An effort of a joint with its unit.
-fn effort(joint: &Joint, value: f64) -> String {
-    with_unit(significant(value), joint.effort_unit())
-}
-
-/// A value with its unit; ratios have none.
-fn with_unit(value: String, unit: &str) -> String {
-    if unit == "1" { value } else { format!("{value} {unit}") }
 }
 
 fn percent(share: Share) -> String {

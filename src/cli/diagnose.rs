@@ -1,4 +1,4 @@
-//! `tauscope diagnose`: name what the model of an arm misses, from logs.
+//! `tauscope diagnose`: name what the model of an arm misses, from logs. The work is [`Diagnosis::of`]'s; here are the files.
 
 use super::arm::ArmArguments;
 use super::{DONE, Global, corrected, print, progress};
@@ -36,13 +36,13 @@ const LEAST_ROUNDS: usize = 2;
 pub struct Arguments {
     #[command(flatten)]
     arm: ArmArguments,
-    /// Log to find from; repeat for more.
+    /// Training log, to identify from; repeat for more.
     #[arg(long, value_name = "LOG", required_unless_present = "dataset")]
     train: Vec<PathBuf>,
-    /// Log of another motion to judge by; repeat for more. Without any, the last part of every training log.
+    /// Held-out log of a different motion; repeat for more. Default: the last 30 % of each training log.
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
-    /// Description of logs: columns, units, motors, payload, mounting, which of them are found from and which judge.
+    /// Description of logs: columns, units, motors, payload, mounting, which of them train and which are held out.
     #[arg(long, value_name = "TOML", conflicts_with_all = ["train", "test"])]
     dataset: Option<PathBuf>,
     /// Log from before a change; repeat for more. The question is then what changed since: a payload, wear, a new hose.
@@ -51,19 +51,19 @@ pub struct Arguments {
     /// The simulation as it stands: its arm, friction, gravity and effects are known, and what else is missing is asked.
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<PathBuf>,
-    /// Whether the URDF's inertias are believed, or re-identified.
+    /// Estimate the inertias (structure), or take them from the URDF (nominal).
     #[arg(long, value_enum, default_value = "structure")]
     trust: Trust,
-    /// Probability of naming anything where there is nothing.
+    /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct.
     #[arg(long, default_value_t = 0.05)]
     alpha: f64,
-    /// Most effects that are named.
+    /// Most effects that are reported.
     #[arg(long, default_value = "12", value_parser = clap::value_parser!(u16).range(1..))]
     max_findings: u16,
-    /// Effects to look for, with commas between, or repeated. All of the library where absent.
+    /// Effects to look for, with commas between, or repeated. Default: all of the library.
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     candidates: Vec<String>,
-    /// Leave out the simulation of what was found along the held-out motion.
+    /// Skip the simulation of the extended model along the held-out motions.
     #[arg(long)]
     no_resimulation: bool,
     /// Forward dynamics of that simulation: rapier, or the project's own, the same to rounding.

@@ -28,8 +28,8 @@ mod search;
 
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_SCENARIO, EXTENDED_URDF,
-    ExtendedModel, Finding, Gain, NamedAlternative, NamedParameter, Outcome, Progress, ResidualStructure, Resimulation,
-    Share, torque,
+    Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome, Progress,
+    ResidualStructure, Resimulation, Scope, Share, torque,
 };
 pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;

@@ -1,6 +1,6 @@
 //! How much of what is hidden a diagnosis accounts for, where that is known: in studies.
 //!
-//! Beside logs alone, only the gap to an estimated noise floor can be told (`gap`), which at the size of the noise scatters as
+//! From logs alone, only the gap to an estimated noise floor can be estimated (`gap`), which at the size of the noise scatters as
 //! much as the gap itself. With the hidden effects known, noise plays no part.
 
 use super::conclusion::Concluded;
@@ -25,7 +25,7 @@ impl Concluded<'_> {
         let mut missed = wanted.clone();
         missed.add(-1.0, &session.residual_on(&session.test, &[], whitener)?);
         missed.add(1.0, &session.held_out_residual(&self.members, &self.whitener)?);
-        let (valid, noise) = (&session.test.rows.valid, &self.diagnosis.noise_floor);
+        let (valid, noise) = (&session.test.rows.valid, &self.diagnosis.errors.noise_floor);
         let square = |column: &Column| -> f64 {
             let joints = rms(valid, column).into_iter().zip(noise).zip(valid);
             joints

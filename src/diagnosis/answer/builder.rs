@@ -45,7 +45,7 @@ impl Diagnosis {
     /// be used are left out, joints without torque or motion are left out, and where a fault forbids an answer the
     /// diagnosis stops and says so.
     ///
-    /// ```
+    /// ```no_run
     /// use tauscope::diagnosis::{Diagnosis, Verdict};
     /// use tauscope::scenario::Setup;
     /// use tauscope::study::testbed;

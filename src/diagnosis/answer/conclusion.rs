@@ -1,7 +1,7 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
 use super::derived::derived;
-use super::diagnosis::{self, Diagnosis, next_experiment, not_found, take_back};
+use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, take_back};
 use super::extended::ExtendedModel;
 use super::gap::Residuals;
 use super::inertias::{Gain, all_inertias};
@@ -49,7 +49,7 @@ pub(super) struct Concluded<'a> {
     seed: u64,
 }
 
-/// Diagnoses the arm of `model`; `progress` is told the number of effects found so far.
+/// Diagnoses the arm of `model`; `progress` receives the number of effects found so far.
 ///
 /// # Errors
 /// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
@@ -123,7 +123,7 @@ fn identified<'a>(
     Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
 }
 
-/// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.
+/// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
 fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
     let (rows, robot) = (&session.test.rows, session.model.robot());
     let mut residual = Column::new(rows.torque.iter().cloned());
@@ -145,9 +145,9 @@ fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
     friction.chain(rotors.map(|(_, joint)| joint.drive.armature)).collect()
 }
 
-/// What is known beside the search itself.
+/// What is known besides the result of the search.
 struct Circumstances {
-    /// What the arm as described leaves of the held-out logs.
+    /// Residual of the arm as described on the held-out logs.
     simulation: Column,
     /// Effects that were there before a change.
     before: Vec<Found>,
@@ -185,7 +185,7 @@ fn answer<'a>(
         unexplained.push(other);
     }
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
-    let closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
+    let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     let simulation_test_rms = rms(&test.valid, &simulation);
@@ -200,40 +200,45 @@ fn answer<'a>(
     }
     let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
     evidence.effects = effects;
-    let diagnosis = Diagnosis {
-        verdict: diagnosis::verdict(&found, inertias.is_some(), &unexplained),
-        alpha: options.alpha,
-        candidates: options.candidates.clone(),
-        cutoffs_hz: session.cutoffs_hz.clone(),
-        passband: session.passband,
-        rates_hz: rates_hz(&session),
-        held_out_from_training,
-        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
-        effective_tests: multiplicity.all(),
-        gap_closed: closed.value,
-        gap_closed_interval: closed.interval,
-        next_experiment: next_experiment(
-            &found,
-            &unexplained,
-            session.model.robot(),
-            [&simulation_test_rms, &extended_test_rms],
-        ),
+    let next_experiment =
+        next_experiment(&found, &unexplained, session.model.robot(), [&simulation_test_rms, &extended_test_rms]);
+    let errors = Errors {
         test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
         simulation_test_rms,
         baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
         extended_test_rms,
         prediction_std,
+        gap_closed,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
-        derived,
-        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
         noise_floor,
-        inertias,
+    };
+    let scope = Scope {
+        alpha: options.alpha,
+        candidates: options.candidates.clone(),
         against_reference: session.train.rows.before > 0,
+        effective_tests: multiplicity.all(),
+    };
+    let logs = LogSummary {
+        rates_hz: rates_hz(&session),
+        cutoffs_hz: session.cutoffs_hz.clone(),
+        passband: session.passband,
+        sign_widths: session.arm.sign_widths.clone(),
+        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
+        held_out_from_training,
+    };
+    let diagnosis = Diagnosis {
+        verdict: diagnosis::verdict(&found, inertias.is_some(), &unexplained),
+        scope,
+        logs,
+        errors,
+        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
         before,
         found,
+        derived,
         of_sampling,
-        sign_widths: session.arm.sign_widths.clone(),
+        inertias,
         unexplained,
+        next_experiment,
         evidence,
     };
     Ok(Concluded { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
@@ -283,7 +288,7 @@ impl Concluded<'_> {
             acceleration: joints.clone().map(fastest).collect(),
             position_noise: joints.clone().map(|joint| noise(|log| &log.q, joint)).collect(),
             torque_noise: joints
-                .map(|joint| noise(|log| &log.tau, joint).max(self.diagnosis.noise_floor[joint]))
+                .map(|joint| noise(|log| &log.tau, joint).max(self.diagnosis.errors.noise_floor[joint]))
                 .collect(),
         }
     }

@@ -138,10 +138,10 @@ impl Document {
         let resimulation = resimulation.as_ref();
         // Not a number, which JSON writes as null, where there is no equation.
         let known = |values: &[f64]| -> Vec<f64> {
-            let each = values.iter().zip(&diagnosis.equations);
+            let each = values.iter().zip(&diagnosis.logs.equations);
             each.map(|(&value, &has)| if has { value } else { f64::NAN }).collect()
         };
-        let [train, test] = diagnosis.baseline_rms.each_ref().map(|rms| known(rms));
+        let [train, test] = diagnosis.errors.baseline_rms.each_ref().map(|rms| known(rms));
         let not_found = diagnosis.not_found.iter().map(|missed| NotFound {
             effect: missed.family.effect,
             joint: joints(robot, missed.family).into_iter().next(),
@@ -158,7 +158,11 @@ impl Document {
         let mut data_quality = qualities(robot, faults);
         let held_out = "no test log was given: the last part of every training log was held out";
         let notices = [
-            ("held_out_from_training", "training logs", diagnosis.held_out_from_training.then(|| held_out.to_owned())),
+            (
+                "held_out_from_training",
+                "training logs",
+                diagnosis.logs.held_out_from_training.then(|| held_out.to_owned()),
+            ),
             ("mixed_rates", "t", notices::mixed_rates(diagnosis)),
             ("sampling_delay", "tau", notices::sampling(robot, diagnosis)),
             ("smooth_friction", "tau", notices::smooth_friction(robot, diagnosis)),
@@ -182,25 +186,25 @@ impl Document {
             robot: robot.name.clone(),
             joints: robot.joint_names(),
             effort_units: robot.effort_units(),
-            alpha: diagnosis.alpha,
-            position_cutoffs_hz: diagnosis.cutoffs_hz.clone(),
-            torque_cutoff_hz: diagnosis.passband.map(|low_pass| low_pass.hz),
-            effective_tests: Some(diagnosis.effective_tests),
-            noise_floor_nm: known(&diagnosis.noise_floor),
-            test_torque_rms_nm: known(&diagnosis.test_torque_rms),
+            alpha: diagnosis.scope.alpha,
+            position_cutoffs_hz: diagnosis.logs.cutoffs_hz.clone(),
+            torque_cutoff_hz: diagnosis.logs.passband.map(|low_pass| low_pass.hz),
+            effective_tests: Some(diagnosis.scope.effective_tests),
+            noise_floor_nm: known(&diagnosis.errors.noise_floor),
+            test_torque_rms_nm: known(&diagnosis.errors.test_torque_rms),
             simulation: Simulation {
-                test_rms_nm: known(&diagnosis.simulation_test_rms),
-                structure: structure(&diagnosis.structure[0]),
+                test_rms_nm: known(&diagnosis.errors.simulation_test_rms),
+                structure: structure(&diagnosis.errors.structure[0]),
             },
             baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
             reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
             findings: findings(robot, diagnosis),
             extended: Some(Extended {
-                test_rms_nm: known(&diagnosis.extended_test_rms),
-                test_prediction_std_nm: known(&diagnosis.prediction_std),
-                gap_closed: diagnosis.gap_closed,
-                gap_closed_interval: diagnosis.gap_closed_interval,
-                structure: structure(&diagnosis.structure[1]),
+                test_rms_nm: known(&diagnosis.errors.extended_test_rms),
+                test_prediction_std_nm: known(&diagnosis.errors.prediction_std),
+                gap_closed: diagnosis.errors.gap_closed.value,
+                gap_closed_interval: diagnosis.errors.gap_closed.interval,
+                structure: structure(&diagnosis.errors.structure[1]),
                 model: EXTENDED_SCENARIO,
                 urdf: EXTENDED_URDF,
                 resimulated_test_rms_nm: resimulation.map(|run| known(&run.extended_rms)),

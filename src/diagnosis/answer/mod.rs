@@ -22,7 +22,7 @@ mod traces;
 
 pub use builder::{DiagnosisBuilder, Progress};
 pub use derived::Derived;
-pub use diagnosis::{Diagnosis, predicts_worse};
+pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope, predicts_worse};
 pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_SCENARIO, EXTENDED_URDF};
 pub use extended::{ExtendedModel, torque};
 pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};

@@ -27,7 +27,7 @@ pub fn remedy(faults: &[DataFault]) -> String {
 
 /// What is said of logs of several rates.
 pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
-    let each: Vec<String> = diagnosis.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
+    let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
             "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is told here, which is that of \
@@ -55,7 +55,7 @@ pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// What is said of friction that does not change its direction at once.
 pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = robot.joints.iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
+    let each = robot.joints.iter().zip(&diagnosis.logs.sign_widths).filter(|(_, width)| **width > 0.0);
     let each: Vec<String> = each
         .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
         .collect();
@@ -70,7 +70,7 @@ pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// What is said where the training logs leave the model more open on the held-out logs than the noise.
 pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(&robot.joints);
+    let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
         true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
         false => format!("{} by any amount", joint.name),

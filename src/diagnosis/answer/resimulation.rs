@@ -21,10 +21,10 @@ use rayon::prelude::*;
 /// Time after the start until the loop has settled, s.
 const SETTLING_S: f64 = 0.5;
 
-/// How many times what the fitted model leaves its simulation may leave and still be a simulation of it.
+/// Factor on the residual of the fitted model up to which that of its simulation is one of the same model.
 const STRAYS: f64 = 5.0;
 
-/// What the models leave of the held-out logs when the simulator runs them along their motions.
+/// Residuals of the models on the held-out logs when the simulator runs them along the motions.
 #[derive(Debug, Clone)]
 pub struct Resimulation {
     /// The forward dynamics.
@@ -67,11 +67,11 @@ impl Replay {
         let [baseline, extended] = [&self.baseline, &self.extended].map(|model| model.as_ref().map_err(Error::clone));
         let fitted = resimulate(engine, &[baseline?, extended?], &self.rows)?;
         let (baseline, extended) = (&fitted[0], &fitted[1]);
-        let noise = &diagnosis.noise_floor;
+        let noise = &diagnosis.errors.noise_floor;
         let (before, after) = (&baseline.residual, &extended.residual);
         let residuals = Residuals { before, after, valid: &baseline.valid, noise };
         let extended_rms = rms(&extended.valid, &extended.residual);
-        let fitted = &diagnosis.extended_test_rms;
+        let fitted = &diagnosis.errors.extended_test_rms;
         let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
         if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
             let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
@@ -96,7 +96,7 @@ pub(super) fn joints_of(unexplained: &[Unexplained]) -> Vec<usize> {
     unexplained.iter().map(|left| left.joint).collect()
 }
 
-/// What a model leaves of the measured torque over the rows; rows in which the loop still settles are not in `valid`.
+/// Residual of a simulated model over the rows; rows in which the loop still settles are not in `valid`.
 #[derive(Debug, Clone)]
 struct Resimulated {
     /// Measured less simulated torque.

@@ -27,10 +27,10 @@ pub fn lines(
     let mut lines = vec![headline(diagnosis)];
     lines.extend(robot.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(fault_lines(faults));
-    if diagnosis.held_out_from_training {
+    if diagnosis.logs.held_out_from_training {
         lines.push("No test log was given: the last part of every training log was held out.".into());
     }
-    lines.extend(diagnosis.passband.map(|low_pass| {
+    lines.extend(diagnosis.logs.passband.map(|low_pass| {
         format!(
             "The torque went through a low-pass of {:.2} Hz before it was logged; the model is seen through the same.",
             low_pass.hz
@@ -49,7 +49,7 @@ pub fn lines(
     for (found, told) in diagnosis.found.iter().zip(&told[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
         let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
-        let verb = if diagnosis.against_reference { "Changed by" } else { "Add to the model:" };
+        let verb = if diagnosis.scope.against_reference { "Changed by" } else { "Add to the model:" };
         let open = if told.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", told.explanation));
     }
@@ -67,8 +67,8 @@ pub fn lines(
     lines.push(errors(robot, diagnosis, resimulation));
     lines.push(String::new());
     if !diagnosis.found.is_empty() {
-        let value = Share { value: diagnosis.gap_closed, interval: diagnosis.gap_closed_interval };
-        let mut line = format!("What was found closes {} of the gap to the noise", percent(value));
+        let closed = percent(diagnosis.errors.gap_closed);
+        let mut line = format!("What was found closes {closed} of the gap to the noise");
         if let Some(run) = resimulation {
             line += &format!("; simulated in {}, {}", run.engine.name(), percent(run.gap_closed));
         }
@@ -89,14 +89,14 @@ pub fn stopped_lines(faults: &[DataFault]) -> String {
 
 /// What explains nothing: all that was tried.
 fn none(diagnosis: &Diagnosis) -> String {
-    match diagnosis.candidates.as_slice() {
+    match diagnosis.scope.candidates.as_slice() {
         [] => "no effect of the library".into(),
         tried => format!("none of the effects tried ({})", tried.join(", ")),
     }
 }
 
 fn headline(diagnosis: &Diagnosis) -> String {
-    let changed = diagnosis.against_reference;
+    let changed = diagnosis.scope.against_reference;
     let none = none(diagnosis);
     let unexplained =
         [format!("something changed that {none} explains"), format!("the model misses something that {none} explains")];
@@ -111,7 +111,7 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
-    format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.alpha))
+    format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.scope.alpha))
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {
@@ -137,7 +137,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
 /// "joint_2 misses 4.8 N m, 9 % of its torque: stribeck_friction takes that to 0.76 N m (noise 0.75 N m)."
 fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let [before, after] = &found.rms;
-    let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.noise_floor[j].powi(2);
+    let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.errors.noise_floor[j].powi(2);
     let joints = found.member.candidate.joints();
     let joint = joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b))).unwrap_or(0);
     let mut names = place(robot, found.member.candidate.family());
@@ -145,7 +145,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         names += &format!(" or {}", place(robot, other.family));
     }
     if found.verdict == Verdict::Unexplained {
-        let why = match predicts_worse(found, &diagnosis.noise_floor) {
+        let why = match predicts_worse(found, &diagnosis.errors.noise_floor) {
             true => "it fits the training logs and not the held-out ones",
             false => "much stays unexplained there",
         };
@@ -156,7 +156,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     if let Some(play) = &found.impacts {
         return format!("{names}: {} (chance of a false alarm {chance}).", impacts(play));
     }
-    let torque = diagnosis.test_torque_rms[joint];
+    let torque = diagnosis.errors.test_torque_rms[joint];
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
     format!(
@@ -164,7 +164,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         robot.joints[joint].name,
         effort(&robot.joints[joint], before[joint]),
         effort(&robot.joints[joint], after[joint]),
-        effort(&robot.joints[joint], diagnosis.noise_floor[joint])
+        effort(&robot.joints[joint], diagnosis.errors.noise_floor[joint])
     )
 }
 
@@ -189,9 +189,9 @@ fn values(parameters: &[NamedParameter]) -> String {
 
 /// Where the error of the arm as described lives, for the joint on which it is the largest share of the torque.
 fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let [described, left] = &diagnosis.structure;
+    let [described, left] = &diagnosis.errors.structure;
     let of = if diagnosis.verdict == Verdict::Unexplained { left } else { described };
-    let excess = |j: usize| of[j].rms_nm / diagnosis.noise_floor[j];
+    let excess = |j: usize| of[j].rms_nm / diagnosis.errors.noise_floor[j];
     let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > 1.5)?;
     let (variable, share) = of[joint].follows.most();
     let worst = of[joint].worst?;
@@ -210,14 +210,18 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 /// The table of held-out errors.
 fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
     let found = !diagnosis.found.is_empty();
-    let identified = if diagnosis.against_reference { "before the change" } else { "re-identified" };
+    let identified = if diagnosis.scope.against_reference { "before the change" } else { "re-identified" };
     let (unit, names) = by_joint(robot);
     let title = format!("held-out rms, {unit}");
     let mut header = vec![title.as_str(), "torque", "as described", identified];
-    let mut columns = vec![&diagnosis.test_torque_rms, &diagnosis.simulation_test_rms, &diagnosis.baseline_rms[1]];
+    let mut columns = vec![
+        &diagnosis.errors.test_torque_rms,
+        &diagnosis.errors.simulation_test_rms,
+        &diagnosis.errors.baseline_rms[1],
+    ];
     if found {
         header.push("with findings");
-        columns.push(&diagnosis.extended_test_rms);
+        columns.push(&diagnosis.errors.extended_test_rms);
     }
     let simulated = resimulation.map(|run| format!("in {}", run.engine.name()));
     if let (Some(run), Some(simulated)) = (resimulation, &simulated) {
@@ -225,9 +229,10 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
         columns.push(&run.extended_rms);
     }
     header.push("noise");
-    columns.push(&diagnosis.noise_floor);
+    columns.push(&diagnosis.errors.noise_floor);
     let rows = names.into_iter().enumerate().map(|(joint, name)| {
-        let value = |value: f64| if diagnosis.equations[joint] { significant(value) } else { significant(f64::NAN) };
+        let value =
+            |value: f64| if diagnosis.logs.equations[joint] { significant(value) } else { significant(f64::NAN) };
         let values = columns.iter().map(|column| value(column[joint]));
         [name].into_iter().chain(values).collect()
     });

@@ -36,7 +36,7 @@ pub struct BlindRun {
     pub accounted_for: Option<f64>,
     /// For each hidden effect, how often the best of all tests would name it.
     pub power: Vec<f64>,
-    /// The same with the positions as the encoders tell them.
+    /// The same with the positions as the encoders measure them.
     pub power_as_measured: Vec<f64>,
     /// How it came out.
     pub judgement: Judgement,

@@ -113,7 +113,10 @@ fn what_the_simulation_has_is_not_found_again() {
 /// What only the log to judge by has can have no name, and "nothing" would be wrong too.
 #[test]
 fn a_load_in_the_held_out_log_alone_is_told() {
-    let loaded = logs(&with(&[Placed::typical(find("payload").unwrap(), 0)]), 3, 1);
+    // 3 kg. Twice as much makes the checks of the logs doubt the scale of the torques.
+    let typical = Placed::typical(find("payload").unwrap(), 0).parameters;
+    let half: Vec<f64> = typical.iter().map(|value| 0.5 * value).collect();
+    let loaded = logs(&with(&[placed("payload", 0, &half)]), 3, 1);
     let [first, second] = &CLEAN[..] else { panic!("two logs") };
     let all = [first.clone(), second.clone(), loaded[0].clone()];
     let conclusion = diagnosed(&[], Vec::new(), &all);

@@ -78,6 +78,19 @@ impl Error {
     }
 }
 
+impl Clone for Error {
+    fn clone(&self) -> Self {
+        match self {
+            // The operating system's error has no copy; its kind and words have.
+            Error::Io { path, action, source } => {
+                Error::io(path, action.clone(), std::io::Error::new(source.kind(), source.to_string()))
+            }
+            Error::Input { path, line, field, problem } => Error::input(path, *line, field.clone(), problem.clone()),
+            Error::Request { subject, problem } => Error::request(subject.clone(), problem.clone()),
+        }
+    }
+}
+
 /// Line, counted from 1, of a byte offset in a text.
 pub fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()

@@ -4,7 +4,10 @@
 //! [`ResultFolder::finish`]. `manifest.json` lists what was written, so that the next run in the same folder can remove
 //! what it no longer writes, and nothing else.
 
+mod numbers;
 mod transaction;
+
+pub use numbers::significant;
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

@@ -27,33 +27,34 @@ mod regression;
 mod search;
 
 pub use answer::{
-    Conclusion, Derived, Diagnosis, Gain, Observed, ResidualStructure, Resimulation, Share, conclude, diagnose,
-    observed, predicts_worse, torque,
+    Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_SCENARIO, EXTENDED_URDF,
+    Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome, Progress,
+    ResidualStructure, Resimulation, Scope, Share, torque,
 };
+pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;
 pub use evidence::Ranked;
 pub use lack_of_fit::LOGS_DISAGREE;
-pub use logs::{
-    Consequence, DataFault, Input, Screened, all_faults, check_length, correct, held_out, screen, screen_all,
-    shared_verdict, still_joints,
-};
+pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};
 pub use model::{Family, Session, Side, is_candidate, is_level, places};
 pub use noise::Whitener;
 pub use regression::{Column, Projection, rms};
 pub use search::{Found, Verdict};
 
+use crate::effects;
+use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 
-/// What to look for, and how surely.
+/// What to look for, and with which false-alarm rate.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Which inertias are believed.
+    /// Whether the inertias of the description are believed, or estimated.
     pub trust: Trust,
-    /// Probability of naming anything where there is nothing.
+    /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct.
     pub alpha: f64,
-    /// Most effects that are named.
+    /// Most effects that are reported.
     pub max_findings: usize,
-    /// Seed of the draws behind the level.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Names of the effects to look for; all where empty.
     pub candidates: Vec<String>,
@@ -62,5 +63,18 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Options { trust: Trust::Structure, alpha: 0.05, max_findings: 12, seed: 0, candidates: Vec::new() }
+    }
+}
+
+impl Options {
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// If alpha is no probability between 0 and 1, or a candidate is no effect of the library.
+    pub fn check(&self) -> Result<()> {
+        if !(self.alpha > 0.0 && self.alpha < 1.0) {
+            return Err(Error::request("alpha", format!("is {}; give a probability between 0 and 1", self.alpha)));
+        }
+        self.candidates.iter().try_for_each(|name| effects::find(name).map(|_| ()))
     }
 }

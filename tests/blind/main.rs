@@ -69,7 +69,7 @@ fn two_effects_are_both_named_and_estimated() {
     assert_eq!((judgement.outcome, &judgement.each[..]), (Outcome::Named, &[Outcome::Named, Outcome::Named][..]));
     assert!(judgement.wrong.is_empty(), "{:?}", judgement.wrong);
     assert!(judgement.errors.len() >= 3 && judgement.errors.iter().all(|error| error.abs() < 4.0), "{judgement:?}");
-    let (closed, accounted_for) = (run.diagnosis.unwrap().gap_closed, run.accounted_for.unwrap());
+    let (closed, accounted_for) = (run.diagnosis.unwrap().errors.gap_closed.value, run.accounted_for.unwrap());
     assert!(closed > 0.9 && accounted_for > 0.9, "{closed} {accounted_for}");
     assert!(run.power.iter().chain(&run.power_as_measured).all(|power| *power > 0.99), "{:?}", run.power);
     assert_eq!((run.power.len(), run.power_as_measured.len()), (2, 2));

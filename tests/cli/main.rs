@@ -7,6 +7,7 @@ mod disk;
 mod effects;
 mod inputs;
 mod inspect;
+mod library;
 mod options;
 mod reports;
 mod studies;

@@ -2,13 +2,10 @@
 
 use super::{SETUP, logs, with};
 use std::sync::LazyLock;
-use tauscope::diagnosis::{Conclusion, Input, Options, Verdict, conclude};
+use tauscope::diagnosis::{Conclusion, Diagnosis, Verdict};
 use tauscope::effects::{Placed, find};
-use tauscope::identification::effect_model::Trust;
-use tauscope::identification::model::Model;
 use tauscope::recording::Recording;
 
-static MODEL: LazyLock<Model> = LazyLock::new(|| Model::new(&SETUP.known));
 static CLEAN: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&SETUP, 1, 2));
 static STRIBECK: LazyLock<Vec<Recording>> = LazyLock::new(|| logs(&with(&[stribeck()]), 2, 5));
 
@@ -21,14 +18,12 @@ fn placed(name: &str, joint: usize, parameters: &[f64]) -> Placed {
 }
 
 /// The diagnosis of the last of `after` by the others, looking for the effects of these tests only.
-fn diagnosed<'a>(before: &'a [Recording], present: Vec<Placed>, after: &'a [Recording]) -> Conclusion<'a> {
+fn diagnosed(before: &[Recording], present: Vec<Placed>, after: &[Recording]) -> Conclusion {
     let candidates =
         ["payload", "link_inertia_error", "coulomb_friction", "viscous_friction", "rotor_inertia", "stribeck_friction"];
-    let options =
-        Options { trust: Trust::Structure, candidates: candidates.map(String::from).to_vec(), ..Options::default() };
     let (test, train) = after.split_last().unwrap();
-    let input = Input { train: train.iter().collect(), test: vec![test], reference: before.iter().collect(), present };
-    conclude(&MODEL, &input, &options, &mut |_| ()).unwrap()
+    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).reference(before).present(present);
+    diagnosis.candidates(candidates).run().unwrap().into_conclusion().unwrap()
 }
 
 fn names(conclusion: &Conclusion) -> Vec<(&'static str, usize)> {
@@ -54,8 +49,8 @@ fn a_payload_since_the_reference_is_weighed() {
     let set: Vec<&str> = set.chain([names(&conclusion)[0].0]).collect();
     assert!(set.contains(&"payload") && set.len() <= 2, "{set:?}");
     // Before the change the model had nothing of it: no mixture of both.
-    let described = &diagnosis.simulation_test_rms;
-    for (joint, before) in diagnosis.baseline_rms[1].iter().enumerate() {
+    let described = &diagnosis.errors.simulation_test_rms;
+    for (joint, before) in diagnosis.errors.baseline_rms[1].iter().enumerate() {
         assert!(
             (before / described[joint] - 1.0).abs() < 0.15,
             "joint {joint}: {before}, as described {}",
@@ -118,7 +113,10 @@ fn what_the_simulation_has_is_not_found_again() {
 /// What only the log to judge by has can have no name, and "nothing" would be wrong too.
 #[test]
 fn a_load_in_the_held_out_log_alone_is_told() {
-    let loaded = logs(&with(&[Placed::typical(find("payload").unwrap(), 0)]), 3, 1);
+    // 3 kg. Twice as much makes the checks of the logs doubt the scale of the torques.
+    let typical = Placed::typical(find("payload").unwrap(), 0).parameters;
+    let half: Vec<f64> = typical.iter().map(|value| 0.5 * value).collect();
+    let loaded = logs(&with(&[placed("payload", 0, &half)]), 3, 1);
     let [first, second] = &CLEAN[..] else { panic!("two logs") };
     let all = [first.clone(), second.clone(), loaded[0].clone()];
     let conclusion = diagnosed(&[], Vec::new(), &all);

@@ -2,11 +2,10 @@
 
 use super::{SETUP, logs, with};
 use tauscope::channels::Channels;
-use tauscope::diagnosis::{Input, Options, conclude, torque};
+use tauscope::diagnosis::{Diagnosis, torque};
 use tauscope::dynamics::Motion;
 use tauscope::effects::{Placed, Site, find};
 use tauscope::identification::effect_model::Trust;
-use tauscope::identification::model::Model;
 use tauscope::random;
 use tauscope::robot::with_parameters;
 use tauscope::scenario::{Scenario, Setup};
@@ -23,16 +22,14 @@ fn random_motion(dof: usize, samples: usize) -> Motion {
 fn check(trust: Trust) {
     let hidden = Placed::typical(find("stribeck_friction").unwrap(), 1);
     let recordings = logs(&with(&[hidden]), 7, 3);
-    let recordings: Vec<_> = recordings.iter().collect();
-    let model = Model::new(&SETUP.known);
-    let input = Input { train: recordings[..2].to_vec(), test: recordings[2..].to_vec(), ..Input::default() };
-    let options = Options { trust, candidates: vec!["stribeck_friction".into()], ..Options::default() };
-    let conclusion = conclude(&model, &input, &options, &mut |_| ()).unwrap();
-    let extended = conclusion.extended().unwrap();
+    let (test, train) = recordings.split_last().unwrap();
+    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).trust(trust);
+    let mut conclusion = diagnosis.candidates(["stribeck_friction"]).run().unwrap().into_conclusion().unwrap();
+    let extended = conclusion.extended().unwrap().clone();
 
     let folder = tempfile::tempdir().unwrap();
-    let measured = conclusion.measured(&input.train);
-    let scenario = Scenario::of(&extended.robot, "extended.urdf".as_ref(), &extended.effects, None, &measured, 5);
+    let scenario =
+        Scenario::of(&extended.robot, "extended.urdf".as_ref(), &extended.effects, None, &conclusion.measured, 5);
     std::fs::write(folder.path().join("extended.urdf"), with_parameters(&extended.robot).unwrap()).unwrap();
     std::fs::write(folder.path().join("extended.toml"), scenario.to_toml().unwrap()).unwrap();
     let setup = Setup::load(folder.path().join("extended.toml"), None).unwrap();
@@ -48,13 +45,17 @@ fn check(trust: Trust) {
 
     // Rapier's motor torque misses the measured one by no more than the regression does.
     let [run, own] =
-        [EngineKind::Rapier, EngineKind::Recursive].map(|engine| conclusion.resimulate(&extended, engine).unwrap());
+        [EngineKind::Rapier, EngineKind::Recursive].map(|engine| conclusion.resimulate(engine).unwrap().clone());
     for (rapier, own) in run.extended_rms.iter().zip(&own.extended_rms) {
         assert!((rapier - own).abs() < 1e-9 * rapier, "{run:?} {own:?}");
     }
-    let pairs = run.extended_rms.iter().zip(&conclusion.diagnosis.extended_test_rms);
+    let pairs = run.extended_rms.iter().zip(&conclusion.diagnosis.errors.extended_test_rms);
     for (simulated, regressed) in pairs {
-        assert!((simulated / regressed - 1.0).abs() < 0.15, "{run:?} {:?}", conclusion.diagnosis.extended_test_rms);
+        assert!(
+            (simulated / regressed - 1.0).abs() < 0.15,
+            "{run:?} {:?}",
+            conclusion.diagnosis.errors.extended_test_rms
+        );
     }
     assert!(run.baseline_rms[1] > 1.5 * run.extended_rms[1], "{run:?}");
     assert!(run.gap_closed.value > 0.9 && run.gap_closed.interval[0] > 0.8, "{run:?}");

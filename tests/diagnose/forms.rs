@@ -1,16 +1,15 @@
 //! What books write in several forms, and what sampling does, are no second effect.
 
 use super::{SETUP, logs, with};
-use tauscope::diagnosis::{Diagnosis, Options, diagnose};
+use tauscope::diagnosis::Diagnosis;
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
 use tauscope::scenario::Setup;
 
 fn diagnosed(logs: &[Recording], candidates: &[&str]) -> Diagnosis {
-    let candidates = candidates.iter().map(|&name| name.to_owned()).collect();
     let (test, train) = logs.split_last().unwrap();
-    let train: Vec<&Recording> = train.iter().collect();
-    diagnose(&SETUP.known, &train, &[test], &Options { candidates, ..Options::default() }, &mut |_| ()).unwrap()
+    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).candidates(candidates.iter().copied());
+    diagnosis.run().unwrap().into_conclusion().unwrap().diagnosis
 }
 
 fn families(diagnosis: &Diagnosis) -> Vec<(&'static str, usize)> {
@@ -76,13 +75,17 @@ fn friction_that_turns_over_some_speed_is_no_finding() {
     let diagnosis = diagnosed(&logs, &speed_laws);
     assert_eq!(families(&diagnosis), []);
     let close = |found: &f64| (found / width - 1.0).abs() < 0.4;
-    assert!(diagnosis.sign_widths.iter().filter(|found| close(found)).count() >= 4, "{:?}", diagnosis.sign_widths);
+    assert!(
+        diagnosis.logs.sign_widths.iter().filter(|found| close(found)).count() >= 4,
+        "{:?}",
+        diagnosis.logs.sign_widths
+    );
     // A law of one joint is not taken for the friction of all.
     let concave =
         Placed { effect: find("nonlinear_viscous_friction").unwrap(), joint: 1, parameters: vec![60.0, 0.3, 0.01] };
     let diagnosis = diagnosed(&super::logs(&with(&[concave]), 25, 3), &speed_laws);
     assert_eq!(families(&diagnosis), [("nonlinear_viscous_friction", 1)]);
-    assert_eq!(diagnosis.sign_widths, [0.0; 6]);
+    assert_eq!(diagnosis.logs.sign_widths, [0.0; 6]);
 }
 
 #[test]
@@ -92,7 +95,12 @@ fn a_joint_without_torque_is_left_out_and_the_others_are_diagnosed() {
     logs.iter_mut().for_each(|log| log.tau.channel_mut(5).fill(f64::NAN));
     let diagnosis = diagnosed(&logs, &["stribeck_friction"]);
     assert_eq!(families(&diagnosis), [("stribeck_friction", 1)]);
-    assert_eq!(diagnosis.equations, [true, true, true, true, true, false]);
-    let all = diagnosis.noise_floor.iter().chain(&diagnosis.extended_test_rms).chain(&diagnosis.baseline_rms[1]);
+    assert_eq!(diagnosis.logs.equations, [true, true, true, true, true, false]);
+    let all = diagnosis
+        .errors
+        .noise_floor
+        .iter()
+        .chain(&diagnosis.errors.extended_test_rms)
+        .chain(&diagnosis.errors.baseline_rms[1]);
     assert!(all.copied().all(f64::is_finite));
 }

@@ -2,6 +2,7 @@
 //! found again, and the extended model is a model that runs.
 
 mod changes;
+mod entry;
 mod extended;
 mod faults;
 mod forms;

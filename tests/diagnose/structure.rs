@@ -1,7 +1,7 @@
 //! Laws that the library does not have, near ones that it has: no firm name, and the structure is told.
 
 use super::{SETUP, logs, with};
-use tauscope::diagnosis::{Diagnosis, Options, Verdict, diagnose};
+use tauscope::diagnosis::{Diagnosis, Verdict};
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
 
@@ -9,9 +9,8 @@ const JOINT: usize = 1;
 
 fn diagnosed(logs: &[Recording], candidate: &str) -> Diagnosis {
     let (test, train) = logs.split_last().unwrap();
-    let train: Vec<&Recording> = train.iter().collect();
-    let options = Options { candidates: vec![candidate.into()], ..Options::default() };
-    diagnose(&SETUP.known, &train, &[test], &options, &mut |_| ()).unwrap()
+    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).candidates([candidate]);
+    diagnosis.run().unwrap().into_conclusion().unwrap().diagnosis
 }
 
 /// The log with its torque of one joint as a function of that and of the position.

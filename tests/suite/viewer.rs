@@ -221,16 +221,17 @@ fn findings_are_marked_in_time() {
     let setup = Setup::load(scenario, None).unwrap();
     let runs = testbed::record(&setup, &mut |_| ()).unwrap();
     let (train, test) = (&runs.training.recording, &runs.held_out.recording);
-    let options = tauscope::diagnosis::Options { candidates: vec!["stribeck_friction".into()], ..Default::default() };
-    let found = tauscope::diagnosis::diagnose(&setup.known, &[train], &[test], &options, &mut |_| ()).unwrap();
+    let diagnosis = tauscope::diagnosis::Diagnosis::of(&setup.known).train([train]).test([test]);
+    let answer = diagnosis.candidates(["stribeck_friction"]).run().unwrap();
+    let found = answer.diagnosis().unwrap();
 
     // What the evidence holds row by row is what the answer sums up.
     let evidence = &found.evidence;
     for joint in 0..6 {
         for (rows, rms) in [
-            (&evidence.described, &found.simulation_test_rms),
-            (&evidence.baseline, &found.baseline_rms[1]),
-            (&evidence.extended, &found.extended_test_rms),
+            (&evidence.described, &found.errors.simulation_test_rms),
+            (&evidence.baseline, &found.errors.baseline_rms[1]),
+            (&evidence.extended, &found.errors.extended_test_rms),
         ] {
             let counted: Vec<f64> =
                 rows[joint].iter().zip(&evidence.valid[joint]).filter(|(_, ok)| **ok).map(|(r, _)| *r).collect();
@@ -240,7 +241,7 @@ fn findings_are_marked_in_time() {
     }
     assert_eq!(evidence.ranking[0].family.joint, 1);
 
-    let film = viewer::diagnosis::film(&setup.known, &[test], &found, "Verdict", None);
+    let film = viewer::diagnosis::film(&setup.known, &[test], found, "Verdict", None);
     let marks: Vec<_> = film.markers.iter().filter(|marker| marker.finding).collect();
     assert!(!marks.is_empty() && marks.len() <= 5);
     for mark in marks {

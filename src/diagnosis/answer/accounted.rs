@@ -1,20 +1,20 @@
 //! How much of what is hidden a diagnosis accounts for, where that is known: in studies.
 //!
-//! Beside logs alone, only the gap to an estimated noise floor can be told (`gap`), which at the size of the noise scatters as
+//! From logs alone, only the gap to an estimated noise floor can be estimated (`gap`), which at the size of the noise scatters as
 //! much as the gap itself. With the hidden effects known, noise plays no part.
 
-use super::conclusion::Conclusion;
+use super::conclusion::Concluded;
 use crate::diagnosis::regression::{Column, combined, rms, solve};
 use crate::effects::Placed;
 use crate::error::Result;
 
-impl Conclusion<'_> {
+impl Concluded<'_> {
     /// Share of what `hidden` adds to the held-out torque beyond what the baseline takes up that the extended model adds too:
     /// 1 - (added - hidden)^2 / hidden^2 in sums of squares, the joints weighted by their noise; zero where it adds nothing.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn share_accounted_for(&self, hidden: &[Placed]) -> Result<f64> {
+    pub(super) fn share_accounted_for(&self, hidden: &[Placed]) -> Result<f64> {
         let (session, whitener) = (&self.session, &self.first_whitener);
         let added = |rows| Ok(combined(&session.arm.added(hidden, rows)?, &vec![1.0; hidden.len()]));
         let (train, mut wanted) = (added(&session.train.rows)?, added(&session.test.rows)?);
@@ -25,7 +25,7 @@ impl Conclusion<'_> {
         let mut missed = wanted.clone();
         missed.add(-1.0, &session.residual_on(&session.test, &[], whitener)?);
         missed.add(1.0, &session.held_out_residual(&self.members, &self.whitener)?);
-        let (valid, noise) = (&session.test.rows.valid, &self.diagnosis.noise_floor);
+        let (valid, noise) = (&session.test.rows.valid, &self.diagnosis.errors.noise_floor);
         let square = |column: &Column| -> f64 {
             let joints = rms(valid, column).into_iter().zip(noise).zip(valid);
             joints

@@ -1,13 +1,13 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
 use super::derived::derived;
-use super::diagnosis::{self, Diagnosis, next_experiment, not_found, take_back};
-use super::equations::{Observed, observed};
+use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, take_back};
 use super::extended::ExtendedModel;
-use super::gap::{Residuals, Share};
+use super::gap::Residuals;
 use super::inertias::{Gain, all_inertias};
+use super::outcome::Conclusion;
 use super::residual_structure::residual_structure;
-use super::resimulation::resimulate;
+use super::resimulation::{Replay, joints_of};
 use super::traces::Evidence;
 use crate::channels::Channels;
 use crate::diagnosis::Options;
@@ -25,7 +25,6 @@ use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::scenario::Measured;
 use crate::signal::white_noise;
-use crate::simulation::engine::EngineKind;
 
 /// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz; and by how much of itself a clock may go slow.
 const SLOWEST_RATE_HZ: f64 = 50.0;
@@ -37,14 +36,11 @@ const SAME_RATE: f64 = 1.2;
 /// Least acceleration that a motion is allowed, rad/s2.
 const SLOWEST: f64 = 0.5;
 
-/// How many times what the fitted model leaves its simulation may leave and still be a simulation of it.
-const STRAYS: f64 = 5.0;
-
-/// The answer with all it rests on.
+/// The answer with the session and the fits it rests on.
 #[derive(Debug)]
-pub struct Conclusion<'a> {
+pub(super) struct Concluded<'a> {
     /// The answer.
-    pub diagnosis: Diagnosis,
+    pub(super) diagnosis: Diagnosis,
     pub(super) session: Session<'a>,
     present: Vec<Placed>,
     pub(super) members: Vec<Member>,
@@ -53,33 +49,16 @@ pub struct Conclusion<'a> {
     seed: u64,
 }
 
-/// Diagnoses `robot` from logs; joints without torque, or that hardly move, are left out. Without `test` logs the last part of
-/// every training log is held out. `progress` receives the number of effects found so far.
+/// Diagnoses the arm of `model`; `progress` receives the number of effects found so far.
 ///
 /// # Errors
 /// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
-pub fn diagnose(
-    robot: &Robot,
-    train: &[&Recording],
-    test: &[&Recording],
-    options: &Options,
-    progress: &mut dyn FnMut(usize),
-) -> Result<Diagnosis> {
-    let input = Input { train: train.to_vec(), test: test.to_vec(), ..Input::default() };
-    let Observed { model, .. } = observed(robot, &input, &[])?;
-    Ok(conclude(&model, &input, options, progress)?.diagnosis)
-}
-
-/// Diagnoses the arm of `model`; `progress` is told the number of effects found so far.
-///
-/// # Errors
-/// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
-pub fn conclude<'a>(
+pub(super) fn conclude<'a>(
     model: &'a Model,
     input: &Input<'a>,
     options: &Options,
     progress: &mut dyn FnMut(usize),
-) -> Result<Conclusion<'a>> {
+) -> Result<Concluded<'a>> {
     let robot = model.robot();
     let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
     if let Some(log) = logs.find(|log| log.joints() != robot.dof()) {
@@ -144,7 +123,7 @@ fn identified<'a>(
     Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
 }
 
-/// What the arm as it is described, with the effects that the simulation has, leaves of the held-out logs.
+/// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
 fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
     let (rows, robot) = (&session.test.rows, session.model.robot());
     let mut residual = Column::new(rows.torque.iter().cloned());
@@ -166,9 +145,9 @@ fn drives(model: &Model, robot: &Robot) -> Vec<f64> {
     friction.chain(rotors.map(|(_, joint)| joint.drive.armature)).collect()
 }
 
-/// What is known beside the search itself.
+/// What is known besides the result of the search.
 struct Circumstances {
-    /// What the arm as described leaves of the held-out logs.
+    /// Residual of the arm as described on the held-out logs.
     simulation: Column,
     /// Effects that were there before a change.
     before: Vec<Found>,
@@ -186,7 +165,7 @@ fn answer<'a>(
     mut unexplained: Vec<Unexplained>,
     circumstances: Circumstances,
     options: &Options,
-) -> Result<Conclusion<'a>> {
+) -> Result<Concluded<'a>> {
     let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
     let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
         selection;
@@ -206,7 +185,7 @@ fn answer<'a>(
         unexplained.push(other);
     }
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
-    let closed = residuals.gap_closed(&amiss(&unexplained), options.seed);
+    let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     let simulation_test_rms = rms(&test.valid, &simulation);
@@ -221,43 +200,48 @@ fn answer<'a>(
     }
     let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
     evidence.effects = effects;
-    let diagnosis = Diagnosis {
-        verdict: diagnosis::verdict(&found, inertias.is_some(), &unexplained),
-        alpha: options.alpha,
-        candidates: options.candidates.clone(),
-        cutoffs_hz: session.cutoffs_hz.clone(),
-        passband: session.passband,
-        rates_hz: rates_hz(&session),
-        held_out_from_training,
-        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
-        effective_tests: multiplicity.all(),
-        gap_closed: closed.value,
-        gap_closed_interval: closed.interval,
-        next_experiment: next_experiment(
-            &found,
-            &unexplained,
-            session.model.robot(),
-            [&simulation_test_rms, &extended_test_rms],
-        ),
+    let next_experiment =
+        next_experiment(&found, &unexplained, session.model.robot(), [&simulation_test_rms, &extended_test_rms]);
+    let errors = Errors {
         test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
         simulation_test_rms,
         baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
         extended_test_rms,
         prediction_std,
+        gap_closed,
         structure: [residual_structure(test, &simulation), residual_structure(test, &extended)],
-        derived,
-        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
         noise_floor,
-        inertias,
+    };
+    let scope = Scope {
+        alpha: options.alpha,
+        candidates: options.candidates.clone(),
         against_reference: session.train.rows.before > 0,
+        effective_tests: multiplicity.all(),
+    };
+    let logs = LogSummary {
+        rates_hz: rates_hz(&session),
+        cutoffs_hz: session.cutoffs_hz.clone(),
+        passband: session.passband,
+        sign_widths: session.arm.sign_widths.clone(),
+        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
+        held_out_from_training,
+    };
+    let diagnosis = Diagnosis {
+        verdict: diagnosis::verdict(&found, inertias.is_some(), &unexplained),
+        scope,
+        logs,
+        errors,
+        not_found: not_found(&session, &found, &multiplicity, &sensitivity, options),
         before,
         found,
+        derived,
         of_sampling,
-        sign_widths: session.arm.sign_widths.clone(),
+        inertias,
         unexplained,
+        next_experiment,
         evidence,
     };
-    Ok(Conclusion { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
+    Ok(Concluded { diagnosis, session, present, members, whitener, first_whitener, seed: options.seed })
 }
 
 /// Rates of all logs, each once, the lowest first; clocks are never alike to the last digit.
@@ -269,81 +253,25 @@ fn rates_hz(session: &Session) -> Vec<f64> {
     rates_hz
 }
 
-/// Joints with something unexplained.
-fn amiss(unexplained: &[Unexplained]) -> Vec<usize> {
-    unexplained.iter().map(|left| left.joint).collect()
-}
-
-/// What the models leave of the held-out logs when the simulator runs them along their motions.
-#[derive(Debug, Clone)]
-pub struct Resimulation {
-    /// The forward dynamics.
-    pub engine: EngineKind,
-    /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
-    pub described_rms: Option<Vec<f64>>,
-    /// That of the fitted baseline.
-    pub baseline_rms: Vec<f64>,
-    /// That of the extended model.
-    pub extended_rms: Vec<f64>,
-    /// Share of the baseline's weighted sum of squares that the extended model gains.
-    pub gain: Share,
-    /// Share of the gap between baseline and noise floor that it closes.
-    pub gap_closed: Share,
-    /// Positions of the extended model's arm along every held-out log, rad.
-    pub positions: Vec<Channels>,
-}
-
-impl Conclusion<'_> {
-    /// The arm with everything found.
+impl Concluded<'_> {
+    /// The same without the session: with the extended model, what the training logs `train` measure, and the share of the
+    /// effects `truth` that it accounts for, where there are any.
     ///
     /// # Errors
-    /// If no bodies can be found.
-    pub fn extended(&self) -> Result<ExtendedModel> {
-        ExtendedModel::new(&self.session, &self.members, &self.whitener)
-    }
-
-    /// The session: logs and arm.
-    pub fn session(&self) -> &Session<'_> {
-        &self.session
-    }
-
-    /// Runs the arm as described, the fitted baseline and `extended` along the held-out motions under the forward dynamics of `engine`.
-    ///
-    /// # Errors
-    /// If the baseline or the extended model cannot be simulated.
-    pub fn resimulate(&self, extended: &ExtendedModel, engine: EngineKind) -> Result<Resimulation> {
-        let rows = &self.session.test.rows;
-        let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener)?;
+    /// If a log is too short to differentiate.
+    pub(super) fn into_conclusion(self, train: &[&Recording], truth: &[Placed]) -> Result<Conclusion> {
+        let accounted_for = if truth.is_empty() { None } else { Some(self.share_accounted_for(truth)?) };
+        let measured = self.measured(train);
+        let extended = ExtendedModel::new(&self.session, &self.members, &self.whitener);
+        let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener);
         let described = ExtendedModel::described(self.session.model.robot(), &self.present);
-        let fitted = resimulate(engine, &[&baseline, extended], rows)?;
-        let (baseline, extended) = (&fitted[0], &fitted[1]);
-        let noise = &self.diagnosis.noise_floor;
-        let (before, after) = (&baseline.residual, &extended.residual);
-        let residuals = Residuals { before, after, valid: &baseline.valid, noise };
-        let extended_rms = rms(&extended.valid, &extended.residual);
-        let fitted = &self.diagnosis.extended_test_rms;
-        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
-        if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
-            let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
-                           for a simulation (friction or inertia that would have to be negative)";
-            return Err(Error::request(format!("joint `{}`", self.session.model.robot().joints[joint].name), problem));
-        }
-        let described = resimulate(engine, &[&described], rows).ok();
-        Ok(Resimulation {
-            engine,
-            described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
-            baseline_rms: rms(&baseline.valid, &baseline.residual),
-            extended_rms,
-            gain: residuals.gain(self.seed),
-            gap_closed: residuals.gap_closed(&amiss(&self.diagnosis.unexplained), self.seed),
-            positions: extended.positions.clone(),
-        })
+        let Concluded { diagnosis, session, seed, .. } = self;
+        let replay = Replay { described, baseline, extended, rows: session.test.rows, seed };
+        Ok(Conclusion { diagnosis, measured, accounted_for, resimulation: None, replay })
     }
-}
 
-impl Conclusion<'_> {
     /// Rate, accelerations and noise of the training logs `train`.
-    pub fn measured(&self, train: &[&Recording]) -> Measured {
+    fn measured(&self, train: &[&Recording]) -> Measured {
         let rows = &self.session.train.rows;
         let period = rows.logs.first().map_or(1.0, |log| log.period);
         let joints = 0..rows.dof();
@@ -360,7 +288,7 @@ impl Conclusion<'_> {
             acceleration: joints.clone().map(fastest).collect(),
             position_noise: joints.clone().map(|joint| noise(|log| &log.q, joint)).collect(),
             torque_noise: joints
-                .map(|joint| noise(|log| &log.tau, joint).max(self.diagnosis.noise_floor[joint]))
+                .map(|joint| noise(|log| &log.tau, joint).max(self.diagnosis.errors.noise_floor[joint]))
                 .collect(),
         }
     }

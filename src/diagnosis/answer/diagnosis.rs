@@ -1,6 +1,7 @@
 //! The answer with its evidence: which names stand, what was not found, and what to do next.
 
 use super::derived::Derived;
+use super::gap::Share;
 use super::inertias::Gain;
 use super::residual_structure::ResidualStructure;
 use super::traces::Evidence;
@@ -55,59 +56,78 @@ pub struct OfSampling {
     pub seconds: [f64; 2],
 }
 
-/// The whole answer. Root mean squares are of means over 20 ms, per joint, N m.
-#[derive(Debug)]
-pub struct Diagnosis {
-    /// The answer in a word.
-    pub verdict: Verdict,
-    /// Level of false alarms.
+/// What was looked for.
+#[derive(Debug, Clone)]
+pub struct Scope {
+    /// Family-wise false-alarm rate.
     pub alpha: f64,
     /// Names of the effects that were looked for; all of the library where empty.
     pub candidates: Vec<String>,
+    /// Whether the question is what changed since reference logs.
+    pub against_reference: bool,
+    /// Number of independent tests that the scan is worth.
+    pub effective_tests: f64,
+}
+
+/// What the logs are, and how they were filtered.
+#[derive(Debug, Clone)]
+pub struct LogSummary {
+    /// Rates at which the logs were sampled, Hz, each once, the lowest first.
+    pub rates_hz: Vec<f64>,
     /// Cut-off of the low-pass of each joint's positions, Hz.
     pub cutoffs_hz: Vec<f64>,
     /// The low-pass that torque went through before it was logged, if any.
     pub passband: Option<LowPass>,
-    /// Rates at which the logs were sampled, Hz, each once, the lowest first.
-    pub rates_hz: Vec<f64>,
-    /// Whether the last part of the training logs was held out for want of test logs.
-    pub held_out_from_training: bool,
+    /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width of tanh(v / width); zero for a plain sign.
+    pub sign_widths: Vec<f64>,
     /// Whether each joint has an equation: its torque is logged, and it surely moves. The numbers of a joint without one
     /// mean nothing.
     pub equations: Vec<bool>,
-    /// Number of independent tests that the scan is worth.
-    pub effective_tests: f64,
-    /// Noise of the torque.
+    /// Whether the last part of the training logs was held out for want of test logs.
+    pub held_out_from_training: bool,
+}
+
+/// Residuals of the models. Root mean squares are of means over 20 ms, per joint, N m (N).
+#[derive(Debug, Clone)]
+pub struct Errors {
+    /// Standard deviation of the torque's noise.
     pub noise_floor: Vec<f64>,
     /// Torque of the held-out logs.
     pub test_torque_rms: Vec<f64>,
-    /// What the arm as described leaves of the held-out logs.
+    /// Residual of the arm as described on the held-out logs.
     pub simulation_test_rms: Vec<f64>,
-    /// What the fitted baseline leaves of the training logs and of the held-out logs.
+    /// Residual of the fitted baseline on the training logs and on the held-out logs.
     pub baseline_rms: [Vec<f64>; 2],
-    /// What the model with all effects found leaves of the held-out logs.
+    /// Residual of the model with all effects found on the held-out logs.
     pub extended_test_rms: Vec<f64>,
-    /// How unsure the extended model is of the torque of the held-out logs, as its parameters are, one standard deviation, root mean square
-    /// over the rows, N m; infinite where the training logs tell nothing of what it takes.
+    /// Standard deviation of the extended model's prediction of the held-out torque, from the covariance of its parameters,
+    /// root mean square over the rows; infinite where the training logs do not determine it.
     pub prediction_std: Vec<f64>,
     /// Share of the gap between baseline and noise floor that the effects found close on the held-out logs.
-    pub gap_closed: f64,
-    /// Its 95 % interval.
-    pub gap_closed_interval: [f64; 2],
-    /// Where what the arm as described leaves of the held-out logs lives, and what the extended model leaves.
+    pub gap_closed: Share,
+    /// What the held-out residual of the arm as described follows, and that of the extended model.
     pub structure: [Vec<ResidualStructure>; 2],
-    /// Whether the question is what changed since reference logs.
-    pub against_reference: bool,
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// The answer in a word.
+    pub verdict: Verdict,
+    /// What was looked for.
+    pub scope: Scope,
+    /// What the logs are, and how they were filtered.
+    pub logs: LogSummary,
+    /// Residuals of the models.
+    pub errors: Errors,
     /// Effects that were there before the change in question: found in the reference logs, part of the model since.
     pub before: Vec<Found>,
     /// Effects found.
     pub found: Vec<Found>,
+    /// What derives from the parameters of each.
+    pub derived: Vec<Vec<Derived>>,
     /// Delays and lags of the torque that are of the sampling: in the model, and no effects.
     pub of_sampling: Vec<OfSampling>,
-    /// Speed over which the friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for a plain sign.
-    pub sign_widths: Vec<f64>,
-    /// What follows from the parameters of each.
-    pub derived: Vec<Vec<Derived>>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
     pub inertias: Option<Gain>,
     /// Structure without a name.

@@ -1,25 +1,33 @@
 //! The whole way from logs to the answer.
 //!
-//! In: the arm, logs and options. Out: a [`Diagnosis`]: verdict, findings with what derives from them, gap closed on held-out
-//! rows, what could not have been found, and the extended model run again in the simulator.
+//! In: the arm, logs and options. Out: an [`Answer`]: faults of the data, verdict, findings with what derives from them, gap
+//! closed on held-out rows, what could not have been found, and the extended model, ready to run in the simulator.
 
 mod accounted;
+mod builder;
 mod conclusion;
 mod derived;
 mod diagnosis;
+mod document;
 mod equations;
 mod extended;
+mod findings;
 mod gap;
 mod inertias;
+pub mod notices;
+mod outcome;
 mod residual_structure;
 mod resimulation;
 mod traces;
 
-pub use conclusion::{Conclusion, Resimulation, conclude, diagnose};
+pub use builder::{DiagnosisBuilder, Progress};
 pub use derived::Derived;
-pub use diagnosis::{Diagnosis, predicts_worse};
-pub use equations::{Observed, observed};
-pub use extended::torque;
+pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope, predicts_worse};
+pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_SCENARIO, EXTENDED_URDF};
+pub use extended::{ExtendedModel, torque};
+pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};
 pub use gap::Share;
 pub use inertias::Gain;
+pub use outcome::{Answer, Conclusion, Outcome};
 pub use residual_structure::ResidualStructure;
+pub use resimulation::Resimulation;

@@ -4,13 +4,16 @@
 //! The arm follows the filtered measured positions under computed torque of its own model with feedback, so that its torque
 //! is that of the simulator's forward dynamics and not of the regression that found the model.
 
+use super::diagnosis::Diagnosis;
 use super::extended::ExtendedModel;
+use super::gap::{Residuals, Share};
 use crate::channels::Channels;
+use crate::diagnosis::lack_of_fit::Unexplained;
 use crate::diagnosis::logs::{Log, Rows};
-use crate::diagnosis::regression::Column;
+use crate::diagnosis::regression::{Column, rms};
 use crate::dynamics::Motion;
 use crate::effects::Placed;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::simulation::engine::EngineKind;
 use crate::simulation::following::{Followed, follow, sensed};
 use rayon::prelude::*;
@@ -18,11 +21,86 @@ use rayon::prelude::*;
 /// Time after the start until the loop has settled, s.
 const SETTLING_S: f64 = 0.5;
 
-/// What a model leaves of the measured torque over the rows; rows in which the loop still settles are not in `valid`.
+/// Factor on the residual of the fitted model up to which that of its simulation is one of the same model.
+const STRAYS: f64 = 5.0;
+
+/// Residuals of the models on the held-out logs when the simulator runs them along the motions.
 #[derive(Debug, Clone)]
-pub(super) struct Resimulated {
+pub struct Resimulation {
+    /// The forward dynamics.
+    pub engine: EngineKind,
+    /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
+    pub described_rms: Option<Vec<f64>>,
+    /// That of the fitted baseline.
+    pub baseline_rms: Vec<f64>,
+    /// That of the extended model.
+    pub extended_rms: Vec<f64>,
+    /// Share of the baseline's weighted sum of squares that the extended model gains.
+    pub gain: Share,
+    /// Share of the gap between baseline and noise floor that it closes.
+    pub gap_closed: Share,
+    /// Positions of the extended model's arm along every held-out log, rad.
+    pub positions: Vec<Channels>,
+}
+
+/// What is needed to run the models along the held-out motions.
+#[derive(Debug)]
+pub(super) struct Replay {
+    /// The arm as described.
+    pub described: ExtendedModel,
+    /// The fitted baseline, if it has bodies that can exist.
+    pub baseline: Result<ExtendedModel>,
+    /// The extended model, if it has.
+    pub extended: Result<ExtendedModel>,
+    /// The held-out rows.
+    pub rows: Rows,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+impl Replay {
+    /// Runs the models under the forward dynamics of `engine`.
+    ///
+    /// # Errors
+    /// If the baseline or the extended model cannot be simulated.
+    pub(super) fn run(&self, diagnosis: &Diagnosis, engine: EngineKind) -> Result<Resimulation> {
+        let [baseline, extended] = [&self.baseline, &self.extended].map(|model| model.as_ref().map_err(Error::clone));
+        let fitted = resimulate(engine, &[baseline?, extended?], &self.rows)?;
+        let (baseline, extended) = (&fitted[0], &fitted[1]);
+        let noise = &diagnosis.errors.noise_floor;
+        let (before, after) = (&baseline.residual, &extended.residual);
+        let residuals = Residuals { before, after, valid: &baseline.valid, noise };
+        let extended_rms = rms(&extended.valid, &extended.residual);
+        let fitted = &diagnosis.errors.extended_test_rms;
+        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
+        if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
+            let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
+                           for a simulation (friction or inertia that would have to be negative)";
+            return Err(Error::request(format!("joint `{}`", self.described.robot.joints[joint].name), problem));
+        }
+        let described = resimulate(engine, &[&self.described], &self.rows).ok();
+        Ok(Resimulation {
+            engine,
+            described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
+            baseline_rms: rms(&baseline.valid, &baseline.residual),
+            extended_rms,
+            gain: residuals.gain(self.seed),
+            gap_closed: residuals.gap_closed(&joints_of(&diagnosis.unexplained), self.seed),
+            positions: extended.positions.clone(),
+        })
+    }
+}
+
+/// Joints with unexplained structure.
+pub(super) fn joints_of(unexplained: &[Unexplained]) -> Vec<usize> {
+    unexplained.iter().map(|left| left.joint).collect()
+}
+
+/// Residual of a simulated model over the rows; rows in which the loop still settles are not in `valid`.
+#[derive(Debug, Clone)]
+struct Resimulated {
     /// Measured less simulated torque.
-    pub residual: Column,
+    residual: Column,
     /// Rows that count, `[joint][row]`.
     pub valid: Vec<Vec<bool>>,
     /// Positions of the simulated arm along every log, `[joint][time]`, rad.
@@ -33,7 +111,7 @@ pub(super) struct Resimulated {
 ///
 /// # Errors
 /// If rapier does not take a model, or a simulation runs away; `models` are named by their place.
-pub(super) fn resimulate(engine: EngineKind, models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
+fn resimulate(engine: EngineKind, models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
     let jobs: Vec<(usize, &Log)> =
         (0..models.len()).flat_map(|model| rows.logs.iter().map(move |log| (model, log))).collect();
     let runs: Vec<(Channels, Channels)> =

@@ -25,7 +25,32 @@ pub fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
     logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
 }
 
-/// The logs that a diagnosis judges by: the test logs, or else the last part of every training log.
-pub fn held_out(input: &Input) -> Vec<Recording> {
-    if input.test.is_empty() { split(&input.train).1 } else { input.test.iter().map(|&log| log.clone()).collect() }
+/// The logs as a diagnosis uses them: corrected, cut at long gaps, at even steps; torque that must not be used is not a
+/// number.
+#[derive(Debug, Clone, Default)]
+pub struct CleanLogs {
+    /// Logs to identify from.
+    pub train: Vec<Recording>,
+    /// Held-out logs that were given.
+    pub test: Vec<Recording>,
+    /// Logs from before a change.
+    pub reference: Vec<Recording>,
+}
+
+impl CleanLogs {
+    /// The held-out logs: those given, else the last part of every training log.
+    pub fn held_out(&self) -> Vec<Recording> {
+        if self.test.is_empty() { split(&self.train.iter().collect::<Vec<_>>()).1 } else { self.test.clone() }
+    }
+
+    /// All logs: training, test, reference.
+    pub fn all(&self) -> impl Iterator<Item = &Recording> {
+        self.train.iter().chain(&self.test).chain(&self.reference)
+    }
+
+    /// What a diagnosis is given where the simulation has the effects `present` already.
+    pub fn input(&self, present: Vec<Placed>) -> Input<'_> {
+        let [train, test, reference] = [&self.train, &self.test, &self.reference].map(|logs| logs.iter().collect());
+        Input { train, test, reference, present }
+    }
 }

@@ -1,4 +1,4 @@
-//! Faults of the data, looked for before any physics: what stops a diagnosis, what is left out, and what is only told.
+//! Faults of the data, looked for before any physics: what stops a diagnosis, what is left out, and what is only reported.
 //!
 //! The checks are those of [`quality`]. Samples at a clipping level become torques that are not a number, which the rows of
 //! the tests leave out; logs are cut at long gaps; columns in the wrong order, unit or sign stop the diagnosis, since any
@@ -13,9 +13,6 @@ use crate::robot::Robot;
 
 /// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
 const BESIDE_CLIPPED_S: f64 = 0.04;
-
-/// Shortest time that logs may last together, s.
-const SHORTEST_S: f64 = 5.0;
 
 /// What a fault does to the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -162,22 +159,6 @@ fn confirm(faults: &mut [DataFault], logs: usize) {
             fault.consequence = Consequence::Told;
         }
     }
-}
-
-/// Refuses logs that are too short together; `option` names where they were given.
-///
-/// # Errors
-/// If they are shorter than five seconds.
-pub fn check_length(option: &str, logs: &[Screened]) -> Result<()> {
-    let seconds: f64 = logs.iter().flat_map(|log| &log.pieces).map(Recording::duration).sum();
-    if logs.is_empty() || seconds >= SHORTEST_S {
-        return Ok(());
-    }
-    let problem = format!(
-        "the logs last {seconds:.1} s together; a diagnosis needs {SHORTEST_S} s at the least, and two motions of 20 s to be \
-         worth while"
-    );
-    Err(Error::request(option, problem))
 }
 
 /// What is said of a joint of a log if it hardly moves there.

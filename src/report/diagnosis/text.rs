@@ -1,12 +1,12 @@
 //! The answer in a few lines.
 
-use super::findings::{EXTENDED_SCENARIO, NOT_SIZED, Parameter, finding, findings, joints};
+use crate::diagnosis::notices::{effort, extrapolation, mixed_rates, remedy, sampling, with_unit};
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, Family, Found, LOGS_DISAGREE, Play, Resimulation, Share, Verdict, predicts_worse,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, NOT_SIZED, NamedParameter,
+    Play, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
 };
-use crate::quality::Kind;
 use crate::report::console::{by_joint, significant, table};
-use crate::robot::{Joint, Robot};
+use crate::robot::Robot;
 
 /// Effects not found, and parameters of an effect, that the lines mention.
 const MENTIONED: usize = 4;
@@ -27,10 +27,10 @@ pub(crate) fn lines(
     let mut lines = vec![headline(diagnosis)];
     lines.extend(robot.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(fault_lines(faults));
-    if diagnosis.held_out_from_training {
+    if diagnosis.logs.held_out_from_training {
         lines.push("No test log was given: the last part of every training log was held out.".into());
     }
-    lines.extend(diagnosis.passband.map(|low_pass| {
+    lines.extend(diagnosis.logs.passband.map(|low_pass| {
         format!(
             "The torque went through a low-pass of {:.2} Hz before it was logged; the model is seen through the same.",
             low_pass.hz
@@ -49,7 +49,7 @@ pub(crate) fn lines(
     for (found, told) in diagnosis.found.iter().zip(&told[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
         let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
-        let verb = if diagnosis.against_reference { "Changed by" } else { "Add to the model:" };
+        let verb = if diagnosis.scope.against_reference { "Changed by" } else { "Add to the model:" };
         let open = if told.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", told.explanation));
     }
@@ -67,8 +67,8 @@ pub(crate) fn lines(
     lines.push(errors(robot, diagnosis, resimulation));
     lines.push(String::new());
     if !diagnosis.found.is_empty() {
-        let value = Share { value: diagnosis.gap_closed, interval: diagnosis.gap_closed_interval };
-        let mut line = format!("What was found closes {} of the gap to the noise", percent(value));
+        let closed = percent(diagnosis.errors.gap_closed);
+        let mut line = format!("What was found closes {closed} of the gap to the noise");
         if let Some(run) = resimulation {
             line += &format!("; simulated in {}, {}", run.engine.name(), percent(run.gap_closed));
         }
@@ -83,38 +83,20 @@ pub(crate) fn lines(
 pub(crate) fn stopped_lines(faults: &[DataFault]) -> String {
     let mut lines = vec!["The logs cannot be diagnosed: a cause named from them would be wrong.".to_owned()];
     lines.extend(fault_lines(faults));
-    lines.push(format!("Next: {}.", mend(faults)));
+    lines.push(format!("Next: {}.", remedy(faults)));
     lines.join("\n")
-}
-
-/// What to do about the faults that stop a diagnosis.
-pub(crate) fn mend(faults: &[DataFault]) -> String {
-    let places = |still: bool| -> Vec<&str> {
-        let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
-        let mut places: Vec<&str> = stops
-            .filter(|fault| (fault.kind == Kind::HardlyMoves) == still)
-            .map(|fault| fault.place.as_str())
-            .collect();
-        places.sort_unstable();
-        places.dedup();
-        places
-    };
-    match (places(false), places(true)) {
-        (wrong, _) if !wrong.is_empty() => format!("mend {} and diagnose again", wrong.join(", ")),
-        (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),
-    }
 }
 
 /// What explains nothing: all that was tried.
 fn none(diagnosis: &Diagnosis) -> String {
-    match diagnosis.candidates.as_slice() {
+    match diagnosis.scope.candidates.as_slice() {
         [] => "no effect of the library".into(),
         tried => format!("none of the effects tried ({})", tried.join(", ")),
     }
 }
 
 fn headline(diagnosis: &Diagnosis) -> String {
-    let changed = diagnosis.against_reference;
+    let changed = diagnosis.scope.against_reference;
     let none = none(diagnosis);
     let unexplained =
         [format!("something changed that {none} explains"), format!("the model misses something that {none} explains")];
@@ -129,67 +111,7 @@ fn headline(diagnosis: &Diagnosis) -> String {
         Verdict::None => "nothing beyond the noise: the re-identified model explains the logs",
         Verdict::NotTestable => "the logs cannot be diagnosed",
     };
-    format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.alpha))
-}
-
-/// What is said of logs of several rates.
-pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
-    let each: Vec<String> = diagnosis.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
-    (each.len() > 1).then(|| {
-        format!(
-            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is told here, which is that of \
-             the training logs together; log all at one rate",
-            each.join(" and ")
-        )
-    })
-}
-
-/// What is said of delays and lags that are of the sampling.
-pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = diagnosis.of_sampling.iter().map(|short| {
-        let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
-        match short.joint {
-            None => format!("torque and positions lie {time} +- {std} ms apart"),
-            Some(joint) => format!("the torque of {} lags by {time} +- {std} ms", robot.joints[joint].name),
-        }
-    });
-    let each: Vec<String> = each.collect();
-    (!each.is_empty()).then(|| {
-        let each = each.join(", ");
-        format!("{each}: less than half a sample and less than the noise, which sampling does; the model has it, and it is no finding")
-    })
-}
-
-/// What is said of friction that does not change its direction at once.
-pub(super) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = robot.joints.iter().zip(&diagnosis.sign_widths).filter(|(_, width)| **width > 0.0);
-    let each: Vec<String> = each
-        .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
-        .collect();
-    (!each.is_empty()).then(|| {
-        format!(
-            "dry friction changes its direction over some speed, as tanh(v / width), not at once: the baseline has it, and it is no \
-             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths: {}",
-            each.join(", ")
-        )
-    })
-}
-
-/// What is said where the training logs leave the model more open on the held-out logs than the noise.
-pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = diagnosis.prediction_std.iter().zip(&diagnosis.noise_floor).zip(&robot.joints);
-    let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
-        true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
-        false => format!("{} by any amount", joint.name),
-    });
-    let open: Vec<String> = open.collect();
-    (!open.is_empty()).then(|| {
-        format!(
-            "the training logs do not tell all that the held-out motions take; there the model is unsure of {}: what is said of these \
-             joints is as unsure. Identify from motions as rich as those; inertias that are believed (--trust nominal) ask less of them",
-            open.join(", ")
-        )
-    })
+    format!("Verdict: {answer} (false alarms: at most {} of runs).", percent_of(diagnosis.scope.alpha))
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {
@@ -215,7 +137,7 @@ fn fault_lines(faults: &[DataFault]) -> Vec<String> {
 /// "joint_2 misses 4.8 N m, 9 % of its torque: stribeck_friction takes that to 0.76 N m (noise 0.75 N m)."
 fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     let [before, after] = &found.rms;
-    let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.noise_floor[j].powi(2);
+    let gained = |j: usize| (before[j].powi(2) - after[j].powi(2)) / diagnosis.errors.noise_floor[j].powi(2);
     let joints = found.member.candidate.joints();
     let joint = joints.into_iter().max_by(|&a, &b| gained(a).total_cmp(&gained(b))).unwrap_or(0);
     let mut names = place(robot, found.member.candidate.family());
@@ -223,7 +145,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         names += &format!(" or {}", place(robot, other.family));
     }
     if found.verdict == Verdict::Unexplained {
-        let why = match predicts_worse(found, &diagnosis.noise_floor) {
+        let why = match predicts_worse(found, &diagnosis.errors.noise_floor) {
             true => "it fits the training logs and not the held-out ones",
             false => "much stays unexplained there",
         };
@@ -234,7 +156,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     if let Some(play) = &found.impacts {
         return format!("{names}: {} (chance of a false alarm {chance}).", impacts(play));
     }
-    let torque = diagnosis.test_torque_rms[joint];
+    let torque = diagnosis.errors.test_torque_rms[joint];
     let share =
         if torque > 0.0 { format!(" = {:.1} % of its torque", 100.0 * before[joint] / torque) } else { String::new() };
     format!(
@@ -242,7 +164,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         robot.joints[joint].name,
         effort(&robot.joints[joint], before[joint]),
         effort(&robot.joints[joint], after[joint]),
-        effort(&robot.joints[joint], diagnosis.noise_floor[joint])
+        effort(&robot.joints[joint], diagnosis.errors.noise_floor[joint])
     )
 }
 
@@ -255,7 +177,7 @@ pub(crate) fn impacts(play: &Play) -> String {
 }
 
 /// What is told of the parameters: what practitioners call them where there are such, else the first few.
-fn values(parameters: &[Parameter]) -> String {
+fn values(parameters: &[NamedParameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
     let told = parameters[named..].iter().take(MENTIONED);
     let each = told.map(|p| match p.std.is_finite() {
@@ -267,9 +189,9 @@ fn values(parameters: &[Parameter]) -> String {
 
 /// Where the error of the arm as described lives, for the joint on which it is the largest share of the torque.
 fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let [described, left] = &diagnosis.structure;
+    let [described, left] = &diagnosis.errors.structure;
     let of = if diagnosis.verdict == Verdict::Unexplained { left } else { described };
-    let excess = |j: usize| of[j].rms_nm / diagnosis.noise_floor[j];
+    let excess = |j: usize| of[j].rms_nm / diagnosis.errors.noise_floor[j];
     let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > 1.5)?;
     let (variable, share) = of[joint].follows.most();
     let worst = of[joint].worst?;
@@ -288,14 +210,18 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 /// The table of held-out errors.
 fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> String {
     let found = !diagnosis.found.is_empty();
-    let identified = if diagnosis.against_reference { "before the change" } else { "re-identified" };
+    let identified = if diagnosis.scope.against_reference { "before the change" } else { "re-identified" };
     let (unit, names) = by_joint(robot);
     let title = format!("held-out rms, {unit}");
     let mut header = vec![title.as_str(), "torque", "as described", identified];
-    let mut columns = vec![&diagnosis.test_torque_rms, &diagnosis.simulation_test_rms, &diagnosis.baseline_rms[1]];
+    let mut columns = vec![
+        &diagnosis.errors.test_torque_rms,
+        &diagnosis.errors.simulation_test_rms,
+        &diagnosis.errors.baseline_rms[1],
+    ];
     if found {
         header.push("with findings");
-        columns.push(&diagnosis.extended_test_rms);
+        columns.push(&diagnosis.errors.extended_test_rms);
     }
     let simulated = resimulation.map(|run| format!("in {}", run.engine.name()));
     if let (Some(run), Some(simulated)) = (resimulation, &simulated) {
@@ -303,9 +229,10 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
         columns.push(&run.extended_rms);
     }
     header.push("noise");
-    columns.push(&diagnosis.noise_floor);
+    columns.push(&diagnosis.errors.noise_floor);
     let rows = names.into_iter().enumerate().map(|(joint, name)| {
-        let value = |value: f64| if diagnosis.equations[joint] { significant(value) } else { significant(f64::NAN) };
+        let value =
+            |value: f64| if diagnosis.logs.equations[joint] { significant(value) } else { significant(f64::NAN) };
         let values = columns.iter().map(|column| value(column[joint]));
         [name].into_iter().chain(values).collect()
     });
@@ -340,16 +267,6 @@ fn percent_of(probability: f64) -> String {
         true => format!("{:.0e} %", 100.0 * probability),
         false => format!("{} %", (1e8 * probability).round() / 1e6),
     }
-}
-
-/// An effort of a joint with its unit.
-fn effort(joint: &Joint, value: f64) -> String {
-    with_unit(significant(value), joint.effort_unit())
-}
-
-/// A value with its unit; ratios have none.
-fn with_unit(value: String, unit: &str) -> String {
-    if unit == "1" { value } else { format!("{value} {unit}") }
 }
 
 fn percent(share: Share) -> String {

@@ -2,9 +2,9 @@
 
 use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
+use crate::diagnosis::notices::remedy;
 use crate::diagnosis::{Consequence, DataFault};
 use crate::recording::Recording;
-use crate::report::diagnosis::mend;
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
 use crate::report::viewer::{joined, joined_time, offsets};
@@ -13,7 +13,7 @@ use crate::robot::Robot;
 /// The report of a diagnosis of `logs`, training logs first, that `faults` have stopped.
 pub(crate) fn page(robot: &Robot, logs: &[&Recording], faults: &[DataFault], provenance: Provenance) -> Page {
     let stops: Vec<&DataFault> = faults.iter().filter(|fault| fault.consequence == Consequence::Stops).collect();
-    let next = mend(faults);
+    let next = remedy(faults);
     let next = next[..1].to_uppercase() + &next[1..] + ".";
     Page {
         kind: format!("Diagnosis of {}", robot.name),

@@ -86,7 +86,7 @@ pub fn film<'a>(
     film.add(Quantity::Residual, "as described", Look::Measured, |j| counted(j, &evidence.described));
     film.add(Quantity::Residual, "re-identified", Look::Simulated, |j| counted(j, &evidence.baseline));
     film.add(Quantity::Residual, "with findings", Look::Extended, |j| counted(j, &evidence.extended));
-    film.add_noise(&diagnosis.noise_floor);
+    film.add_noise(&diagnosis.errors.noise_floor);
     film
 }
 
@@ -108,7 +108,7 @@ fn markers(
     for (found, torque) in diagnosis.found.iter().zip(&diagnosis.evidence.effects) {
         let name = report::place(robot, found.member.candidate.family());
         for (row, joint, value) in strongest(diagnosis, torque, time, rows) {
-            let (about, noise) = (&robot.joints[joint], diagnosis.noise_floor[joint]);
+            let (about, noise) = (&robot.joints[joint], diagnosis.errors.noise_floor[joint]);
             let text = format!(
                 "{name}: {value:.2} {} on {}, {:.1} times the noise",
                 about.effort_unit(),
@@ -136,7 +136,7 @@ fn strongest(
         let values = rows(&counted).into_iter().enumerate();
         all.extend(values.filter(|(_, v)| v.is_finite() && *v != 0.0).map(|(row, value)| (row, joint, value)));
     }
-    let size = |(_, joint, value): &(usize, usize, f64)| value.abs() / diagnosis.noise_floor[*joint];
+    let size = |(_, joint, value): &(usize, usize, f64)| value.abs() / diagnosis.errors.noise_floor[*joint];
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let mut chosen: Vec<(usize, usize, f64)> = Vec::new();
     for candidate in all {

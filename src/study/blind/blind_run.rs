@@ -6,10 +6,9 @@ use super::motion::{TRAIN, kept, motions};
 use super::outcome::{Judgement, judge};
 use super::power::{power, power_as_measured};
 use super::sizing::{noise_at_size, sized};
-use crate::diagnosis::{Consequence, DataFault, Diagnosis, Input, Options, Screened, all_faults, conclude, screen_all};
+use crate::diagnosis::{Consequence, DataFault, Diagnosis};
 use crate::effects::{Placed, Site};
 use crate::error::Result;
-use crate::identification::model::Model;
 use crate::quality;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
@@ -36,7 +35,7 @@ pub struct BlindRun {
     pub accounted_for: Option<f64>,
     /// For each hidden effect, how often the best of all tests would name it.
     pub power: Vec<f64>,
-    /// The same with the positions as the encoders tell them.
+    /// The same with the positions as the encoders measure them.
     pub power_as_measured: Vec<f64>,
     /// How it came out.
     pub judgement: Judgement,
@@ -65,18 +64,24 @@ pub fn run(setup: &Setup, case: &Case) -> Result<BlindRun> {
     };
     let Simulated { setup, hidden, power, power_as_measured, logs } = made;
     let started = Instant::now();
-    let (faults, logs_used) = screened(&setup.known, logs.clone())?;
-    let model = Model::new(&setup.known);
-    let options = Options { trust: case.trust, seed: case.seed, ..Options::default() };
-    let [train, test] = [&logs_used.train, &logs_used.test].map(|logs| logs.iter().collect());
-    let input = Input { train, test, ..Input::default() };
-    let stops = faults.iter().any(|fault| fault.consequence == Consequence::Stops);
-    let conclusion = if stops { None } else { Some(conclude(&model, &input, &options, &mut |_| ())?) };
+    let answer = Diagnosis::of(&setup.known)
+        .train(&logs[..TRAIN])
+        .test(&logs[TRAIN..])
+        .truth(hidden.iter().cloned())
+        .trust(case.trust)
+        .seed(case.seed)
+        // A wrong description counts as found where the diagnosis stops at it.
+        .correct(false)
+        .run();
     let seconds = started.elapsed().as_secs_f64();
-    let accounted_for = match &conclusion {
-        Some(conclusion) if !hidden.is_empty() => Some(conclusion.share_accounted_for(&hidden)?),
-        _ => None,
+    let (faults, conclusion) = match answer {
+        Ok(answer) => (answer.faults.clone(), answer.into_conclusion().ok()),
+        Err(problem) => match unusable(&setup.known, &logs)? {
+            faults if faults.is_empty() => return Err(problem),
+            faults => (faults, None),
+        },
     };
+    let accounted_for = conclusion.as_ref().and_then(|conclusion| conclusion.accounted_for);
     let diagnosis = conclusion.map(|conclusion| conclusion.diagnosis);
     let judgement = judge(&case, &hidden, &faults, diagnosis.as_ref());
     let robot = setup.known;
@@ -136,35 +141,15 @@ fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
     Ok(Simulated { setup, hidden, power, power_as_measured, logs })
 }
 
-/// Logs after their faults were looked for.
-struct Usable {
-    train: Vec<Recording>,
-    test: Vec<Recording>,
-}
-
-/// Faults of the data, and the pieces of the logs that can be used.
-fn screened(robot: &Robot, logs: Vec<Recording>) -> Result<(Vec<DataFault>, Usable)> {
-    let mut screened: Vec<Screened> = Vec::new();
-    let mut refused: Vec<DataFault> = Vec::new();
-    let named = |(index, log): (usize, Recording)| {
-        let lines = (2..log.samples() + 2).collect();
-        (format!("log {}", index + 1), Sieved { recording: log, lines, ..Sieved::default() })
+/// The faults for which logs cannot be used at all.
+fn unusable(robot: &Robot, logs: &[Recording]) -> Result<Vec<DataFault>> {
+    let sieved =
+        |log: &Recording| Sieved { recording: log.clone(), lines: (1..=log.samples()).collect(), ..Sieved::default() };
+    let sieved: Vec<Sieved> = logs.iter().map(sieved).collect();
+    let reports = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), Some(robot))?.reports;
+    let fault = |(index, report): (usize, &quality::Report)| {
+        let quality::Finding { kind, place, text, .. } = report.fatal()?.clone();
+        Some(DataFault { kind, log: format!("log {}", index + 1), place, text, consequence: Consequence::Stops })
     };
-    let logs: Vec<(String, Sieved)> = logs.into_iter().enumerate().map(named).collect();
-    for ((name, sieved), result) in logs.iter().zip(screen_all(logs.clone(), robot)?) {
-        match result {
-            Ok(log) => screened.push(log),
-            Err(problem) => {
-                let report = quality::examine(sieved, Some(robot))?;
-                let Some(finding) = report.fatal() else { return Err(problem) };
-                let quality::Finding { kind, place, text, .. } = finding.clone();
-                refused.push(DataFault { kind, log: name.clone(), place, text, consequence: Consequence::Stops });
-            }
-        }
-    }
-    let (train, test) = screened.split_at(TRAIN.min(screened.len()));
-    let faults: Vec<DataFault> = refused.into_iter().chain(all_faults(train, test, &[], robot)).collect();
-    let pieces = |logs: &'_ [Screened]| logs.iter().flat_map(|log| log.pieces.clone()).collect();
-    let usable = Usable { train: pieces(train), test: pieces(test) };
-    Ok((faults, usable))
+    Ok(reports.iter().enumerate().filter_map(fault).collect())
 }

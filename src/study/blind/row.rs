@@ -139,7 +139,7 @@ impl Row {
             unexplained: left.map(|left| (left.joint + 1, left.structure.to_owned())).collect(),
             faults,
             errors: run.judgement.errors.clone(),
-            gap_closed: diagnosis.map(|diagnosis| diagnosis.gap_closed),
+            gap_closed: diagnosis.map(|diagnosis| diagnosis.errors.gap_closed.value),
             accounted_for: run.accounted_for,
             power: run.power.clone(),
             power_as_measured: run.power_as_measured.clone(),

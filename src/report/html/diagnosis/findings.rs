@@ -1,10 +1,10 @@
 //! What was found: parameters with intervals, law, and what is easily taken for it.
 
 use super::words::{NORMAL_95, named, probability, sentence, spaced};
-use crate::diagnosis::{Diagnosis, Found};
+use crate::diagnosis::{Diagnosis, Found, NOT_SIZED};
 use crate::effects::{About, Role};
 use crate::report::console::significant;
-use crate::report::diagnosis::{NOT_SIZED, impacts};
+use crate::report::diagnosis::impacts;
 use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 

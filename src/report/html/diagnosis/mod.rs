@@ -9,12 +9,12 @@ use words::{NORMAL_95, named, sentence};
 use super::evidence::{self, Contender, Joint};
 use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
+use crate::diagnosis::notices::{extrapolation, mixed_rates, sampling};
 use crate::diagnosis::{DataFault, Diagnosis, Found, Resimulation, Verdict};
 use crate::effects::Role;
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
-use crate::report::diagnosis::{extrapolation, mixed_rates, sampling};
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
@@ -96,7 +96,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         let about = found.member.placed.effect.about();
         let [before, after] = &found.rms;
         let gain = |joint: &usize| before[*joint] / after[*joint];
-        let seen = (0..robot.dof()).filter(|&joint| diagnosis.equations[joint]);
+        let seen = (0..robot.dof()).filter(|&joint| diagnosis.logs.equations[joint]);
         let most = seen.max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or_default();
         let (joint, unit) = (&robot.joints[most], robot.joints[most].effort_unit());
         let shown = match &found.impacts {
@@ -106,7 +106,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
                 joint.name,
                 significant(before[most]),
                 significant(after[most]),
-                significant(diagnosis.noise_floor[most]),
+                significant(diagnosis.errors.noise_floor[most]),
             ),
         };
         lead.push(format!(
@@ -124,14 +124,14 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
         lead.push(format!(
             "Together the findings close {:.0} % of the gap between the re-identified model and the noise, on logs that the \
              fit has not seen.",
-            100.0 * diagnosis.gap_closed
+            100.0 * diagnosis.errors.gap_closed.value
         ));
     }
     lead.push(format!(
         "Where nothing is wrong, at most {} % of diagnoses name anything: the level is corrected for the number of \
          independent tests, which is {:.0}.",
-        100.0 * diagnosis.alpha,
-        diagnosis.effective_tests
+        100.0 * diagnosis.scope.alpha,
+        diagnosis.scope.effective_tests
     ));
     lead
 }
@@ -153,23 +153,26 @@ fn values(robot: &Robot, found: &Found) -> Vec<String> {
 
 fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulation>) -> Section {
     let rows = robot.joints.iter().enumerate().map(|(j, joint)| {
-        let floor = diagnosis.noise_floor[j];
-        let last =
-            if diagnosis.found.is_empty() { diagnosis.baseline_rms[1][j] } else { diagnosis.extended_test_rms[j] };
-        let torque = diagnosis.test_torque_rms[j];
+        let floor = diagnosis.errors.noise_floor[j];
+        let last = if diagnosis.found.is_empty() {
+            diagnosis.errors.baseline_rms[1][j]
+        } else {
+            diagnosis.errors.extended_test_rms[j]
+        };
+        let torque = diagnosis.errors.test_torque_rms[j];
         let name = format!("{}, {}", joint.name, joint.effort_unit());
         let mut row = vec![
             name,
             significant(torque),
-            significant(diagnosis.simulation_test_rms[j]),
-            significant(diagnosis.baseline_rms[1][j]),
+            significant(diagnosis.errors.simulation_test_rms[j]),
+            significant(diagnosis.errors.baseline_rms[1][j]),
         ];
         if !diagnosis.found.is_empty() {
             row.push(significant(last));
         }
         row.extend(resimulation.map(|run| significant(run.extended_rms[j])));
         row.extend([significant(floor), format!("{:.2}", last / floor)]);
-        if !diagnosis.equations[j] {
+        if !diagnosis.logs.equations[j] {
             row[1..].fill("-".to_owned());
         }
         row
@@ -216,7 +219,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
             format!("{} {}", significant(low), joint.position_unit()),
             format!("{} {}", significant(high), joint.position_unit()),
             format!("{} {}/s", significant(slow.abs().max(fast)), joint.position_unit()),
-            format!("{} Hz", significant(diagnosis.cutoffs_hz[j])),
+            format!("{} Hz", significant(diagnosis.logs.cutoffs_hz[j])),
         ]
     });
     let mut blocks = vec![Block::table(["log", "samples", "length", "rate"], logs.collect())];
@@ -226,7 +229,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
         let rows = faults.iter().map(|fault| vec![file_name(&fault.log), fault.place.clone(), fault.text.clone()]);
         blocks.push(Block::table(["log", "place", "what is wrong"], rows.collect()));
     }
-    if diagnosis.held_out_from_training {
+    if diagnosis.logs.held_out_from_training {
         blocks.push(Block::text(
             "No test log was given: the last part of every training log was held out. A log of another motion is a harder \
              test.",
@@ -235,7 +238,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     let notes = mixed_rates(diagnosis).into_iter().chain(sampling(robot, diagnosis));
     let notes = notes.chain(extrapolation(robot, diagnosis));
     blocks.extend(notes.map(|text| Block::text(sentence(&format!("{text}.")))));
-    if let Some(low_pass) = diagnosis.passband {
+    if let Some(low_pass) = diagnosis.logs.passband {
         blocks.push(Block::text(format!(
             "The torque ends at a frequency at which no step of friction does: it went through a low-pass before it was logged. \
              All of the model is seen through the zero-phase Butterworth low-pass of {} Hz (order {}) under which it leaves least.",
@@ -280,7 +283,7 @@ fn rows(robot: &Robot, diagnosis: &Diagnosis, held_out: &[&Recording]) -> Vec<Jo
                 qd: all(&evidence.qd[j]),
                 residuals,
                 valid: all(&counts).into_iter().map(|share| share == 1.0).collect(),
-                noise: diagnosis.noise_floor[j],
+                noise: diagnosis.errors.noise_floor[j],
             }
         })
         .collect()

@@ -1,8 +1,8 @@
 //! Effects, probabilities and sentences in words.
 
 use crate::diagnosis::Family;
+use crate::diagnosis::joints;
 use crate::report::console::significant;
-use crate::report::diagnosis::joints;
 use crate::robot::Robot;
 
 /// 97.5 % point of the normal distribution.

@@ -1,61 +1,82 @@
-//! The findings of `diagnosis.json`.
+//! Findings as `diagnosis.json` and the reports hold them: effect, joints, parameters with units, alternatives.
 
-use crate::diagnosis::{Diagnosis, Family, Found, Gain, Verdict};
+use super::derived::Derived;
+use super::diagnosis::Diagnosis;
+use super::inertias::Gain;
+use crate::diagnosis::model::Family;
+use crate::diagnosis::search::{Found, Verdict};
 use crate::effects::{self, Placed, Role, Scope};
 use crate::robot::Robot;
 use serde::Serialize;
-
-/// File of the scenario with the extended model, and of its bodies and drives.
-pub(crate) const EXTENDED_SCENARIO: &str = "extended.toml";
-/// The URDF that [`EXTENDED_SCENARIO`] refers to.
-pub(crate) const EXTENDED_URDF: &str = "extended.urdf";
 
 /// What is said where the inertias of the description are wrong as a whole.
 const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on several links: no single effect explains the \
                             logs, and re-identified base parameters do. extended.urdf holds them.";
 
-#[derive(Debug, Serialize)]
-pub(super) struct Finding {
-    pub(super) effect: &'static str,
-    pub(super) joints: Vec<String>,
-    pub(super) verdict: Verdict,
-    pub(super) alternatives: Vec<Alternative>,
-    pub(super) parameters: Vec<Parameter>,
-    /// Whether any of its amplitudes is told from zero.
-    pub(super) size_told: bool,
-    pub(super) family_wise_p: f64,
-    pub(super) test_rms_before_nm: Vec<f64>,
-    pub(super) test_rms_after_nm: Vec<f64>,
-    pub(super) gain_lower_bound: f64,
-    pub(super) explanation: &'static str,
+/// What is said of a finding whose amplitudes the logs leave open.
+pub const NOT_SIZED: &str =
+    "the logs show that it is there, and not how its parameters share it: none is told from zero";
+
+/// An effect that was found, in words and units.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// Name of the effect.
+    pub effect: &'static str,
+    /// Names of its joints; none for an effect of the whole arm.
+    pub joints: Vec<String>,
+    /// Named, one of several, or unexplained.
+    pub verdict: Verdict,
+    /// Other effects that explain the logs as well, the likeliest first.
+    pub alternatives: Vec<NamedAlternative>,
+    /// Its parameters, and what derives from them.
+    pub parameters: Vec<NamedParameter>,
+    /// Whether any of its amplitudes differs surely from zero.
+    pub size_told: bool,
+    /// Family-wise p-value.
+    pub family_wise_p: f64,
+    /// Root mean square of the held-out residual without the effect, per joint, N m (N).
+    pub test_rms_before_nm: Vec<f64>,
+    /// The same with it.
+    pub test_rms_after_nm: Vec<f64>,
+    /// Lower bound (84 %) of the share of the held-out sum of squares that it explains.
+    pub gain_lower_bound: f64,
+    /// What the effect is.
+    pub explanation: &'static str,
 }
 
-#[derive(Debug, Serialize)]
-pub(super) struct Alternative {
-    pub(super) effect: &'static str,
-    pub(super) joints: Vec<String>,
-    pub(super) relative_likelihood: f64,
+/// Another effect that explains the logs as well as a finding.
+#[derive(Debug, Clone, Serialize)]
+pub struct NamedAlternative {
+    /// Name of the effect.
+    pub effect: &'static str,
+    /// Names of its joints; none for an effect of the whole arm.
+    pub joints: Vec<String>,
+    /// Likelihood over that of the finding.
+    pub relative_likelihood: f64,
 }
 
-#[derive(Debug, Serialize)]
-pub(super) struct Parameter {
-    pub(super) name: &'static str,
+/// A parameter of a finding.
+#[derive(Debug, Clone, Serialize)]
+pub struct NamedParameter {
+    /// Its name.
+    pub name: &'static str,
+    /// The joint; None for an effect of the whole arm.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) joint: Option<String>,
-    pub(super) value: f64,
-    pub(super) std: f64,
-    pub(super) unit: &'static str,
+    pub joint: Option<String>,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation; infinite where the logs do not determine it.
+    pub std: f64,
+    /// Unit of both.
+    pub unit: &'static str,
 }
 
-pub(super) fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
+/// All findings, wrong inertias as a whole first.
+pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
     let found = diagnosis.found.iter().zip(&diagnosis.derived);
     inertias.chain(found.map(|(found, derived)| finding(robot, found, derived))).collect()
 }
-
-/// What is said of a finding whose amplitudes the logs leave open.
-pub(crate) const NOT_SIZED: &str =
-    "the logs show that it is there, and not how its parameters share it: none is told from zero";
 
 /// The inertias of the description are wrong as a whole.
 fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
@@ -75,11 +96,12 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     }
 }
 
-pub(super) fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis::Derived]) -> Finding {
+/// An effect found, with what follows from its parameters.
+pub fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
     let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
-    let alternatives = found.alternatives.iter().map(|other| Alternative {
+    let alternatives = found.alternatives.iter().map(|other| NamedAlternative {
         effect: other.family.effect,
         joints: joints(robot, other.family),
         relative_likelihood: other.relative_likelihood,
@@ -96,7 +118,7 @@ pub(super) fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis:
         alternatives: alternatives.collect(),
         parameters: parameters
             .chain(derived)
-            .map(|(name, value, std, unit)| Parameter { name, joint: joint.clone(), value, std, unit })
+            .map(|(name, value, std, unit)| NamedParameter { name, joint: joint.clone(), value, std, unit })
             .collect(),
         size_told: found.member.is_sized(),
         joints: own,
@@ -109,7 +131,7 @@ pub(super) fn finding(robot: &Robot, found: &Found, derived: &[crate::diagnosis:
 }
 
 /// Names of the joints of an effect; none for one on the whole arm.
-pub(crate) fn joints(robot: &Robot, family: Family) -> Vec<String> {
+pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
     let effect = effects::find(family.effect).ok();
     let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
     let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();

@@ -1,0 +1,222 @@
+//! The whole way in one call: logs in, answer out.
+
+use super::conclusion::conclude;
+use super::diagnosis::Diagnosis;
+use super::equations::{Observed, observed};
+use super::outcome::{Answer, Outcome};
+use crate::diagnosis::Options;
+use crate::diagnosis::logs::{
+    CleanLogs, Consequence, GivenLog, Screened, all_faults, check_held_out, check_length, correct, refuse_twice,
+    screen_all, shared_verdict, still_joints,
+};
+use crate::effects::Placed;
+use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
+use crate::robot::Robot;
+
+/// How far a diagnosis has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// The logs are screened; the search begins.
+    Screened,
+    /// A round of the search ended with so many effects found.
+    Found(usize),
+}
+
+/// A diagnosis in the making, from [`Diagnosis::of`]. [`DiagnosisBuilder::run`] makes it.
+#[must_use = "nothing is diagnosed before `run`"]
+pub struct DiagnosisBuilder<'a> {
+    robot: &'a Robot,
+    train: Vec<GivenLog<'a>>,
+    test: Vec<GivenLog<'a>>,
+    reference: Vec<GivenLog<'a>>,
+    present: Vec<Placed>,
+    truth: Vec<Placed>,
+    options: Options,
+    corrects: bool,
+    labels: [String; 3],
+    progress: Box<dyn FnMut(Progress) + 'a>,
+}
+
+impl Diagnosis {
+    /// Begins a diagnosis of `robot`: what does its model miss? Give it logs, and [`run`](DiagnosisBuilder::run) it.
+    ///
+    /// The logs are screened first. Wrong columns, signs and units that are beyond doubt are corrected, samples that cannot
+    /// be used are left out, joints without torque or motion are left out, and where a fault forbids an answer the
+    /// diagnosis stops and says so.
+    ///
+    /// ```no_run
+    /// use tauscope::diagnosis::{Diagnosis, Verdict};
+    /// use tauscope::scenario::Setup;
+    /// use tauscope::study::testbed;
+    ///
+    /// // Two motions of an arm with Stribeck friction on joint 2, which its description does not have.
+    /// let setup = Setup::load("scenarios/effects/stribeck_friction.toml", None)?;
+    /// let logs = testbed::record(&setup, &mut |_| ())?;
+    ///
+    /// let answer = Diagnosis::of(&setup.known)
+    ///     .train([&logs.training.recording])
+    ///     .test([&logs.held_out.recording])
+    ///     .candidates(["stribeck_friction", "torque_offset"])
+    ///     .run()?;
+    ///
+    /// assert_eq!(answer.verdict(), Verdict::Named);
+    /// let finding = &answer.findings()[0];
+    /// assert_eq!((finding.effect, &finding.joints[..]), ("stribeck_friction", &["joint_2".to_owned()][..]));
+    /// # Ok::<(), tauscope::error::Error>(())
+    /// ```
+    pub fn of(robot: &Robot) -> DiagnosisBuilder<'_> {
+        DiagnosisBuilder {
+            robot,
+            train: Vec::new(),
+            test: Vec::new(),
+            reference: Vec::new(),
+            present: Vec::new(),
+            truth: Vec::new(),
+            options: Options::default(),
+            corrects: true,
+            labels: ["training logs", "test logs", "reference logs"].map(str::to_owned),
+            progress: Box::new(|_| ()),
+        }
+    }
+}
+
+impl<'a> DiagnosisBuilder<'a> {
+    /// Adds logs to identify from. At least one is needed; two motions of 20 s are worth while.
+    pub fn train<L: Into<GivenLog<'a>>>(mut self, logs: impl IntoIterator<Item = L>) -> Self {
+        self.train.extend(logs.into_iter().map(L::into));
+        self
+    }
+
+    /// Adds held-out logs of other motions. Default: the last part of every training log.
+    pub fn test<L: Into<GivenLog<'a>>>(mut self, logs: impl IntoIterator<Item = L>) -> Self {
+        self.test.extend(logs.into_iter().map(L::into));
+        self
+    }
+
+    /// Adds logs from before a change. The question is then what changed since.
+    pub fn reference<L: Into<GivenLog<'a>>>(mut self, logs: impl IntoIterator<Item = L>) -> Self {
+        self.reference.extend(logs.into_iter().map(L::into));
+        self
+    }
+
+    /// Effects that the simulation of the arm has already.
+    pub fn present(mut self, effects: impl IntoIterator<Item = Placed>) -> Self {
+        self.present.extend(effects);
+        self
+    }
+
+    /// Sets all options at once.
+    pub fn options(mut self, options: Options) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Whether the inertias of the description are believed, or estimated. Default: estimated.
+    pub fn trust(mut self, trust: Trust) -> Self {
+        self.options.trust = trust;
+        self
+    }
+
+    /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct. Default: 0.05.
+    pub fn alpha(mut self, alpha: f64) -> Self {
+        self.options.alpha = alpha;
+        self
+    }
+
+    /// Seed of all random numbers. Default: 0.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.options.seed = seed;
+        self
+    }
+
+    /// Most effects that are reported. Default: 12.
+    pub fn max_findings(mut self, count: usize) -> Self {
+        self.options.max_findings = count;
+        self
+    }
+
+    /// Names of the effects to look for. Default: all of the library.
+    pub fn candidates<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
+        self.options.candidates = names.into_iter().map(S::into).collect();
+        self
+    }
+
+    /// Whether a description of the logs that is wrong beyond doubt is corrected. Default: it is; else the diagnosis stops.
+    pub fn correct(mut self, corrects: bool) -> Self {
+        self.corrects = corrects;
+        self
+    }
+
+    /// Effects known to be at work, where logs are simulated: [`Conclusion::accounted_for`](super::Conclusion::accounted_for)
+    /// compares what was found with them. The diagnosis does not see them.
+    pub fn truth(mut self, effects: impl IntoIterator<Item = Placed>) -> Self {
+        self.truth.extend(effects);
+        self
+    }
+
+    /// What errors call training, test and reference logs.
+    pub fn labels(mut self, labels: [String; 3]) -> Self {
+        self.labels = labels;
+        self
+    }
+
+    /// Receives how far it has come.
+    pub fn progress(mut self, progress: impl FnMut(Progress) + 'a) -> Self {
+        self.progress = Box::new(progress);
+        self
+    }
+
+    /// Screens the logs and diagnoses the arm. Faults of the data that forbid an answer are an [`Outcome::Stopped`], no error.
+    ///
+    /// # Errors
+    /// If there is no training log, a log cannot be used at all, is too short, is given twice, or does not fit the arm; an
+    /// option out of range; a motion that leaves the parameters undetermined.
+    pub fn run(self) -> Result<Answer> {
+        let DiagnosisBuilder { present, truth, options, labels, mut progress, .. } = self;
+        options.check()?;
+        let mut robot = self.robot.clone();
+        let [train, test, reference] = [(self.train, "training"), (self.test, "test"), (self.reference, "reference")]
+            .map(|(logs, kind)| {
+                let named = |(k, log): (usize, GivenLog)| log.into_named(|| format!("{kind} log {}", k + 1));
+                logs.into_iter().enumerate().map(named).collect::<Vec<_>>()
+            });
+        // Logs of one time are screened together.
+        let screened = |logs| screen_all(logs, self.robot)?.into_iter().collect::<Result<Vec<Screened>>>();
+        let mut reference = screened(reference)?;
+        let trained = train.len();
+        let mut train = screened(train.into_iter().chain(test).collect())?;
+        let mut test = train.split_off(trained);
+        if train.is_empty() {
+            return Err(Error::request(&*labels[0], "are missing; give at least one log to identify from"));
+        }
+        let [of_train, of_test, of_reference] = labels.each_ref().map(String::as_str);
+        check_length(of_train, &train)?;
+        check_held_out(of_test, &test)?;
+        check_length(of_reference, &reference)?;
+        refuse_twice([(of_train, &train), (of_test, &test), (of_reference, &reference)])?;
+
+        let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
+        let description = shared_verdict(&all);
+        if self.corrects {
+            correct(&mut all, &mut robot);
+        }
+        let mut faults = all_faults(&train, &test, &reference, &robot);
+        let stops = faults.iter().any(|fault| fault.consequence == Consequence::Stops);
+        let still: Vec<usize> = still_joints(&train, &robot).into_iter().map(|(joint, _)| joint).collect();
+        let [train, test, reference] =
+            [train, test, reference].map(|logs| logs.into_iter().flat_map(|log| log.pieces).collect());
+        let logs = CleanLogs { train, test, reference };
+        let alpha = options.alpha;
+        if stops {
+            return Ok(Answer { robot, alpha, logs, faults, description, outcome: Outcome::Stopped });
+        }
+        let input = logs.input(present);
+        let Observed { model, left_out } = observed(&robot, &input, &still)?;
+        faults.extend(left_out);
+        progress(Progress::Screened);
+        let concluded = conclude(&model, &input, &options, &mut |found| progress(Progress::Found(found)))?;
+        let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));
+        Ok(Answer { robot, alpha, logs, faults, description, outcome })
+    }
+}

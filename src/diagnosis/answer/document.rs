@@ -1,0 +1,258 @@
+//! The content of `diagnosis.json`.
+
+use super::findings::{Finding, finding, findings, joints};
+use super::gap::Share;
+use super::notices;
+use super::outcome::Conclusion;
+use super::residual_structure::ResidualStructure;
+use crate::diagnosis::logs::{Consequence, DataFault};
+use crate::diagnosis::search::Verdict;
+use crate::quality::Kind;
+use crate::robot::Robot;
+use crate::simulation::engine::EngineKind;
+use serde::Serialize;
+
+/// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
+pub const DIAGNOSIS_SCHEMA: &str = "tauscope.diagnosis/1";
+
+/// File of the scenario with the extended model, and of its bodies and drives.
+pub const EXTENDED_SCENARIO: &str = "extended.toml";
+/// The URDF that [`EXTENDED_SCENARIO`] refers to.
+pub const EXTENDED_URDF: &str = "extended.urdf";
+
+/// The content of `diagnosis.json`, without its schema.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Document {
+    verdict: Option<Verdict>,
+    robot: String,
+    joints: Vec<String>,
+    /// Units of the joints' efforts, noise and residuals.
+    effort_units: Vec<&'static str>,
+    alpha: f64,
+    /// Cut-off at which the positions of each joint were smoothed; empty where nothing was tested.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    position_cutoffs_hz: Vec<f64>,
+    /// Cut-off of the low-pass that torque went through before it was logged; absent where there was none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    torque_cutoff_hz: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effective_tests: Option<f64>,
+    noise_floor_nm: Vec<f64>,
+    test_torque_rms_nm: Vec<f64>,
+    simulation: Simulation,
+    baseline: Baseline,
+    /// What was found in the reference logs: there before the change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    reference: Vec<Finding>,
+    findings: Vec<Finding>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extended: Option<Extended>,
+    not_found: Vec<NotFound>,
+    unexplained: Vec<Unexplained>,
+    next_experiment: String,
+    data_quality: Vec<Quality>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Simulation {
+    test_rms_nm: Vec<f64>,
+    structure: Vec<Structure>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Baseline {
+    train_rms_nm: Vec<f64>,
+    test_rms_nm: Vec<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Structure {
+    joint: String,
+    #[serde(flatten)]
+    structure: ResidualStructure,
+}
+
+#[derive(Debug, Serialize)]
+struct Extended {
+    test_rms_nm: Vec<f64>,
+    test_prediction_std_nm: Vec<f64>,
+    gap_closed: f64,
+    gap_closed_interval: [f64; 2],
+    structure: Vec<Structure>,
+    model: &'static str,
+    urdf: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resimulated_test_rms_nm: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resimulation: Option<Resimulated>,
+}
+
+#[derive(Debug, Serialize)]
+struct Resimulated {
+    engine: EngineKind,
+    described_test_rms_nm: Option<Vec<f64>>,
+    baseline_test_rms_nm: Vec<f64>,
+    gain: Share,
+    gap_closed: Share,
+}
+
+#[derive(Debug, Serialize)]
+struct NotFound {
+    effect: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint: Option<String>,
+    verdict: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    minimum_detectable: Option<f64>,
+    unit: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct Unexplained {
+    joint: String,
+    share: f64,
+    structure: &'static str,
+    family_wise_p: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Quality {
+    kind: QualityKind,
+    log: String,
+    r#where: String,
+    text: String,
+    consequence: Consequence,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum QualityKind {
+    Fault(Kind),
+    Notice(&'static str),
+}
+
+impl Document {
+    /// The answer as `diagnosis.json` holds it.
+    pub(super) fn new(robot: &Robot, conclusion: &Conclusion, faults: &[DataFault]) -> Document {
+        let Conclusion { diagnosis, resimulation, .. } = conclusion;
+        let resimulation = resimulation.as_ref();
+        // Not a number, which JSON writes as null, where there is no equation.
+        let known = |values: &[f64]| -> Vec<f64> {
+            let each = values.iter().zip(&diagnosis.logs.equations);
+            each.map(|(&value, &has)| if has { value } else { f64::NAN }).collect()
+        };
+        let [train, test] = diagnosis.errors.baseline_rms.each_ref().map(|rms| known(rms));
+        let not_found = diagnosis.not_found.iter().map(|missed| NotFound {
+            effect: missed.family.effect,
+            joint: joints(robot, missed.family).into_iter().next(),
+            verdict: if missed.minimum_detectable.is_some() { "not_found" } else { "not_testable" },
+            minimum_detectable: missed.minimum_detectable,
+            unit: missed.unit,
+        });
+        let unexplained = diagnosis.unexplained.iter().map(|left| Unexplained {
+            joint: robot.joints[left.joint].name.clone(),
+            share: left.share,
+            structure: left.structure,
+            family_wise_p: left.family_wise_p,
+        });
+        let mut data_quality = qualities(robot, faults);
+        let held_out = "no test log was given: the last part of every training log was held out";
+        let notices = [
+            (
+                "held_out_from_training",
+                "training logs",
+                diagnosis.logs.held_out_from_training.then(|| held_out.to_owned()),
+            ),
+            ("mixed_rates", "t", notices::mixed_rates(diagnosis)),
+            ("sampling_delay", "tau", notices::sampling(robot, diagnosis)),
+            ("smooth_friction", "tau", notices::smooth_friction(robot, diagnosis)),
+            ("extrapolation", "training logs", notices::extrapolation(robot, diagnosis)),
+        ];
+        data_quality.extend(notices.into_iter().filter_map(|(kind, place, text)| {
+            Some(Quality {
+                kind: QualityKind::Notice(kind),
+                log: String::new(),
+                r#where: place.into(),
+                text: text?,
+                consequence: Consequence::Told,
+            })
+        }));
+        let structure = |of: &[ResidualStructure]| {
+            let named = robot.joint_names().into_iter().zip(of.iter().cloned());
+            named.map(|(joint, structure)| Structure { joint, structure }).collect()
+        };
+        Document {
+            verdict: Some(diagnosis.verdict),
+            robot: robot.name.clone(),
+            joints: robot.joint_names(),
+            effort_units: robot.effort_units(),
+            alpha: diagnosis.scope.alpha,
+            position_cutoffs_hz: diagnosis.logs.cutoffs_hz.clone(),
+            torque_cutoff_hz: diagnosis.logs.passband.map(|low_pass| low_pass.hz),
+            effective_tests: Some(diagnosis.scope.effective_tests),
+            noise_floor_nm: known(&diagnosis.errors.noise_floor),
+            test_torque_rms_nm: known(&diagnosis.errors.test_torque_rms),
+            simulation: Simulation {
+                test_rms_nm: known(&diagnosis.errors.simulation_test_rms),
+                structure: structure(&diagnosis.errors.structure[0]),
+            },
+            baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
+            reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
+            findings: findings(robot, diagnosis),
+            extended: Some(Extended {
+                test_rms_nm: known(&diagnosis.errors.extended_test_rms),
+                test_prediction_std_nm: known(&diagnosis.errors.prediction_std),
+                gap_closed: diagnosis.errors.gap_closed.value,
+                gap_closed_interval: diagnosis.errors.gap_closed.interval,
+                structure: structure(&diagnosis.errors.structure[1]),
+                model: EXTENDED_SCENARIO,
+                urdf: EXTENDED_URDF,
+                resimulated_test_rms_nm: resimulation.map(|run| known(&run.extended_rms)),
+                resimulation: resimulation.map(|run| Resimulated {
+                    engine: run.engine,
+                    described_test_rms_nm: run.described_rms.clone(),
+                    baseline_test_rms_nm: run.baseline_rms.clone(),
+                    gain: run.gain,
+                    gap_closed: run.gap_closed,
+                }),
+            }),
+            not_found: not_found.collect(),
+            unexplained: unexplained.collect(),
+            next_experiment: diagnosis.next_experiment.clone(),
+            data_quality,
+        }
+    }
+
+    /// The answer where faults of the data forbid one.
+    pub(super) fn stopped(robot: &Robot, alpha: f64, faults: &[DataFault]) -> Document {
+        Document {
+            verdict: Some(Verdict::NotTestable),
+            robot: robot.name.clone(),
+            joints: robot.joint_names(),
+            effort_units: robot.effort_units(),
+            alpha,
+            next_experiment: notices::remedy(faults),
+            data_quality: qualities(robot, faults),
+            ..Document::default()
+        }
+    }
+}
+
+/// What is noted of the robot's file, and the faults of the logs.
+fn qualities(robot: &Robot, faults: &[DataFault]) -> Vec<Quality> {
+    let notes = robot.notes.iter().map(|note| Quality {
+        kind: QualityKind::Notice("robot_description"),
+        log: String::new(),
+        r#where: robot.name.clone(),
+        text: note.clone(),
+        consequence: Consequence::Told,
+    });
+    let quality = |fault: &DataFault| Quality {
+        kind: QualityKind::Fault(fault.kind),
+        log: fault.log.clone(),
+        r#where: fault.place.clone(),
+        text: fault.text.clone(),
+        consequence: fault.consequence,
+    };
+    notes.chain(faults.iter().map(quality)).collect()
+}

@@ -1,0 +1,65 @@
+//! Logs as they are given to a diagnosis: by reference or by value, with a name or without.
+
+use crate::recording::Recording;
+use crate::recording::lenient::Sieved;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// A log given to a diagnosis. It converts from a [`Recording`] or a [`Sieved`] log, by reference or by value, and from a
+/// pair of a file's name and either: faults and errors name the log by it.
+#[derive(Debug, Clone)]
+pub struct GivenLog<'a> {
+    name: Option<String>,
+    data: Data<'a>,
+}
+
+#[derive(Debug, Clone)]
+enum Data<'a> {
+    Recording(Cow<'a, Recording>),
+    Sieved(Cow<'a, Sieved>),
+}
+
+impl GivenLog<'_> {
+    /// The log to be screened with its name, `otherwise` where it has none. Samples of a plain recording count from 1 in the
+    /// place of a file's lines.
+    pub fn into_named(self, otherwise: impl FnOnce() -> String) -> (String, Sieved) {
+        let sieved = match self.data {
+            Data::Sieved(sieved) => sieved.into_owned(),
+            Data::Recording(recording) => {
+                let lines = (1..=recording.samples()).collect();
+                Sieved { recording: recording.into_owned(), lines, ..Sieved::default() }
+            }
+        };
+        (self.name.unwrap_or_else(otherwise), sieved)
+    }
+}
+
+impl<'a> From<&'a Recording> for GivenLog<'a> {
+    fn from(recording: &'a Recording) -> Self {
+        GivenLog { name: None, data: Data::Recording(Cow::Borrowed(recording)) }
+    }
+}
+
+impl From<Recording> for GivenLog<'_> {
+    fn from(recording: Recording) -> Self {
+        GivenLog { name: None, data: Data::Recording(Cow::Owned(recording)) }
+    }
+}
+
+impl<'a> From<&'a Sieved> for GivenLog<'a> {
+    fn from(sieved: &'a Sieved) -> Self {
+        GivenLog { name: None, data: Data::Sieved(Cow::Borrowed(sieved)) }
+    }
+}
+
+impl From<Sieved> for GivenLog<'_> {
+    fn from(sieved: Sieved) -> Self {
+        GivenLog { name: None, data: Data::Sieved(Cow::Owned(sieved)) }
+    }
+}
+
+impl<'a, N: AsRef<Path>, L: Into<GivenLog<'a>>> From<(N, L)> for GivenLog<'a> {
+    fn from((name, log): (N, L)) -> Self {
+        GivenLog { name: Some(name.as_ref().display().to_string()), ..log.into() }
+    }
+}

@@ -11,8 +11,8 @@
 //! - Batched signals are laid out `[channel][time]` ([`channels::Channels`]).
 //! - Every random number comes from a recorded seed through a named stream ([`random`]).
 //!
-//! Imports run one way, from the top of this list downwards: [`cli`] and [`report`] know everything, [`robot`],
-//! [`channels`] and [`lane`] know nothing.
+//! Imports run one way, from the top of this list downwards: [`cli`] and [`report`] know everything,
+//! [`channels`] and [`lane`] nothing.
 
 pub mod cli;
 pub mod report;

@@ -56,6 +56,7 @@
 pub mod arm;
 mod convert;
 mod corrected;
+mod still;
 mod units;
 
 pub use corrected::{Named, corrected};

@@ -186,6 +186,23 @@ impl Robot {
     }
 }
 
+impl Drive {
+    /// Takes away what is beyond any machine, with a note: such numbers fix a joint, or are placeholders.
+    fn credible(mut self, joint: &str, line: usize, notes: &mut Vec<String>) -> Drive {
+        for (value, attribute) in
+            [(&mut self.viscous, "damping"), (&mut self.coulomb, "friction"), (&mut self.armature, "armature")]
+        {
+            if value.abs() > LARGEST {
+                notes.push(format!(
+                    "joint `{joint}` (line {line}): {attribute} {value:e} is beyond any machine and counts as none"
+                ));
+                *value = 0.0;
+            }
+        }
+        self
+    }
+}
+
 impl Joint {
     /// Pose of the moved joint frame in the joint frame at zero.
     pub fn motion(&self, q: f64) -> Pose {

@@ -190,6 +190,21 @@ fn attached_models_keep_their_settings() {
     }
 }
 
+/// A base fixed by its damping, and ranges beyond any machine.
+#[test]
+fn numbers_of_drives_that_no_machine_has_are_noted() {
+    let joint = "<joint name=\"j\" damping=\"1e11\" stiffness=\"1e11\" range=\"-2e10 2e10\"/>";
+    let read = read(&format!(
+        "<mujoco><compiler angle=\"radian\"/><worldbody><body name=\"b\">{joint}<geom size=\"0.1\"/></body></worldbody>\
+         <actuator><motor joint=\"j\" gear=\"1e10\" ctrlrange=\"-1 1\" ctrllimited=\"true\"/></actuator></mujoco>"
+    ));
+    let read = read.unwrap();
+    assert_eq!(read.joints[0].drive, Drive::default());
+    assert_eq!((read.joints[0].limits.upper, read.joints[0].limits.effort), (2e10, 1e10));
+    let notes = read.notes.join("\n");
+    assert!(notes.contains("joint `j` (line 1): damping 1e11 is beyond any machine"), "{notes}");
+}
+
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
     let body = |inner: &str| format!("<mujoco>\n<worldbody>\n<body name=\"b\">\n{inner}</body></worldbody></mujoco>");

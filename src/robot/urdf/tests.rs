@@ -131,7 +131,6 @@ fn what_urdf_leaves_out_has_its_default() {
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
     for (from, to, words) in [
-        ("lower=\"-2.9\"", "lower=\"3\"", ["arm.urdf:4: joint `j1`", "lower must not exceed upper"]),
         ("type=\"revolute\"", "type=\"rotary\"", ["arm.urdf:4: joint `j1`", "type rotary"]),
         ("type=\"revolute\"", "", ["arm.urdf:4: joint `j1`", "no type"]),
         ("<parent link=\"l0\"/>", "", ["arm.urdf:4: joint `j1`", "no <parent"]),
@@ -156,6 +155,25 @@ fn what_is_wrong_is_named_with_its_line() {
     ] {
         let message = changed(from, to).unwrap_err().to_string();
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+}
+
+/// A range from above to below is no range, and friction beyond any machine is none; neither refuses an arm.
+#[test]
+fn numbers_of_drives_that_no_machine_has_are_noted() {
+    let swapped = changed("lower=\"-2.9\"", "lower=\"3\"").unwrap();
+    assert_eq!((swapped.joints[0].limits.lower, swapped.joints[0].limits.upper), (f64::NEG_INFINITY, f64::INFINITY));
+    assert!(swapped.notes[0].contains("`j1` (line 4): limits 3..2.9"), "{:?}", swapped.notes);
+    for (from, to, word) in [
+        ("damping=\"0.5\"", "damping=\"1e11\"", "damping 1e11"),
+        ("friction=\"0.2\"", "friction=\"-3e20\"", "friction -3e20"),
+        ("armature=\"0.1\"", "armature=\"1e12\"", "armature 1e12"),
+    ] {
+        let read = changed(from, to).unwrap();
+        let Drive { viscous, coulomb, armature } = read.joints[0].drive;
+        assert!([viscous, coulomb, armature].contains(&0.0), "{to}");
+        assert!(read.notes[0].contains(word) && read.notes.len() == 1, "{:?}", read.notes);
+        assert_eq!(read.joints[1].drive, Drive { viscous: 0.5, coulomb: 0.2, armature: 0.1 });
     }
 }
 

@@ -70,7 +70,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let result = report::together(each[0], &each[1..], robot.as_ref());
     print::result(global, report::SCHEMA, &result, || {
         let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
-        let notes: String = robot.iter().flat_map(|robot| &robot.notes).map(|note| format!("\nNote: {note}.")).collect();
+        let notes: String =
+            robot.iter().flat_map(|robot| &robot.notes).map(|note| format!("\nNote: {note}.")).collect();
         let notes = if notes.is_empty() { notes } else { format!("\n{notes}") };
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
         let corrected =

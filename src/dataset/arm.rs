@@ -4,8 +4,8 @@
 //! that stand still in all logs are held where they stand, and so are joints of the file that only the logs' other columns
 //! tell of.
 
-use super::{Dataset, still};
 use super::convert::reorder;
+use super::{Dataset, still};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::recording::Recording;

@@ -33,11 +33,7 @@ pub(super) fn range(robot: &Robot, kind: JointKind) -> f64 {
 }
 
 /// Where a joint stands in each log, rad or m, if it stands still in every one of them.
-pub(super) fn places<'a>(
-    logs: impl Iterator<Item = &'a Recording>,
-    joint: usize,
-    tolerance: f64,
-) -> Option<Vec<f64>> {
+pub(super) fn places<'a>(logs: impl Iterator<Item = &'a Recording>, joint: usize, tolerance: f64) -> Option<Vec<f64>> {
     let mut places = Vec::new();
     let mut allowed = tolerance;
     for log in logs {

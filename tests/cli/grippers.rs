@@ -11,7 +11,10 @@ fn scenario(robot: &str) -> Case {
         ("[3.0, 4.0, 2.0, 0.45, 0.35, 0.18]", "[0.3, 0.3, 0.1, 0.05]"),
     ]);
     let arm = std::fs::read_to_string(format!("{ROOT}/tests/reference/trees/two_finger.urdf")).unwrap();
-    let limited = arm.replace("type=\"continuous\">", "type=\"revolute\"><limit lower=\"-3\" upper=\"3\" effort=\"60\" velocity=\"3\"/>");
+    let limited = arm.replace(
+        "type=\"continuous\">",
+        "type=\"revolute\"><limit lower=\"-3\" upper=\"3\" effort=\"60\" velocity=\"3\"/>",
+    );
     case.write("arm.urdf", &limited);
     case
 }
@@ -22,18 +25,24 @@ fn a_scenario_holds_the_fingers() {
     let output = case.tauscope(&["run", "s.toml", "--out", "out"]);
     assert_done(&output);
     let said = text(&output.stdout);
-    assert!(said.contains("as given: finger_left_joint 0.0100 m") && said.contains("joint_4"), "{said}");
+    assert!(
+        said.contains("as given: finger_left_joint 0.0100 m, finger_right_joint 0.0100 m\n")
+            && said.contains("joint_4"),
+        "{said}"
+    );
     let found: serde_json::Value = serde_json::from_str(&case.read("out/identification.json")).unwrap();
     let parameters = found["variants"][0]["parameters"].as_array().unwrap();
     assert!(parameters.iter().any(|p| p["name"] == "Fv4") && parameters.iter().all(|p| p["name"] != "Fv5"));
     for parameter in parameters {
         let [value, truth] = ["value", "truth"].map(|key| parameter[key].as_f64().unwrap());
-        assert!((value - truth).abs() <= 1e-6 * truth.abs() + 1e-8, "{parameter}");
+        assert!((value - truth).abs() <= 1e-4 * truth.abs() + 1e-6, "{parameter}");
     }
     // The merged scenario holds them too, and names of the joints do the same as the tip.
     assert_done(&case.tauscope(&["simulate", "out/scenario.toml", "--out", "again"]));
     assert_eq!(case.read("again/recording.csv"), case.read("out/recording.csv"));
-    let named = scenario("joints = [\"joint_1\", \"joint_2\", \"joint_3\", \"joint_4\"]\n[robot.hold]\nfinger_left_joint = 0.01");
+    let named = scenario(
+        "joints = [\"joint_1\", \"joint_2\", \"joint_3\", \"joint_4\"]\n[robot.hold]\nfinger_left_joint = 0.01",
+    );
     assert_done(&named.tauscope(&["simulate", "s.toml", "--out", "out"]));
     assert_eq!(named.read("out/recording.csv"), case.read("out/recording.csv"));
 }
@@ -68,8 +77,8 @@ fn bent(b: impl Fn(f64) -> f64) -> String {
     for i in 0..2000 {
         let t = 0.004 * f64::from(i);
         let q = 0.8 * (1.3 * t).sin() + 0.4 * (3.1 * t).sin();
-        let a = 9.81 * q.cos() - 3.0 * (1.3 * 1.3 * 0.8 * (1.3 * t).sin() + 3.1 * 3.1 * 0.4 * (3.1 * t).sin());
-        writeln!(log, "{t:.3},{q:.6},{:.6},{a:.5},{:.5}", b(t), (q + b(t)).cos()).unwrap();
+        let a = -9.81 * q.cos() - 3.0 * (1.3 * 1.3 * 0.8 * (1.3 * t).sin() + 3.1 * 3.1 * 0.4 * (3.1 * t).sin());
+        writeln!(log, "{t:.3},{q:.6},{:.6},{a:.5},{:.5}", b(t), -(q + b(t)).cos()).unwrap();
     }
     log
 }

@@ -188,9 +188,8 @@ fn followers_are_free_joints_seen_through_the_linear_map() {
         free.tree = Some(Tree { followers: Vec::new(), ..tree.clone() });
         let map = LinearMap::new(robot.dof(), (0..robot.bodies()).map(|body| vec![robot.coupling(body)]).collect());
         for state in &reference.states {
-            let table = |values: &[f64]| {
-                Channels::from_vectors(&values.iter().map(|value| vec![*value]).collect::<Vec<_>>())
-            };
+            let table =
+                |values: &[f64]| Channels::from_vectors(&values.iter().map(|value| vec![*value]).collect::<Vec<_>>());
             let x = Motion { q: table(&state.x), qd: table(&state.xd), qdd: table(&state.xdd) };
             let q = Motion { q: map.positions(&x.q), qd: map.rates(&x.qd), qdd: map.rates(&x.qdd) };
             let torque = |robot: &Robot, motion: &Motion| {

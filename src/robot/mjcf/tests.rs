@@ -1,6 +1,6 @@
-use super::super::Pose;
 use super::super::description::{Description, Motion};
 use super::super::xml::XmlText;
+use super::super::{Drive, Pose};
 use super::*;
 use nalgebra::{Matrix3, Rotation3, Unit};
 use serde_json::Value;

@@ -22,6 +22,9 @@ const ROUNDING: f64 = 1e-9;
 /// What to do about a held joint that logs do not have at one place.
 const CURE: &str = "put it under study with --joints, or say where it stands in [hold] of a dataset";
 
+/// Joints not under study with the places where they are held, and notes.
+type Elsewhere = (Vec<(String, f64)>, Vec<String>);
+
 /// The joints asked for on the command line.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Asked {
@@ -157,7 +160,7 @@ impl LoggedArm {
 
     /// Positions of joints that are not under study, where all logs have them standing still, with notes of those that do not
     /// stand at one place.
-    fn elsewhere(&self, dataset: Option<&Dataset>, paths: &[&Path]) -> Result<(Vec<(String, f64)>, Vec<String>)> {
+    fn elsewhere(&self, dataset: Option<&Dataset>, paths: &[&Path]) -> Result<Elsewhere> {
         let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
         let others: Vec<(String, JointKind)> = self
             .description

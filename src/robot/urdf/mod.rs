@@ -34,7 +34,7 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// # Errors
 /// Names file, line and element for: unreadable or malformed files, links and joints that form no tree, numbers that are
-/// malformed or not finite, a zero axis, speed or effort limits below zero.
+/// malformed or not finite, a zero axis, limits that contradict themselves.
 pub(super) fn read(source: XmlText) -> Result<Description> {
     let (source, notes) = edits::of(source)?;
     describe(&source, notes)
@@ -176,7 +176,7 @@ impl Reader<'_, '_> {
             child,
             origin: pose_of(&joint.origin),
             axis: if moves { self.axis(name, node, joint)? } else { Vector3::x() },
-            limits: self.limits(name, node, joint, notes)?,
+            limits: self.limits(name, node, joint)?,
             drive: Self::drive(node, joint).credible(name, line(node), notes),
             mimic: joint.mimic.as_ref().filter(|_| moves).map(|mimic| Mimic {
                 master: mimic.joint.trim().to_owned(),
@@ -211,7 +211,7 @@ impl Reader<'_, '_> {
             .ok_or_else(|| self.error("joint", name, node, format!("axis {:?} has no direction", axis.as_slice())))
     }
 
-    fn limits(&self, name: &str, node: &Node, joint: &urdf_rs::Joint, notes: &mut Vec<String>) -> Result<Limits> {
+    fn limits(&self, name: &str, node: &Node, joint: &urdf_rs::Joint) -> Result<Limits> {
         let given = &joint.limit;
         let or_infinite = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
         if given.velocity < 0.0 || given.effort < 0.0 {
@@ -222,15 +222,11 @@ impl Reader<'_, '_> {
         // URDF has no way to say "none": left out, both read as zero.
         let absent = given.lower == 0.0 && given.upper == 0.0;
         let unlimited = joint.joint_type == urdf_rs::JointType::Continuous || absent;
-        let (mut lower, mut upper) =
-            if unlimited { (f64::NEG_INFINITY, f64::INFINITY) } else { (given.lower, given.upper) };
+        let (lower, upper) = if unlimited { (f64::NEG_INFINITY, f64::INFINITY) } else { (given.lower, given.upper) };
         if lower > upper {
-            // Bullet's way to say "none".
-            notes.push(format!(
-                "joint `{name}` (line {}): limits {lower}..{upper} have their lower end above the upper: no range is known",
-                line(node)
-            ));
-            (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+            let problem =
+                format!("limits {lower}..{upper}: lower must not exceed upper; exchange them if they are swapped");
+            return Err(self.error("joint", name, node, problem));
         }
         Ok(Limits { lower, upper, velocity: or_infinite(given.velocity), effort: or_infinite(given.effort) })
     }

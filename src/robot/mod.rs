@@ -178,8 +178,8 @@ impl Robot {
         for body in self.outwards() {
             let (joint, coupling) = (self.body(body), self.coupling(body));
             let carrier = self.parent(body).map_or(Pose::identity(), |parent| frames[parent]);
-            let position = joint.motion(coupling.position(x[coupling.coordinate]));
-            frames[body] = carrier.then(&joint.origin).then(&position);
+            let moved = joint.motion(coupling.position(x[coupling.coordinate]));
+            frames[body] = carrier.then(&joint.origin).then(&moved);
         }
         frames[self.bodies()] = frames[self.tip()].then(&self.flange);
         frames

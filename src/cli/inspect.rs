@@ -35,8 +35,12 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let file = arguments.arm.file(dataset.as_ref());
-    let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);
-    let robot = file.map(open).transpose()?.map(|arm| arm.robot);
+    let open = |file: PathBuf| {
+        let mut arm = arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log)?;
+        arm.place(dataset.as_ref(), &arguments.log)?;
+        Ok(arm.robot)
+    };
+    let robot = file.map(open).transpose()?;
     let [first, others @ ..] = &arguments.log[..] else { return Err(Error::request("LOG", "give a log")) };
     if arguments.convert.is_some() && !others.is_empty() {
         return Err(Error::request("--convert", "takes one log; give the logs one by one"));
@@ -66,10 +70,13 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let result = report::together(each[0], &each[1..], robot.as_ref());
     print::result(global, report::SCHEMA, &result, || {
         let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
+        let notes: String =
+            robot.iter().flat_map(|robot| &robot.notes).map(|note| format!("\nNote: {note}.")).collect();
+        let notes = if notes.is_empty() { notes } else { format!("\n{notes}") };
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
         let corrected =
             corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
-        texts.join("\n\n") + &converted + &corrected
+        texts.join("\n\n") + &notes + &converted + &corrected
     })?;
     match each.iter().find_map(|(log, found)| Some((log, found.fatal()?))) {
         Some((log, finding)) => {

@@ -60,7 +60,8 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let path = folder.finish()?;
     print::result(global, results::SCORE_SCHEMA, &scores, || {
         let tables = console::scores(&setup, &scored, &gain, model.base().len());
-        format!("{tables}\n{}\nResults in {}", console::at_effort_limit(&setup, &limited), path.display())
+        let notes = simulate::notes(&setup);
+        format!("{notes}{tables}\n{}\nResults in {}", console::at_effort_limit(&setup, &limited), path.display())
     })?;
     Ok(DONE)
 }

@@ -34,8 +34,13 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     viewer::add(&folder, || viewer::scenario::film(&setup, &runs, None))?;
     let path = folder.finish()?;
     let told = Simulated { scenario: &setup.scenario.name, folder: &path };
-    print::result(global, SCHEMA, &told, || format!("Recordings in {}", path.display()))?;
+    print::result(global, SCHEMA, &told, || format!("{}Recordings in {}", notes(&setup), path.display()))?;
     Ok(DONE)
+}
+
+/// What was read otherwise than the robot's file has it, and which joints are held, a line each.
+pub(super) fn notes(setup: &Setup) -> String {
+    setup.known.notes.iter().map(|note| format!("{note}\n")).collect()
 }
 
 /// Loads a scenario, makes sure that its results can be written, and simulates and measures both motions.

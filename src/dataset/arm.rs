@@ -4,38 +4,26 @@
 //! that stand still in all logs are held where they stand, and so are joints of the file that only the logs' other columns
 //! tell of.
 
-use super::Dataset;
 use super::convert::reorder;
+use super::{Dataset, still};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, JointNames, Sieved};
 use crate::robot::description::{self, Description};
 use crate::robot::{Choice, InertiaCheck, JointKind, Robot};
-use crate::signal::white_noise;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// A joint that swings by less stands still, rad: a tenth of a degree excites nothing, while the sag of a held joint under the
-/// motion of the others is of this size.
-const STILL_RAD: f64 = 2e-3;
-
-/// The same for a sliding joint, as a share of the arm's length.
-const STILL_SHARE: f64 = 1e-3;
-
-/// Noise up to so many times its standard deviation is no swing; never more than [`NOISE_LIMIT`] times the swing above.
-const NOISE: f64 = 10.0;
-const NOISE_LIMIT: f64 = 10.0;
-
-/// A joint whose logged speed would cross its still range this many times a second moves, whatever its position shows.
-const CROSSINGS_HZ: f64 = 10.0;
-
-/// Share of samples at either end of a signal that may be outliers.
-const OUTLIERS: f64 = 0.005;
-
 /// Share of the heaviest mass down to which one below zero is rounding of what wrote the file.
 const ROUNDING: f64 = 1e-9;
+
+/// What to do about a held joint that logs do not have at one place.
+const CURE: &str = "put it under study with --joints, or say where it stands in [hold] of a dataset";
+
+/// Joints not under study with the places where they are held, and notes.
+type Elsewhere = (Vec<(String, f64)>, Vec<String>);
 
 /// The joints asked for on the command line.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -105,43 +93,74 @@ impl LoggedArm {
     }
 
     /// Holds the joints that stand still at one place in all logs, and places the joints not under study where the logs say that
-    /// they stand. Joints asked for by name stay under study. The logs keep the joints that are left.
+    /// they stand. Joints asked for by name stay under study. The logs keep the joints that are left. What one model cannot
+    /// say of all logs is noted.
     ///
     /// # Errors
     /// Those of [`LoggedArm::open`].
     pub fn settle(&mut self, dataset: Option<&Dataset>, logs: &mut [Vec<(PathBuf, Sieved)>]) -> Result<()> {
         let mut logs: Vec<&mut (PathBuf, Sieved)> = logs.iter_mut().flatten().collect();
-        let mut hold = self.elsewhere(dataset, &logs)?;
+        let paths: Vec<&Path> = logs.iter().map(|log| log.0.as_path()).collect();
+        let (mut hold, mut notes) = self.elsewhere(dataset, &paths)?;
         let asked = self.asked.joints.is_some() || self.asked.tip.is_some();
         let names = self.robot.joint_names();
         let mut moving = names.clone();
-        if !asked {
-            for (joint, name) in names.iter().enumerate() {
-                let tolerance = still_range(&self.robot, self.robot.joints[joint].kind);
-                let recordings = logs.iter().map(|log| &log.1.recording);
-                if let Some(position) = stands(recordings, joint, tolerance) {
-                    hold.push((name.clone(), position));
-                    moving.retain(|other| other != name);
-                }
+        for (joint, name) in names.iter().enumerate().filter(|_| !asked) {
+            let kind = self.robot.joints[joint].kind;
+            let tolerance = still::range(&self.robot, kind);
+            let recordings = logs.iter().map(|log| &log.1.recording);
+            let Some(places) = still::places(recordings, joint, tolerance) else { continue };
+            let Some([low, high]) = still::ends(&places) else { continue };
+            if high.1 - low.1 <= tolerance {
+                hold.push((name.clone(), 0.5 * (low.1 + high.1)));
+                moving.retain(|other| other != name);
+            } else {
+                // Its own coordinate has it right in every log; one position would be wrong in some.
+                let others = names.iter().filter(|other| *other != name).cloned().collect::<Vec<_>>().join(",");
+                notes.push(format!(
+                    "joint `{name}` stands still in every log, {}: it keeps its coordinate, so that it stands right in each; to \
+                     hold it, name the others, --joints {others}",
+                    apart(&paths, [low, high], kind)
+                ));
             }
         }
         // Where nothing moves the checks of the logs say so.
-        if hold.is_empty() || moving.is_empty() {
-            return Ok(());
+        if !moving.is_empty() && self.hold(dataset, hold, moving.clone())? {
+            for log in &mut logs {
+                select(&mut log.1, &names, &moving);
+            }
         }
-        self.choice.hold.extend(hold);
-        self.choice.joints = Some(moving.clone());
-        let columns = std::mem::take(&mut self.robot.columns);
-        self.robot = Robot { columns, ..believed(&self.description, &self.choice, self.trust)? };
-        self.mount(dataset)?;
-        for log in &mut logs {
-            select(&mut log.1, &names, &moving);
-        }
+        self.robot.notes.extend(notes);
         Ok(())
     }
 
-    /// Positions of joints that are not under study, where all logs have them standing still at one place.
-    fn elsewhere(&self, dataset: Option<&Dataset>, logs: &[&mut (PathBuf, Sieved)]) -> Result<Vec<(String, f64)>> {
+    /// Places the joints not under study where all logs say that they stand; those under study stay so.
+    ///
+    /// # Errors
+    /// Those of [`LoggedArm::open`].
+    pub fn place(&mut self, dataset: Option<&Dataset>, logs: &[PathBuf]) -> Result<()> {
+        let (hold, notes) = self.elsewhere(dataset, &logs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        self.hold(dataset, hold, self.robot.joint_names())?;
+        self.robot.notes.extend(notes);
+        Ok(())
+    }
+
+    /// Makes the arm again with joints held, the joints `moving` under study; false where there are none to hold.
+    fn hold(&mut self, dataset: Option<&Dataset>, hold: Vec<(String, f64)>, moving: Vec<String>) -> Result<bool> {
+        if hold.is_empty() {
+            return Ok(false);
+        }
+        self.choice.hold.extend(hold);
+        self.choice.joints = Some(moving);
+        let columns = std::mem::take(&mut self.robot.columns);
+        self.robot = Robot { columns, ..believed(&self.description, &self.choice, self.trust)? };
+        self.mount(dataset)?;
+        Ok(true)
+    }
+
+    /// Positions of joints that are not under study, where all logs have them standing still, with notes of those that do not
+    /// stand at one place.
+    fn elsewhere(&self, dataset: Option<&Dataset>, paths: &[&Path]) -> Result<Elsewhere> {
         let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
         let others: Vec<(String, JointKind)> = self
             .description
@@ -150,11 +169,11 @@ impl LoggedArm {
             .filter_map(|joint| Some((joint.name.clone(), joint.kind()?)))
             .filter(|(name, _)| self.robot.held.iter().any(|(held, _)| held == name))
             .collect();
-        let mut found = Vec::new();
+        let (mut found, mut notes, mut moving) = (Vec::new(), Vec::new(), Vec::new());
         if others.is_empty() {
-            return Ok(found);
+            return Ok((found, notes));
         }
-        let mut paths: Vec<&Path> = logs.iter().map(|log| log.0.as_path()).collect();
+        let mut paths = paths.to_vec();
         paths.dedup();
         let names = |path: &&Path| Ok(lenient::joint_names(path, &map)?.names);
         let named = paths.iter().map(names).collect::<Result<Vec<_>>>()?;
@@ -165,12 +184,43 @@ impl LoggedArm {
                 let factor = dataset.spec.units.position.factor();
                 recordings.iter_mut().for_each(|log| log.q.as_mut_slice().iter_mut().for_each(|q| *q *= factor));
             }
-            // A joint not under study that moves is held all the same, in the middle of where it was.
-            if let Some(position) = stands(recordings.iter(), 0, still_range(&self.robot, kind)) {
-                found.push((name, position));
+            let tolerance = still::range(&self.robot, kind);
+            let places = still::places(recordings.iter(), 0, tolerance);
+            let given = self.choice.hold.contains_key(&name);
+            match places.as_deref().and_then(still::ends) {
+                Some([low, high]) if high.1 - low.1 <= tolerance => found.push((name, 0.5 * (low.1 + high.1))),
+                // Where the dataset says where it stands, that is decided; on another branch it does not matter.
+                _ if given || !self.matters(&name) => {}
+                Some([low, high]) => {
+                    notes.push(format!(
+                        "joint `{name}` is not under study and stands {}: it is held between, which is wrong in each; \
+                         {CURE}",
+                        apart(&paths, [low, high], kind)
+                    ));
+                    found.push((name, 0.5 * (low.1 + high.1)));
+                }
+                None => moving.push(name),
             }
         }
-        Ok(found)
+        if !moving.is_empty() {
+            notes.push(format!(
+                "joints not under study move in the logs, but are held in the middle of their range ({}); {CURE}",
+                moving.join(", ")
+            ));
+        }
+        Ok((found, notes))
+    }
+
+    /// Whether the torques depend on where a held joint stands: it carries a joint that moves, or one that moves carries it.
+    fn matters(&self, held: &str) -> bool {
+        let path = |joint: &str| -> Vec<&str> {
+            let link = self.description.joints.iter().find(|own| own.name == joint).map_or(0, |own| own.child);
+            let joints = self.description.path_to(&self.description.links[link].name).unwrap_or_default();
+            joints.into_iter().map(|joint| joint.name.as_str()).collect()
+        };
+        let behind = path(held);
+        let moving = (0..self.robot.bodies()).map(|body| self.robot.body(body).name.as_str());
+        moving.into_iter().any(|joint| behind.contains(&joint) || path(joint).contains(&held))
     }
 
     fn mount(&mut self, dataset: Option<&Dataset>) -> Result<()> {
@@ -248,6 +298,13 @@ fn studied(
     }
 }
 
+/// Where a joint stands in the logs at either end, in words.
+fn apart(paths: &[&Path], ends: [(usize, f64); 2], kind: JointKind) -> String {
+    let unit = if kind == JointKind::Prismatic { "m" } else { "rad" };
+    let [low, high] = ends.map(|(log, place)| format!("at {place:.4} {unit} in {}", paths[log].display()));
+    format!("{low} and {high}")
+}
+
 /// Takes the joints `wanted` of a log whose joints are `names`.
 pub(super) fn select(sieved: &mut Sieved, names: &[String], wanted: &[String]) {
     if names != wanted {
@@ -256,47 +313,4 @@ pub(super) fn select(sieved: &mut Sieved, names: &[String], wanted: &[String]) {
         reorder(&mut sieved.recording, &order);
         sieved.unwrapped = (0..order.len()).filter(|joint| sieved.unwrapped.contains(&order[*joint])).collect();
     }
-}
-
-/// Swing up to which a joint stands still, rad or m.
-fn still_range(robot: &Robot, kind: JointKind) -> f64 {
-    match kind {
-        JointKind::Revolute => STILL_RAD,
-        JointKind::Prismatic => {
-            let links = (0..robot.bodies()).map(|body| robot.body(body).origin.translation.norm());
-            STILL_SHARE * (links.sum::<f64>() + robot.flange.translation.norm()).max(0.1)
-        }
-    }
-}
-
-/// Where a joint stands, if it stands still at one place in all logs.
-fn stands<'a>(logs: impl Iterator<Item = &'a Recording>, joint: usize, tolerance: f64) -> Option<f64> {
-    let mut all: Option<(f64, f64, f64)> = None;
-    for log in logs {
-        let q = log.q.channel(joint);
-        if let Some(qd) = &log.qd {
-            let mut speeds: Vec<f64> = qd.channel(joint).iter().map(|speed| speed.abs()).collect();
-            speeds.sort_by(f64::total_cmp);
-            let usual = speeds.get(speeds.len() * 95 / 100).copied().unwrap_or(0.0);
-            if usual > CROSSINGS_HZ * tolerance {
-                return None;
-            }
-        }
-        let mut sorted = q.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let outliers = (OUTLIERS * sorted.len() as f64) as usize;
-        let (low, high) = (*sorted.get(outliers)?, *sorted.get(sorted.len().checked_sub(outliers + 1)?)?);
-        let middle = sorted[sorted.len() / 2];
-        let noise = NOISE * white_noise(q);
-        let (least, most, allowed) = all.unwrap_or((f64::INFINITY, f64::NEG_INFINITY, tolerance));
-        let allowed = allowed.max(noise.min(NOISE_LIMIT * tolerance));
-        all = Some((least.min(middle), most.max(middle), allowed));
-        // Written so that positions that are no numbers do not stand still.
-        let stands_here = high - low <= allowed;
-        if !stands_here {
-            return None;
-        }
-    }
-    let (least, most, _) = all?;
-    (most - least <= tolerance).then_some(0.5 * (least + most))
 }

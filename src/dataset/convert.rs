@@ -5,10 +5,8 @@ use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
+use crate::robot::LinearMap;
 use nalgebra::DMatrix;
-
-/// A coupling whose inverse is larger than this does not let motors move joints independently.
-const SINGULAR: f64 = 1e6;
 
 impl Dataset {
     /// Converts a log, whose joints are in the order of the file's columns.
@@ -63,27 +61,29 @@ impl Dataset {
         }
         log.truth = None;
 
-        if let Some(coupling) = self.coupling(dof)? {
-            let (matrix, inverse_transposed) = coupling;
-            let motion = [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()];
-            motion.into_iter().flatten().for_each(|table| mix(table, &matrix));
-            // The power of the motors is that of the joints.
-            mix(&mut log.tau, &inverse_transposed);
+        if let Some((joints, motors)) = self.coupling(dof)? {
+            log.q = joints.positions(&log.q);
+            log.qd = log.qd.as_ref().map(|qd| joints.rates(qd));
+            log.qdd = log.qdd.as_ref().map(|qdd| joints.rates(qdd));
+            log.tau = motors.torques(&log.tau);
         }
         Ok(())
     }
 
-    /// The coupling matrix and the transpose of its inverse.
-    fn coupling(&self, dof: usize) -> Result<Option<(DMatrix<f64>, DMatrix<f64>)>> {
+    /// The joints as they follow the motors, and the motors as they follow the joints.
+    ///
+    /// The motors follow the joints as a joint follows one that it mimics, and their torques come to the joints by the same
+    /// law. The joints stay the coordinates: limits, friction and the laws of the effects are theirs, and the identified URDF
+    /// has no place for a coordinate that is no joint.
+    fn coupling(&self, dof: usize) -> Result<Option<(LinearMap, LinearMap)>> {
         let key = "motors.coupling";
         let Some(rows) = &self.spec.motors.coupling else { return Ok(None) };
         if rows.len() != dof || rows.iter().any(|row| row.len() != dof) {
             return Err(self.error(key, format!("must have {dof} rows of {dof} numbers")));
         }
-        let matrix = DMatrix::from_fn(dof, dof, |i, j| rows[i][j]);
-        let inverse = matrix.clone().try_inverse().filter(|inverse| inverse.amax() < SINGULAR);
-        match inverse {
-            Some(inverse) => Ok(Some((matrix, inverse.transpose()))),
+        let joints = LinearMap::of_matrix(&DMatrix::from_fn(dof, dof, |i, j| rows[i][j]));
+        match joints.inverse() {
+            Some(motors) => Ok(Some((joints, motors))),
             None => Err(self.error(key, "is singular: some motion of the motors would not move the joints")),
         }
     }
@@ -179,18 +179,6 @@ fn scale(values: &mut [f64], factors: &[f64]) {
 fn apply(table: &mut Channels, factors: &[f64]) {
     for (joint, factor) in factors.iter().enumerate() {
         table.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
-    }
-}
-
-fn mix(table: &mut Channels, matrix: &DMatrix<f64>) {
-    for sample in 0..table.samples() {
-        let values = table.at(sample);
-        // What has no part in a sum must not spoil it where it is not a number.
-        let sum = |row: usize| {
-            let parts = values.iter().enumerate().filter(|(column, _)| matrix[(row, *column)] != 0.0);
-            parts.fold(0.0, |sum, (column, value)| sum + matrix[(row, column)] * value)
-        };
-        table.set(sample, &(0..values.len()).map(sum).collect::<Vec<_>>());
     }
 }
 

@@ -41,7 +41,7 @@
 //! torques_exchanged = [["j1", "j2"]]    # pairs of joints in each other's columns of torque
 //! positions_exchanged = [["j1", "j2"]]  # the same of position, velocity and acceleration
 //!
-//! [hold]                        # joints that are not under study and that the logs do not have, rad or m
+//! [hold]                        # joints not under study that the logs do not have, or not at one place, rad or m
 //! finger_joint = 0.02
 //!
 //! [payload]                     # at the flange, known
@@ -56,6 +56,7 @@
 pub mod arm;
 mod convert;
 mod corrected;
+mod still;
 mod units;
 
 pub use corrected::{Named, corrected};

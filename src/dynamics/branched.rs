@@ -3,7 +3,7 @@
 use super::Motion;
 use super::chain::{Branches, Chain, LinkState};
 use super::composite::Composite;
-use super::spatial::{Vec3, add, add_cross, scale};
+use super::spatial::{Vec3, add, add_cross};
 use super::wrench::wrench;
 use crate::lane::Lane;
 use crate::robot::PARAMETERS;
@@ -20,11 +20,10 @@ fn forward<L: Lane>(chain: &Chain, tree: &Branches, states: &[(L, L, L)], links:
     links.resize(chain.bodies(), base);
     for &body in &tree.order {
         let coupling = &tree.couplings[body];
-        let ratio = L::splat(coupling.multiplier);
         let (x, xd, xdd) = states[coupling.coordinate];
         let carrier = tree.parents[body].map_or(base, |parent| links[parent]);
-        let q = x * ratio + L::splat(coupling.offset);
-        links[body] = chain.next(body, &carrier, q, xd * ratio, xdd * ratio);
+        let (q, qd, qdd) = (coupling.position(x), coupling.rate(xd), coupling.rate(xdd));
+        links[body] = chain.next(body, &carrier, q, qd, qdd);
     }
 }
 
@@ -47,7 +46,7 @@ pub(super) fn inverse<L: Lane>(
         let (own_force, own_moment) = wrench(&inertial[body * PARAMETERS..][..PARAMETERS], link);
         let (force, moment) = (add(wrenches[body].0, own_force), add(wrenches[body].1, own_moment));
         let coupling = &tree.couplings[body];
-        efforts[coupling.coordinate] += chain.along(body, force, moment) * L::splat(coupling.multiplier);
+        efforts[coupling.coordinate] += coupling.torque(chain.along(body, force, moment));
         if let Some(parent) = tree.parents[body] {
             let (force, moment) = chain.carried(body, link, force, moment);
             wrenches[parent] = (add(wrenches[parent].0, force), add(wrenches[parent].1, moment));
@@ -85,7 +84,7 @@ pub(super) fn equations<L: Lane>(
         let mut at = body;
         loop {
             let other = &tree.couplings[at];
-            let entry = chain.along(at, force, moment) * L::splat(own.multiplier * other.multiplier);
+            let entry = other.torque(own.torque(chain.along(at, force, moment)));
             let (row, column) = (own.coordinate.max(other.coordinate), own.coordinate.min(other.coordinate));
             matrix[row * dof + column] += entry;
             if at != body && row == column {
@@ -131,7 +130,7 @@ pub(super) fn screws<L: Lane>(
                     screw = (angular, linear);
                 }
                 if coupling.coordinate == coordinate {
-                    let axis = scale(chain.axis(body), L::splat(coupling.multiplier));
+                    let axis = chain.axis(body).map(|part| coupling.rate(part));
                     let part = if chain.is_revolute(body) { &mut screw.0 } else { &mut screw.1 };
                     *part = add(*part, axis);
                 }

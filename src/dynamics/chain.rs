@@ -117,7 +117,7 @@ impl Chain {
     #[inline(always)]
     pub(super) fn hangs(&self, body: usize) -> (Option<usize>, Coupling) {
         match &self.branches {
-            None => (body.checked_sub(1), Coupling { coordinate: body, multiplier: 1.0, offset: 0.0 }),
+            None => (body.checked_sub(1), Coupling::own(body)),
             Some(branches) => (branches.parents[body], branches.couplings[body]),
         }
     }

@@ -58,7 +58,7 @@ impl Kernel for Placing<'_> {
                 let link = self.chain.branches.as_ref().map_or(place, |tree| tree.order[place]);
                 let (parent, coupling) = self.chain.hangs(link);
                 let x = L::load_part(&self.q.channel(coupling.coordinate)[here.clone()]);
-                let q = x * L::splat(coupling.multiplier) + L::splat(coupling.offset);
+                let q = coupling.position(x);
                 let (origin, attitude) = parent.map_or(base, |parent| frames[parent]);
                 let (rotation, translation) = (self.chain.rotation(link), self.chain.translation(link, q));
                 // Row by row: R R_k = (R_k' R')'.

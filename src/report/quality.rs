@@ -35,6 +35,9 @@ pub(crate) struct Quality<'a> {
     /// What explains the log clearly better than its description.
     #[serde(skip_serializing_if = "Option::is_none")]
     description: Option<Hypotheses>,
+    /// What was read otherwise than the robot's file has it, and which joints are held; with the first log.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
     /// The same of the other logs, where several were given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     others: Vec<Quality<'a>>,
@@ -84,7 +87,8 @@ pub(crate) fn together<'a>(
     robot: Option<&'a Robot>,
 ) -> Quality<'a> {
     let others = others.iter().map(|(path, report)| result(path, robot, report)).collect();
-    Quality { others, ..result(first.0, robot, first.1) }
+    let notes = robot.map(|robot| robot.notes.clone()).unwrap_or_default();
+    Quality { notes, others, ..result(first.0, robot, first.1) }
 }
 
 /// What was found in the log at `path`.
@@ -108,6 +112,7 @@ pub(crate) fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Repo
             let joints: Vec<String> = report.joints.iter().map(|joint| joint.name.clone()).collect();
             Hypotheses::new(verdict, &joints)
         }),
+        notes: Vec::new(),
         others: Vec::new(),
     }
 }

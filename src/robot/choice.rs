@@ -250,7 +250,9 @@ impl Description {
             }
             held.push((joint.name.clone(), position));
             let unit = if joint.kind() == Some(JointKind::Prismatic) { "m" } else { "rad" };
-            let list = if choice.hold.contains_key(&joint.name) { &mut given } else { &mut middle };
+            let said = |name: &String| choice.hold.contains_key(name);
+            let is_given = said(&joint.name) || said(&self.leader(joint).0.name);
+            let list = if is_given { &mut given } else { &mut middle };
             list.push(format!("{} {position:.4} {unit}", joint.name));
         }
         for (list, place) in [(given, "as given"), (middle, "in the middle of their range")] {

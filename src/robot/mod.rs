@@ -1,6 +1,7 @@
 //! A robot arm: joints from base to flange, each carrying one rigid body; a tree of them where it branches.
 
 mod choice;
+mod coupling;
 pub mod description;
 mod file_kind;
 mod inertia;
@@ -12,8 +13,9 @@ pub mod visuals;
 mod xml;
 
 pub use choice::{Choice, InertiaCheck, load};
+pub use coupling::{Coupling, LinearMap};
 pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
-pub use tree::{Coupling, Follower, Tree};
+pub use tree::{Follower, Tree};
 pub use urdf::{to_urdf, with_parameters};
 
 use crate::error::{Error, Result};
@@ -176,11 +178,28 @@ impl Robot {
         for body in self.outwards() {
             let (joint, coupling) = (self.body(body), self.coupling(body));
             let carrier = self.parent(body).map_or(Pose::identity(), |parent| frames[parent]);
-            let position = coupling.multiplier * x[coupling.coordinate] + coupling.offset;
-            frames[body] = carrier.then(&joint.origin).then(&joint.motion(position));
+            let moved = joint.motion(coupling.position(x[coupling.coordinate]));
+            frames[body] = carrier.then(&joint.origin).then(&moved);
         }
         frames[self.bodies()] = frames[self.tip()].then(&self.flange);
         frames
+    }
+}
+
+impl Drive {
+    /// Takes away what is beyond any machine, with a note: such numbers fix a joint, or are placeholders.
+    fn credible(mut self, joint: &str, line: usize, notes: &mut Vec<String>) -> Drive {
+        for (value, attribute) in
+            [(&mut self.viscous, "damping"), (&mut self.coulomb, "friction"), (&mut self.armature, "armature")]
+        {
+            if value.abs() > LARGEST {
+                notes.push(format!(
+                    "joint `{joint}` (line {line}): {attribute} {value:e} is beyond any machine and counts as none"
+                ));
+                *value = 0.0;
+            }
+        }
+        self
     }
 }
 

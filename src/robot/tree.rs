@@ -1,6 +1,6 @@
 //! What makes a robot more than a serial arm: branches, and joints that follow others.
 
-use super::{Joint, Robot};
+use super::{Coupling, Joint, Robot};
 
 /// A moving joint without a coordinate of its own: it follows a coordinate, q = multiplier x + offset. Its friction and
 /// rotor are part of that coordinate's drive.
@@ -25,18 +25,6 @@ pub struct Tree {
     pub parents: Vec<Option<usize>>,
     /// The body that carries the flange.
     pub tip: usize,
-}
-
-/// The linear map from coordinates to moving joints, q = A x + b, row by row: each joint follows one coordinate. Torque on
-/// the coordinates is A' times that on the joints, their regressor Y A (Featherstone 2008, section 3.5, with constant A).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
-    /// The coordinate.
-    pub coordinate: usize,
-    /// Its entry of A.
-    pub multiplier: f64,
-    /// Entry of b.
-    pub offset: f64,
 }
 
 impl Robot {
@@ -85,10 +73,10 @@ impl Robot {
         self.tree.as_ref().map_or(self.dof() - 1, |tree| tree.tip)
     }
 
-    /// How the joint of `body` follows the coordinates.
+    /// How the joint of `body` follows the coordinates: its row of the linear map.
     pub fn coupling(&self, body: usize) -> Coupling {
         match body.checked_sub(self.dof()) {
-            None => Coupling { coordinate: body, multiplier: 1.0, offset: 0.0 },
+            None => Coupling::own(body),
             Some(follower) => {
                 let Follower { coordinate, multiplier, offset, .. } = self.followers()[follower];
                 Coupling { coordinate, multiplier, offset }

@@ -1,10 +1,10 @@
 //! The arm of a scenario with its sensors and limits: all that a scenario says before any motion.
 
 use super::locate::Located;
-use super::{PerJoint, Scenario, load, motions};
-use crate::error::Result;
+use super::{PerJoint, RobotSpec, Scenario, load, motions};
+use crate::error::{Error, Result};
 use crate::excitation::JointLimits;
-use crate::robot::{self, InertiaCheck, Robot};
+use crate::robot::{Choice, InertiaCheck, LARGEST, Robot, description};
 use crate::simulation::sensors::JointSensors;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ impl Arm {
     }
 
     pub(super) fn new(scenario: Scenario, at: &Located) -> Result<Self> {
-        let mut known = robot::load(&scenario.robot.urdf, InertiaCheck::Required)?;
+        let mut known = known(&scenario, at)?;
         if known.name != scenario.robot.name {
             let (wanted, file, found) = (&scenario.robot.name, known.source.display(), &known.name);
             return Err(at.error("robot.name", format!("the scenario is for `{wanted}`, but {file} is `{found}`")));
@@ -49,6 +49,37 @@ impl Arm {
         let sensors = sensors(&scenario, known.dof());
         Ok(Arm { scenario, known, sensors, limits })
     }
+}
+
+/// The arm in the scenario's file, its joints those that the scenario lets move.
+fn known(scenario: &Scenario, at: &Located) -> Result<Robot> {
+    let RobotSpec { urdf, joints, tip, hold, .. } = &scenario.robot;
+    if joints.is_some() && tip.is_some() {
+        return Err(at.error("robot.tip", "give `joints` or `tip`, not both"));
+    }
+    let choice = Choice { joints: joints.clone(), tip: tip.clone(), hold: hold.clone() };
+    let key = if joints.is_some() { "robot.joints" } else { "robot.tip" };
+    // Requests are about what the scenario asks of the file.
+    let robot = description::read(urdf)?.robot(&choice, InertiaCheck::Required).map_err(|problem| match problem {
+        Error::Request { .. } => at.wrap(key, &problem),
+        other => other,
+    })?;
+    if let Some(joints) = joints.as_ref().filter(|joints| **joints != robot.joint_names()) {
+        let (given, own) = (joints.join(", "), robot.joint_names().join(", "));
+        let problem = format!("{given}: the joints that move on their own, base to flange, are {own}; name them so");
+        return Err(at.error("robot.joints", problem));
+    }
+    for (name, position) in hold {
+        if !robot.held.iter().any(|(held, _)| held == name) {
+            let names: Vec<&str> = robot.held.iter().map(|(name, _)| name.as_str()).collect();
+            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            return Err(at.error("robot.hold", format!("`{name}` is no joint that is held; those are {names}")));
+        }
+        if !(-LARGEST..=LARGEST).contains(position) {
+            return Err(at.error("robot.hold", format!("{name} = {position}: give a position in rad or m")));
+        }
+    }
+    Ok(robot)
 }
 
 /// Refuses lists whose length is not the number of joints.

@@ -155,5 +155,9 @@ pub(crate) fn misjudged(robot: &Robot, error: f64, source: &mut ChaCha8Rng) -> R
             *value *= factor();
         }
     }
+    for follower in wrong.tree.iter_mut().flat_map(|tree| &mut tree.followers) {
+        let body = factor();
+        follower.joint.inertia.0.iter_mut().for_each(|value| *value *= body);
+    }
     wrong
 }

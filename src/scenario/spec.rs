@@ -6,6 +6,7 @@ use super::values::{PerJoint, RandomMotion};
 use crate::design::Workspace;
 use crate::simulation::integrator::Integrator;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Value of the `schema` key of a scenario file.
@@ -46,7 +47,7 @@ pub struct Scenario {
 }
 
 /// The arm a scenario is for.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSpec {
     /// URDF file, relative to the scenario file.
@@ -56,6 +57,16 @@ pub struct RobotSpec {
     /// Gravity in the base frame, m/s2; standard gravity along -z where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity_m_s2: Option<[f64; 3]>,
+    /// Joints that move, in the arm's order, base to flange, which is that of the lists of this file; all that move by
+    /// themselves where absent. All others are held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<String>>,
+    /// In the place of `joints`: the link at the end of the arm. The joints between the base and it move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip: Option<String>,
+    /// Where held joints stand, rad or m, by name; in the middle of their range where absent.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub hold: BTreeMap<String, f64>,
 }
 
 /// The simulated arm.

@@ -8,7 +8,7 @@ use crate::effects::{Placed, Role, Scope};
 use crate::error::{Error, Result};
 use crate::robot::Robot;
 use crate::simulation::integrator::Integrator;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Longest step of the plant, s.
 const LONGEST_STEP_S: f64 = 1e-3;
@@ -62,8 +62,13 @@ impl Scenario {
             None => measured.scenario(seed),
         };
         scenario.name = format!("{}_extended", robot.name.chars().map(plain).collect::<String>());
-        scenario.robot =
-            RobotSpec { urdf: urdf.to_owned(), name: robot.name.clone(), gravity_m_s2: Some(robot.gravity.into()) };
+        // Joints that are held in `robot` are fixed in its file.
+        scenario.robot = RobotSpec {
+            urdf: urdf.to_owned(),
+            name: robot.name.clone(),
+            gravity_m_s2: Some(robot.gravity.into()),
+            ..RobotSpec::default()
+        };
         let plant = &mut scenario.plant;
         (plant.viscous_nms_rad, plant.coulomb_nm, plant.armature_kg_m2) = (None, None, None);
         for motion in [&mut scenario.motion, &mut scenario.held_out] {
@@ -92,7 +97,7 @@ impl Measured {
             schema: SCHEMA.to_owned(),
             name: String::new(),
             seed,
-            robot: RobotSpec { urdf: PathBuf::new(), name: String::new(), gravity_m_s2: None },
+            robot: RobotSpec::default(),
             plant: PlantSpec {
                 integrator: Integrator::Rk4,
                 step_s: period / (period / LONGEST_STEP_S - 1e-9).ceil().max(1.0),

@@ -5,6 +5,7 @@ mod cases;
 mod diagnose;
 mod disk;
 mod effects;
+mod grippers;
 mod inputs;
 mod inspect;
 mod library;

@@ -27,7 +27,7 @@ pub(super) fn log(
     for index in 0..robot.bodies() {
         let (joint, coupling) = (robot.body(index), robot.coupling(index));
         let x = track.q.channel(coupling.coordinate);
-        let q = |sample: usize| coupling.multiplier * x[sample] + coupling.offset;
+        let q = |sample: usize| coupling.position(x[sample]);
         let poses: Vec<Pose> = kept.iter().map(|&sample| joint.origin.then(&joint.motion(q(sample)))).collect();
         // A row replaces the whole transform, so what does not change is repeated.
         let columns = rerun::Transform3D::update_fields()

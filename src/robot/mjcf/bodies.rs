@@ -238,6 +238,10 @@ impl<'a> Bodies<'a> {
         if stiff && motion != Motion::Floating {
             self.springs.push(name.clone());
         }
+        let drive = match motion {
+            Motion::Revolute | Motion::Prismatic => drive.credible(&name, element.line, &mut self.notes),
+            _ => drive,
+        };
         let origin = frame.then(&Pose { translation: anchor, ..Pose::identity() }).then(&back);
         let added = self.push(name, motion, ends, origin, axis.into_inner(), element.line);
         if matches!(motion, Motion::Revolute | Motion::Prismatic) {

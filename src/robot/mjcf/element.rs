@@ -13,6 +13,20 @@ const DEEPEST: usize = 256;
 /// Files that include each other; MuJoCo allows no file twice, and no model needs as many in a row.
 const MOST_INCLUDES: usize = 32;
 
+/// Attributes of drives and ranges, which no geometry depends on: a number beyond any machine's is the reader's to judge.
+const OF_DRIVES: [&str; 10] = [
+    "damping",
+    "frictionloss",
+    "armature",
+    "stiffness",
+    "range",
+    "actuatorfrcrange",
+    "forcerange",
+    "ctrlrange",
+    "gear",
+    "gainprm",
+];
+
 /// An element.
 #[derive(Debug, Clone)]
 pub(super) struct Element {
@@ -151,7 +165,7 @@ impl Element {
     /// Numbers in a text that belongs to this element; `least` to `most` of them.
     ///
     /// # Errors
-    /// If there are fewer or more, or one is malformed, not finite or beyond 1e9.
+    /// If there are fewer or more, or one is malformed, not finite or, but for those of drives, beyond 1e9.
     pub fn numbers(&self, name: &str, text: &str, [least, most]: [usize; 2]) -> Result<Vec<f64>> {
         let words: Vec<&str> = text.split_whitespace().collect();
         if words.len() < least || words.len() > most {
@@ -159,7 +173,7 @@ impl Element {
             return Err(self.error(format!("{name}=\"{text}\" must be {wanted} number(s), found {}", words.len())));
         }
         let number = |word: &&str| match word.parse::<f64>() {
-            Ok(value) if value.abs() <= LARGEST => Ok(value),
+            Ok(value) if value.abs() <= LARGEST || (value.is_finite() && OF_DRIVES.contains(&name)) => Ok(value),
             Ok(value) if value.is_finite() => {
                 Err(self.error(format!("{name}: {word} is no arm's; numbers go up to {LARGEST:e}")))
             }

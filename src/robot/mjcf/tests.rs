@@ -1,6 +1,6 @@
-use super::super::Pose;
 use super::super::description::{Description, Motion};
 use super::super::xml::XmlText;
+use super::super::{Drive, Pose};
 use super::*;
 use nalgebra::{Matrix3, Rotation3, Unit};
 use serde_json::Value;
@@ -188,6 +188,21 @@ fn attached_models_keep_their_settings() {
         let message = read(&arm.replace(from, to)).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");
     }
+}
+
+/// A base fixed by its damping, and ranges beyond any machine.
+#[test]
+fn numbers_of_drives_that_no_machine_has_are_noted() {
+    let joint = "<joint name=\"j\" damping=\"1e11\" stiffness=\"1e11\" range=\"-2e10 2e10\"/>";
+    let read = read(&format!(
+        "<mujoco><compiler angle=\"radian\"/><worldbody><body name=\"b\">{joint}<geom size=\"0.1\"/></body></worldbody>\
+         <actuator><motor joint=\"j\" gear=\"1e10\" ctrlrange=\"-1 1\" ctrllimited=\"true\"/></actuator></mujoco>"
+    ));
+    let read = read.unwrap();
+    assert_eq!(read.joints[0].drive, Drive::default());
+    assert_eq!((read.joints[0].limits.upper, read.joints[0].limits.effort), (2e10, 1e10));
+    let notes = read.notes.join("\n");
+    assert!(notes.contains("joint `j` (line 1): damping 1e11 is beyond any machine"), "{notes}");
 }
 
 #[test]

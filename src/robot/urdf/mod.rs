@@ -177,7 +177,7 @@ impl Reader<'_, '_> {
             origin: pose_of(&joint.origin),
             axis: if moves { self.axis(name, node, joint)? } else { Vector3::x() },
             limits: self.limits(name, node, joint)?,
-            drive: Self::drive(node, joint),
+            drive: Self::drive(node, joint).credible(name, line(node), notes),
             mimic: joint.mimic.as_ref().filter(|_| moves).map(|mimic| Mimic {
                 master: mimic.joint.trim().to_owned(),
                 multiplier: mimic.multiplier.unwrap_or(1.0),

@@ -31,7 +31,7 @@ pub(super) fn check_body(path: &Path, link: &Node) -> Result<()> {
     BODY.iter().try_for_each(|(tag, attributes)| check(path, link, &inertial, tag, attributes))
 }
 
-/// Checks the numbers of a joint; limits may be infinite.
+/// Checks the numbers of a joint; limits may be infinite, and those of its drive of any size.
 ///
 /// # Errors
 /// As [`check_body`].
@@ -55,6 +55,8 @@ fn check(path: &Path, owner: &Node, parent: &Node, tag: &str, attributes: &[(&st
         for word in words {
             match word.parse::<f64>() {
                 Ok(value) if value.abs() <= LARGEST || (tag == "limit" && !value.is_nan()) => {}
+                // What is beyond any machine there is the reader's to judge.
+                Ok(value) if tag == "dynamics" && value.is_finite() => {}
                 Ok(value) if value.is_finite() => {
                     return refuse(format!("{word} is no arm's; numbers go up to {LARGEST:e}"));
                 }

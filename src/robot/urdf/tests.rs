@@ -159,6 +159,22 @@ fn what_is_wrong_is_named_with_its_line() {
     }
 }
 
+/// Friction beyond any machine is none, and refuses no arm.
+#[test]
+fn numbers_of_drives_that_no_machine_has_are_noted() {
+    for (from, to, word) in [
+        ("damping=\"0.5\"", "damping=\"1e11\"", "damping 1e11"),
+        ("friction=\"0.2\"", "friction=\"-3e20\"", "friction -3e20"),
+        ("armature=\"0.1\"", "armature=\"1e12\"", "armature 1e12"),
+    ] {
+        let read = changed(from, to).unwrap();
+        let Drive { viscous, coulomb, armature } = read.joints[0].drive;
+        assert!([viscous, coulomb, armature].contains(&0.0), "{to}");
+        assert!(read.notes[0].contains(word) && read.notes.len() == 1, "{:?}", read.notes);
+        assert_eq!(read.joints[1].drive, Drive { viscous: 0.5, coulomb: 0.2, armature: 0.1 });
+    }
+}
+
 #[test]
 fn bodies_that_are_incomplete_are_noted() {
     let note = |description: &Description| description.notes.join("\n");

@@ -9,7 +9,7 @@ use tauscope::dynamics::{
     Chain, EquationsOfMotion, Lanes, Motion, block_row, forward_dynamics, inverse_dynamics_at, inverse_dynamics_in,
     mass_matrix, regressor_in,
 };
-use tauscope::robot::{Choice, InertiaCheck, PARAMETERS, Robot, description};
+use tauscope::robot::{Choice, InertiaCheck, LinearMap, PARAMETERS, Robot, Tree, description};
 use tauscope::simulation::rapier_arm::RapierArm;
 
 /// Agreement wanted, relative to the largest entry.
@@ -173,6 +173,30 @@ fn public_robots_agree_with_pinocchio() {
         if json.extension().is_some_and(|extension| extension == "json") {
             let (reference, robot) = read(&json, &json.with_extension("urdf"));
             check(&reference, &robot);
+        }
+    }
+}
+
+/// A robot whose followers have a coordinate each, seen through the linear map, is the robot: q = A x + b, torque = A' tau.
+#[test]
+fn followers_are_free_joints_seen_through_the_linear_map() {
+    for name in ["palletiser", "hollow_wrist"] {
+        let (reference, robot) = own(&format!("{name}.json"), &format!("{name}.urdf"));
+        let mut free = robot.clone();
+        let tree = robot.tree.as_ref().unwrap();
+        free.joints.extend(tree.followers.iter().map(|follower| follower.joint.clone()));
+        free.tree = Some(Tree { followers: Vec::new(), ..tree.clone() });
+        let map = LinearMap::new(robot.dof(), (0..robot.bodies()).map(|body| vec![robot.coupling(body)]).collect());
+        for state in &reference.states {
+            let table =
+                |values: &[f64]| Channels::from_vectors(&values.iter().map(|value| vec![*value]).collect::<Vec<_>>());
+            let x = Motion { q: table(&state.x), qd: table(&state.xd), qdd: table(&state.xdd) };
+            let q = Motion { q: map.positions(&x.q), qd: map.rates(&x.qd), qdd: map.rates(&x.qdd) };
+            let torque = |robot: &Robot, motion: &Motion| {
+                inverse_dynamics_in(Lanes::best(), &Chain::new(robot), &robot.inertial_parameters(), motion)
+            };
+            let (own, seen) = (torque(&robot, &x), map.torques(&torque(&free, &q)));
+            assert!(difference(own.as_slice(), seen.as_slice()) < DIGITS, "{name}");
         }
     }
 }

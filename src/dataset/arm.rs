@@ -274,7 +274,7 @@ fn stands<'a>(logs: impl Iterator<Item = &'a Recording>, joint: usize, tolerance
     let mut all: Option<(f64, f64, f64)> = None;
     for log in logs {
         let q = log.q.channel(joint);
-        if let Some(qd) = &log.qd {
+        if let Some(qd) = log.qd.as_ref().filter(|_| log.has_velocity(joint)) {
             let mut speeds: Vec<f64> = qd.channel(joint).iter().map(|speed| speed.abs()).collect();
             speeds.sort_by(f64::total_cmp);
             let usual = speeds.get(speeds.len() * 95 / 100).copied().unwrap_or(0.0);

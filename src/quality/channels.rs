@@ -125,7 +125,7 @@ fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
 fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let shortest = ((0.02 / view.period) as usize).max(5);
     let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
-    let velocity = view.log.qd.as_ref().map(|qd| qd.channel(joint));
+    let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let (start, length) = runs(q).find(|&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);

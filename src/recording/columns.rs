@@ -33,9 +33,9 @@ pub struct Layout {
     /// Time may be the index of the rows.
     pub time_is_index: bool,
     q: Vec<usize>,
+    /// [`ABSENT`] for joints without, as the two below.
     qd: Option<Vec<usize>>,
     qdd: Option<Vec<usize>>,
-    /// [`ABSENT`] for joints without.
     tau: Vec<usize>,
     truth: Option<[Vec<usize>; 4]>,
     /// Torques are motor currents.
@@ -154,10 +154,9 @@ impl Layout {
                 return Ok(None);
             }
             let columns = resolver.all(QUANTITIES[kind], found, Some(count))?;
-            if let Some(joint) = columns.iter().position(|column| *column == ABSENT) {
+            for joint in (0..count).filter(|&joint| columns[joint] == ABSENT) {
                 let name = names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1));
-                understood.push(format!("{name} has no {0}: no {0} is used", QUANTITIES[kind].name));
-                return Ok(None);
+                understood.push(format!("{name} has no {}, which is taken from its position", QUANTITIES[kind].name));
             }
             Ok(Some(columns))
         };
@@ -255,19 +254,33 @@ impl Layout {
         (self.time, self.nanoseconds) = (column, None);
     }
 
-    /// Leaves out velocities or accelerations of which a column holds nothing, the torque of a joint, or a joint of the
-    /// file's own that has no positions. `fixed` joints must have them.
+    /// Indices of the columns of velocity and acceleration.
+    pub fn derivatives(&self) -> impl Iterator<Item = usize> + '_ {
+        [&self.qd, &self.qdd].into_iter().flatten().flatten().copied().filter(|column| *column != ABSENT)
+    }
+
+    /// Leaves out columns of velocity or acceleration; `why` says what is wrong with them.
+    pub fn leave_out_derivatives(&mut self, columns: &[usize], why: &str) {
+        for (name, table) in [("velocity", &mut self.qd), ("acceleration", &mut self.qdd)] {
+            let Some(own) = table else { continue };
+            for (joint, column) in own.iter_mut().enumerate().filter(|(_, column)| columns.contains(column)) {
+                let joint = &self.joints[joint];
+                self.understood.push(format!("the {name} of {joint} {why}: it is taken from the position"));
+                *column = ABSENT;
+            }
+            if own.iter().all(|column| *column == ABSENT) {
+                *table = None;
+            }
+        }
+    }
+
+    /// Leaves out the velocity, acceleration or torque of a joint whose column holds nothing, or a joint of the file's own
+    /// that has no positions. `fixed` joints must have them.
     ///
     /// # Errors
     /// The place in `joints` of one without positions.
     pub fn leave_out(&mut self, empty: &[usize], fixed: bool) -> std::result::Result<(), usize> {
-        for (name, table) in [("velocity", &mut self.qd), ("acceleration", &mut self.qdd)] {
-            let joint = table.iter().flatten().position(|column| empty.contains(column));
-            if let Some(joint) = joint {
-                *table = None;
-                self.understood.push(format!("the {name} of {} holds no value: no {name} is used", self.joints[joint]));
-            }
-        }
+        self.leave_out_derivatives(empty, "holds no value");
         self.tau.iter_mut().filter(|column| empty.contains(column)).for_each(|column| *column = ABSENT);
         while let Some(joint) = self.q.iter().position(|column| empty.contains(column)) {
             if fixed || self.q.len() == 1 {

@@ -126,6 +126,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         let problem = "holds no position in any row; log it, or choose joints that were logged";
         return Err(Error::input(path, None, name.as_str(), problem));
     }
+    layout.leave_out_derivatives(&mend::derivatives_with_gaps(&layout, &columns), "has gaps");
     if !positions_alone && layout.torques().iter().all(|column| *column == columns::ABSENT) {
         let problem = "the torques of all joints are empty or not a number: the driver did not report them; log them, or motor \
                        currents";

@@ -7,6 +7,10 @@ use std::f64::consts::TAU;
 /// A column with a smaller share of numbers holds nothing: drivers send a value when they start, and then none.
 const FEWEST_VALUES: f64 = 0.01;
 
+/// Values that a column of velocity may lack, as a share of the rows: these rows are left out. A velocity can also be taken
+/// from the position, so that more than this costs the velocity and not the rows.
+const FEW_GAPS: f64 = 0.01;
+
 /// A torque that is the same in fewer rows may be that by chance.
 const FEWEST_ROWS: usize = 50;
 
@@ -34,6 +38,17 @@ pub fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     let empty: Vec<usize> = layout.used().into_iter().filter(|column| *column != time && is_empty(column)).collect();
     let positions = layout.positions();
     if positions.iter().all(|column| empty.contains(column)) { Vec::new() } else { empty }
+}
+
+/// The columns of velocity and acceleration that lack more than a few of the values: what they lack must not cost rows in
+/// which positions and torques are there.
+pub fn derivatives_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+    let lacks = |column: &usize| {
+        let values = &columns[*column];
+        let missing = values.iter().filter(|value| !value.is_finite()).count() as f64;
+        missing > FEW_GAPS * values.len() as f64
+    };
+    layout.derivatives().filter(lacks).collect()
 }
 
 /// Puts NaN in the place of torques that are the same in every row, unless all are; returns what to say about it.

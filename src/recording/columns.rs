@@ -141,7 +141,7 @@ impl Layout {
         let resolver = Resolver { path, line, header, names: &names, fixed: joints.is_some(), lenient: demand.lenient };
         let time = match demand.timeless {
             true => Clock { time: ABSENT, ..Clock::default() },
-            false => resolver.clock(&used, found[0][names::TORQUE].is_empty())?,
+            false => resolver.clock(&used, [names::POSITION, names::TORQUE].map(|kind| found[0][kind].is_empty()))?,
         };
         used.extend([time.time].into_iter().chain(time.nanoseconds).filter(|column| *column != ABSENT));
         let [measured, truth] = &found;
@@ -252,6 +252,11 @@ impl Layout {
     /// Takes time from a column that was added, in seconds.
     pub fn set_time(&mut self, column: usize) {
         (self.time, self.nanoseconds) = (column, None);
+    }
+
+    /// Index of the column of every joint's velocity; [`ABSENT`] for joints without.
+    pub fn velocities(&self) -> Option<&[usize]> {
+        self.qd.as_deref()
     }
 
     /// Indices of the columns of velocity and acceleration.
@@ -389,15 +394,20 @@ struct Resolver<'a> {
 
 impl Resolver<'_> {
     /// The column of time, or the two of seconds and nanoseconds.
-    fn clock(&self, used: &BTreeSet<usize>, no_torque: bool) -> Result<Clock> {
+    fn clock(&self, used: &BTreeSet<usize>, [no_position, no_torque]: [bool; 2]) -> Result<Clock> {
         let times = self.header.iter().enumerate().filter(|(column, _)| !used.contains(column));
         let times = times.filter_map(|(column, name)| names::time(name, column).map(|time| (column, time)));
         let times: Vec<(usize, names::Time)> = times.collect();
         let of_part = |part| times.iter().filter(move |(_, time)| time.part == part);
         let best = times.iter().filter(|(_, time)| time.part != Part::Nanoseconds).min_by_key(|(_, time)| time.rank);
         let Some(&(column, time)) = best else {
-            let (torque, files) = if no_torque { (", and none of torque", CURE_OF_SIGNALS) } else { ("", "") };
-            let reason = format!("no column of time (t or time, in s){torque}");
+            let (others, files) = match (no_position, no_torque) {
+                (false, false) => ("", ""),
+                (true, false) => (", and none of position", CURE_OF_SIGNALS),
+                (false, true) => (", and none of torque", CURE_OF_SIGNALS),
+                (true, true) => (", and none of position or torque", CURE_OF_SIGNALS),
+            };
+            let reason = format!("no column of time (t or time, in s){others}");
             return Err(self.missing("t", &reason, &format!("{CURE_OF_TIME}{files}")));
         };
         let second = of_part(Part::Whole).find(|(other, own)| *other != column && own.rank == names::OWN_TIME);

@@ -13,12 +13,14 @@ mod labels;
 mod mend;
 mod names;
 mod numpy;
+mod rates;
 #[cfg(test)]
 mod samples;
 mod sieve;
 mod source;
 mod stamps;
 mod text;
+mod time_unit;
 mod written;
 
 use crate::channels::Channels;

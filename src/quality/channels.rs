@@ -1,6 +1,6 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
-use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use super::{BAND, Finding, Kind, Severity, View, size_quantile};
 use crate::channels::Channels;
 use crate::recording::Recording;
 use std::f64::consts::TAU;

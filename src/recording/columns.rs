@@ -1,6 +1,7 @@
 //! The table of a recording: which column is which signal of which joint. All formats that are tables share it.
 
 mod families;
+mod left_out;
 
 pub use families::joint_names;
 
@@ -262,45 +263,6 @@ impl Layout {
     /// Indices of the columns of velocity and acceleration.
     pub fn derivatives(&self) -> impl Iterator<Item = usize> + '_ {
         [&self.qd, &self.qdd].into_iter().flatten().flatten().copied().filter(|column| *column != ABSENT)
-    }
-
-    /// Leaves out columns of velocity or acceleration; `why` says what is wrong with them.
-    pub fn leave_out_derivatives(&mut self, columns: &[usize], why: &str) {
-        for (name, table) in [("velocity", &mut self.qd), ("acceleration", &mut self.qdd)] {
-            let Some(own) = table else { continue };
-            for (joint, column) in own.iter_mut().enumerate().filter(|(_, column)| columns.contains(column)) {
-                let joint = &self.joints[joint];
-                self.understood.push(format!("the {name} of {joint} {why}: it is taken from the position"));
-                *column = ABSENT;
-            }
-            if own.iter().all(|column| *column == ABSENT) {
-                *table = None;
-            }
-        }
-    }
-
-    /// Leaves out the velocity, acceleration or torque of a joint whose column holds nothing, or a joint of the file's own
-    /// that has no positions. `fixed` joints must have them.
-    ///
-    /// # Errors
-    /// The place in `joints` of one without positions.
-    pub fn leave_out(&mut self, empty: &[usize], fixed: bool) -> std::result::Result<(), usize> {
-        self.leave_out_derivatives(empty, "holds no value");
-        self.tau.iter_mut().filter(|column| empty.contains(column)).for_each(|column| *column = ABSENT);
-        while let Some(joint) = self.q.iter().position(|column| empty.contains(column)) {
-            if fixed || self.q.len() == 1 {
-                return Err(joint);
-            }
-            let name = self.joints.remove(joint);
-            self.understood.push(format!("{name} has no position and is left out"));
-            self.q.remove(joint);
-            self.tau.remove(joint);
-            let tables = [&mut self.qd, &mut self.qdd].into_iter().flatten().chain(self.truth.iter_mut().flatten());
-            for table in tables {
-                table.remove(joint);
-            }
-        }
-        Ok(())
     }
 
     /// The first row with a value that is not finite or a time that does not increase. `columns` is indexed as the

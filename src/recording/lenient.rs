@@ -128,6 +128,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     }
     layout.understood.extend(rates::without_blanks(&layout, &mut columns, &mut lines));
     layout.leave_out_derivatives(&mend::derivatives_with_gaps(&layout, &columns), "has gaps");
+    layout.leave_out_torques(&mend::torques_with_gaps(&layout, &columns));
     if !positions_alone && layout.torques().iter().all(|column| *column == columns::ABSENT) {
         let problem = "the torques of all joints are empty or not a number: the driver did not report them; log them, or motor \
                        currents";
@@ -254,6 +255,13 @@ mod tests {
         assert!(error.contains("log.csv:2: q1: none of the 2 rows"), "{error}");
     }
 
+    /// Torques of two joints, of which the second ends early.
+    fn read_torque_with_gaps() -> Sieved {
+        let row = |k: usize| format!("{},{},{},{},{}", 0.01 * k as f64, k, k, k, if k < 60 { "1" } else { "" });
+        let rows: Vec<String> = (0..200).map(row).collect();
+        read(&format!("t,q1,q2,tau1,tau2\n{}\n", rows.join("\n")), &ColumnMap::default()).unwrap()
+    }
+
     #[test]
     fn missing_velocities_cost_their_joint_or_their_rows() {
         let log = |header: &str, row: &dyn Fn(usize, f64) -> String| {
@@ -283,6 +291,9 @@ mod tests {
         let few = log("qd1,qd2", &|k, t| format!("{},{}", t.cos(), if k == 7 { "" } else { "1" }));
         assert_eq!(few.rejected.iter().map(|row| row.line).collect::<Vec<_>>(), [9]);
         assert_eq!([0, 1].map(|joint| few.recording.has_velocity(joint)), [true, true]);
+        let torque = read_torque_with_gaps();
+        assert_eq!((torque.recording.samples(), torque.rejected.len()), (200, 0));
+        assert_eq!([0, 1].map(|joint| torque.recording.has_torque(joint)), [true, false], "{:?}", torque.mended);
         let none = log("qd1,qd2", &|k, _| if k % 3 == 0 { ",".to_owned() } else { "1,1".to_owned() });
         assert_eq!((none.recording.samples(), none.recording.qd), (200, None));
     }

@@ -39,8 +39,16 @@ pub fn without_blanks(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec
         table.iter().copied().filter(|&column| column != ABSENT && held[column] >= FEWEST).collect()
     };
     let (positions, torques) = (of(layout.positions()), of(layout.torques()));
-    let blank = |&column: &usize| (count - held[column]) as f64 > BLANK * count as f64;
-    if !positions.iter().chain(&torques).any(blank) {
+    // Before the first value of the one and behind the last of the other nothing was recorded: these rows are no blanks.
+    let signals = || positions.iter().chain(&torques).copied();
+    let first = signals().filter_map(|column| columns[column].iter().position(|v| v.is_finite())).max()?;
+    let last = signals().filter_map(|column| columns[column].iter().rposition(|v| v.is_finite())).min()?;
+    let shared = first..last.max(first);
+    let blank = |column: usize| {
+        let missing = columns[column][shared.clone()].iter().filter(|value| !value.is_finite()).count();
+        missing as f64 > BLANK * shared.len() as f64
+    };
+    if !signals().any(blank) {
         return None;
     }
     let of_positions = majority(columns, &positions)?;
@@ -86,7 +94,7 @@ pub fn without_repeats(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Ve
         let used: Vec<&[f64]> =
             table.iter().filter(|column| **column != ABSENT).map(|column| columns[*column].as_slice()).collect();
         let differs = |values: &&[f64], row: usize| values[row] != values[row - 1];
-        (0..lines.len()).map(|row| row == 0 || used.iter().any(|values| differs(values, row))).collect()
+        (0..lines.len()).map(|row| row > 0 && used.iter().any(|values| differs(values, row))).collect()
     };
     let (position, torque) = (changes(layout.positions()), changes(layout.torques()));
     let (of, own, other) = if repeats(&torque, &position) {
@@ -105,7 +113,7 @@ pub fn without_repeats(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Ve
     kept.extend(new.last());
     let time = &columns[layout.time()];
     let rate = (kept.len() - 1) as f64 / (time[*kept.last()?] - time[kept[0]]);
-    if !(rate >= SLOWEST_HZ) {
+    if rate.is_nan() || rate < SLOWEST_HZ {
         return None;
     }
     let share = 100.0 * (1.0 - kept.len() as f64 / own.len() as f64);

@@ -26,6 +26,9 @@ const SCATTER: f64 = 0.02;
 /// Velocities decide for a unit that they agree with up to this factor; units are a thousand apart.
 const AGREES: f64 = 5.0;
 
+/// They confirm it where they agree up to this factor; beyond, the clock may count something else.
+const CONFIRMS: f64 = 1.25;
+
 /// Brings time to seconds, and says what was assumed. A unit that is not given is that of the column's name, or the one in which
 /// the numbers are a time from 1970, or steps of a log.
 pub fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>) -> Option<String> {
@@ -73,7 +76,8 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
     }
     let possible: Vec<_> = UNITS.into_iter().filter(|(_, factor, _)| rate_in(*factor, POSSIBLE_HZ)).collect();
     let told = seconds_per_unit(columns, layout);
-    let agrees = |factor: f64| told.is_some_and(|told| (1.0 / AGREES..AGREES).contains(&(told / factor)));
+    let within = |factor: f64, most: f64| told.is_some_and(|told| (1.0 / most..most).contains(&(told / factor)));
+    let agrees = |factor: f64| within(factor, AGREES);
     let usual = |(_, factor, _): &&(f64, f64, &str)| rate_in(*factor, USUAL_HZ);
     let of_velocity = possible.iter().find(|(_, factor, _)| agrees(*factor));
     let &(_, factor, unit) = of_velocity.or(possible.iter().find(usual)).or(possible.first())?;
@@ -91,7 +95,9 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
         (_, Some((_, other, name))) => {
             format!(", {}, though steps of {step_said} could be {name} at {} as well", hz(factor), hz(*other))
         }
-        (Some(_), _) => format!(": steps of {step_said} are {} then, as the velocities confirm", hz(factor)),
+        (Some(_), _) if within(factor, CONFIRMS) => {
+            format!(": steps of {step_said} are {} then, as the velocities confirm", hz(factor))
+        }
         _ => format!(": steps of {step_said} are {} then", hz(factor)),
     };
     Some((factor, unit, Some(doubt)))

@@ -156,7 +156,7 @@ impl Layout {
             }
             let columns = resolver.all(QUANTITIES[kind], found, Some(count))?;
             for joint in (0..count).filter(|&joint| columns[joint] == ABSENT) {
-                let name = names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1));
+                let name = names.get(joint).cloned().unwrap_or_else(|| format!("joint_{}", joint + 1));
                 understood.push(format!("{name} has no {}, which is taken from its position", QUANTITIES[kind].name));
             }
             Ok(Some(columns))

@@ -14,6 +14,9 @@ const NO_SECONDS: f64 = 1.0;
 /// The same of a column whose name leaves the unit open, as `timestamp` does: nothing speaks for seconds there.
 const NO_SECONDS_OPEN: f64 = 0.5;
 
+/// Fewer rows are no log whose steps speak against the name of their column.
+const FEWEST: usize = 20;
+
 /// Rates at which arms are logged, Hz.
 const USUAL_HZ: [f64; 2] = [10.0, 10_000.0];
 
@@ -71,7 +74,8 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
         return Some((factor, unit, None));
     }
     let least = if layout.open_unit { NO_SECONDS_OPEN } else { NO_SECONDS };
-    if step < least || layout.time_is_index || !(layout.open_unit || moves(columns, layout)) {
+    let shows = || columns[layout.time()].len() >= FEWEST && moves(columns, layout);
+    if step < least || layout.time_is_index || !(layout.open_unit || shows()) {
         return None;
     }
     let possible: Vec<_> = UNITS.into_iter().filter(|(_, factor, _)| rate_in(*factor, POSSIBLE_HZ)).collect();

@@ -436,5 +436,5 @@ fn signals_that_lack_something() {
     case.write("model.csv", &sines("t,q1,tau1", modelled));
     let output = case.tauscope(&["identify", "--robot", "one.urdf", "--train", "model.csv", "--out", "model"]);
     assert_done(&output);
-    assert!(text(&output.stderr).contains("the controller's own model"), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("the controller's own model"), "{}", text(&output.stdout));
 }

@@ -177,15 +177,29 @@ impl LoggedArm {
         paths.dedup();
         let names = |path: &&Path| Ok(lenient::joint_names(path, &map)?.names);
         let named = paths.iter().map(names).collect::<Result<Vec<_>>>()?;
-        for (name, kind) in others.into_iter().filter(|(name, _)| named.iter().all(|names| names.contains(name))) {
-            let read = |path: &&Path| Some(lenient::positions(path, std::slice::from_ref(&name), &map).ok()?.recording);
-            let Some(mut recordings) = paths.iter().map(read).collect::<Option<Vec<Recording>>>() else { continue };
-            if let Some(dataset) = dataset {
-                let factor = dataset.spec.units.position.factor();
-                recordings.iter_mut().for_each(|log| log.q.as_mut_slice().iter_mut().for_each(|q| *q *= factor));
-            }
+        let in_all = |(name, _): &(String, JointKind)| named.iter().all(|names| names.contains(name));
+        let others: Vec<(String, JointKind)> = others.into_iter().filter(in_all).collect();
+        let factor = dataset.map_or(1.0, |dataset| dataset.spec.units.position.factor());
+        let read = |joints: &[String]| -> Option<Vec<Recording>> {
+            let of = |path: &&Path| {
+                let Sieved { mut recording, rejected, .. } = lenient::positions(path, joints, &map).ok()?;
+                recording.q.as_mut_slice().iter_mut().for_each(|q| *q *= factor);
+                // Rows that only some of the joints have must not hide the others.
+                (joints.len() == 1 || rejected.is_empty()).then_some(recording)
+            };
+            paths.iter().map(of).collect()
+        };
+        let joints: Vec<String> = others.iter().map(|(name, _)| name.clone()).collect();
+        let together = if joints.is_empty() { None } else { read(&joints) };
+        for (place, (name, kind)) in others.into_iter().enumerate() {
+            let alone = if together.is_none() { read(&joints[place..=place]) } else { None };
+            let (Some(recordings), joint) =
+                (together.as_ref().or(alone.as_ref()), if alone.is_some() { 0 } else { place })
+            else {
+                continue;
+            };
             let tolerance = still::range(&self.robot, kind);
-            let places = still::places(recordings.iter(), 0, tolerance);
+            let places = still::places(recordings.iter(), joint, tolerance);
             let given = self.choice.hold.contains_key(&name);
             match places.as_deref().and_then(still::ends) {
                 Some([low, high]) if high.1 - low.1 <= tolerance => found.push((name, 0.5 * (low.1 + high.1))),

@@ -189,7 +189,9 @@ pub fn reorder(log: &mut Recording, order: &[usize]) {
     };
     log.joints = order.iter().map(|&joint| log.joints[joint].clone()).collect();
     log.q = pick(&log.q);
-    log.qd = log.qd.as_ref().map(pick);
-    log.qdd = log.qdd.as_ref().map(pick);
+    // Where none of the joints that are left has one there is none.
+    let of_any = |table: &Channels| Some(pick(table)).filter(|t| !t.as_slice().iter().all(|value| value.is_nan()));
+    log.qd = log.qd.as_ref().and_then(of_any);
+    log.qdd = log.qdd.as_ref().and_then(of_any);
     log.tau = pick(&log.tau);
 }

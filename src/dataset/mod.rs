@@ -294,7 +294,17 @@ impl Dataset {
     /// # Errors
     /// Those of [`lenient::load`]; lists that do not fit the joints, units that need what is not given.
     pub fn read(&self, file: &Path, robot: &Robot) -> Result<Sieved> {
-        self.read_together(&[file.to_owned()], None, robot)
+        let is_file = |own: &PathBuf| match (own.canonicalize(), file.canonicalize()) {
+            (Ok(own), Ok(file)) => own == file,
+            _ => false,
+        };
+        // A file that is a part of a log is read together with the others.
+        let whole = self.parts().find_map(|(_, part)| {
+            let files = self.beside_all(part);
+            files.iter().any(is_file).then_some((files, part.rate_hz))
+        });
+        let (files, rate_hz) = whole.unwrap_or_else(|| (vec![file.to_owned()], None));
+        self.read_together(&files, rate_hz, robot)
     }
 
     /// The same of a log whose columns are in several files; `rate_hz` where it is known and they have no time.
@@ -323,7 +333,7 @@ impl Dataset {
     pub fn sieved(&self, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
         let read = |key: &str, parts: &[Part]| -> Result<Vec<(PathBuf, Sieved)>> {
             let one = |part: &Part| {
-                let files: Vec<PathBuf> = part.paths().into_iter().map(|path| self.beside(path)).collect();
+                let files = self.beside_all(part);
                 let path = files[0].clone();
                 let sieved = self.read_together(&files, part.rate_hz, robot)?;
                 let ends = [sieved.recording.time.first(), sieved.recording.time.last()]
@@ -342,6 +352,10 @@ impl Dataset {
             parts.iter().map(one).collect()
         };
         Ok([read("train", &self.spec.train)?, read("test", &self.spec.test)?])
+    }
+
+    fn beside_all(&self, part: &Part) -> Vec<PathBuf> {
+        part.paths().into_iter().map(|path| self.beside(path)).collect()
     }
 
     fn beside(&self, file: &Path) -> PathBuf {
@@ -438,7 +452,9 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         });
         logs.notes.extend(rows);
         logs.notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
-        let told = report.findings.iter().filter(|finding| finding.severity == quality::Severity::Warning);
+        let told = report.findings.iter().filter(|finding| {
+            finding.severity == quality::Severity::Warning || finding.kind == quality::Kind::ModelTorque
+        });
         logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
         let mut pieces = resample::pieces(sieved.recording);
         if pieces.is_empty() {

@@ -38,7 +38,7 @@ pub(super) fn places<'a>(logs: impl Iterator<Item = &'a Recording>, joint: usize
     let mut allowed = tolerance;
     for log in logs {
         let q = log.q.channel(joint);
-        if let Some(qd) = &log.qd {
+        if let Some(qd) = log.qd.as_ref().filter(|_| log.has_velocity(joint)) {
             let mut speeds: Vec<f64> = qd.channel(joint).iter().map(|speed| speed.abs()).collect();
             speeds.sort_by(f64::total_cmp);
             let usual = speeds.get(speeds.len() * 95 / 100).copied().unwrap_or(0.0);

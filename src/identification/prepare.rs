@@ -155,7 +155,8 @@ fn own_bands(recording: &Recording, motion: &Motion, smoothing: Smoothing, filte
         }
         Ok([smooth, rate])
     })?;
-    let noise = |joint: usize| match (smoothing, &recording.qd) {
+    let velocity = |joint| recording.qd.as_ref().filter(|_| recording.has_velocity(joint));
+    let noise = |joint: usize| match (smoothing, velocity(joint)) {
         (Smoothing::None, Some(measured)) => white_noise(measured.channel(joint)),
         // Central differences of white noise.
         (Smoothing::None, None) => white_noise(recording.q.channel(joint)) / (SQRT_2 * period),
@@ -320,5 +321,11 @@ fn or_derivative(
     joints: &[String],
     differentiate: impl Fn(&[f64], &mut [f64]) -> Result<()>,
 ) -> Result<Channels> {
-    measured.map_or_else(|| filtered(q, joints, differentiate), |signal| Ok(signal.clone()))
+    let Some(measured) = measured else { return filtered(q, joints, differentiate) };
+    let mut out = measured.clone();
+    for joint in (0..joints.len()).filter(|&joint| measured.channel(joint).iter().all(|value| value.is_nan())) {
+        differentiate(q.channel(joint), out.channel_mut(joint))
+            .map_err(|e| Error::request(joints[joint].as_str(), e.to_string()))?;
+    }
+    Ok(out)
 }

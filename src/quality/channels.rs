@@ -1,6 +1,6 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
-use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use super::{BAND, Finding, Kind, Severity, View, size_quantile};
 use crate::channels::Channels;
 use crate::recording::Recording;
 use std::f64::consts::TAU;
@@ -125,12 +125,13 @@ fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
 fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let shortest = ((0.02 / view.period) as usize).max(5);
     let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
-    let velocity = view.log.qd.as_ref().map(|qd| qd.channel(joint));
+    let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let (start, length) = runs(q).find(|&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
         let runs_on = velocity.is_some_and(|qd| {
-            let speed = rms(&qd[start..end]);
+            // The first samples of a joint that stops may still have the speed of before.
+            let speed = size_quantile(qd[start..end].iter().copied(), 0.5);
             speed > STICKS * size_quantile(qd.iter().copied(), 0.95) && speed * length as f64 * view.period > PATH
         });
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
@@ -260,6 +261,18 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     })
 }
 
+/// Joints whose torque lost its sign, as found: what such a torque says of signs and of gravity is not its own.
+pub fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
+    let unsigned = || found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque);
+    let of = |joint: &usize| unsigned().any(|f| f.place == view.place("tau", *joint) || f.place == all_torques(view));
+    (0..view.dof()).filter(of).collect()
+}
+
+/// The place of a finding about the torques of all joints.
+fn all_torques(view: &View) -> String {
+    format!("tau1 .. tau{}", view.dof())
+}
+
 /// Torques of few digits, none of which is ever negative (or positive) although each comes to zero again and again: one joint
 /// may be loaded so, all of them are not.
 fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Finding> {
@@ -273,6 +286,6 @@ fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Fin
     (changing.len() > 1 && !known && changing.iter().all(one_sided)).then(|| {
         let text = "no torque ever changes its sign, although each comes to zero again and again: the signs were lost (a \
                     load without direction, or an absolute value); log the torques with their signs";
-        Finding::new(Kind::UnsignedTorque, Severity::Warning, format!("tau1 .. tau{}", view.dof()), text)
+        Finding::new(Kind::UnsignedTorque, Severity::Warning, all_torques(view), text)
     })
 }

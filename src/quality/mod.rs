@@ -245,7 +245,10 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             let clock_is_wrong = findings.iter().any(|finding| finding.kind == Kind::ClockFactor);
             findings.extend(found.into_iter().filter(|finding| finding.kind != Kind::DeadTime || !clock_is_wrong));
             condition_number = condition;
-            comparable = Some(stretch.unwrap_or(even));
+            let unsigned = channels::without_sign(&view, &findings);
+            let mut log = stretch.unwrap_or(even);
+            unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
+            comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
         }
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));

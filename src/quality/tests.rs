@@ -285,6 +285,35 @@ fn a_torque_of_few_digits_is_not_frozen() {
     assert_eq!(told.count(), 0, "{:?}", report.findings);
 }
 
+/// A joint that comes to rest at full speed, of which the velocity still shows the last two samples of motion, stands.
+#[test]
+fn a_joint_that_stops_is_not_frozen() {
+    let mut sieved = log(&irb(), 250.0, 12.0);
+    let (q, qd) = (&mut sieved.recording.q, sieved.recording.qd.as_mut().unwrap());
+    let speed = |k: &usize| qd.channel(1)[*k].abs();
+    let at = (300..1200).max_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap();
+    let lost = q.channel(1)[at + 50] - q.channel(1)[at];
+    let held = q.channel(1)[at];
+    q.channel_mut(1)[at..at + 50].fill(held);
+    q.channel_mut(1)[at + 50..].iter_mut().for_each(|q| *q -= lost);
+    qd.channel_mut(1)[at + 2..at + 50].fill(0.0);
+    let report = examine(&sieved, Some(&irb())).unwrap();
+    assert!(report.findings.iter().all(|finding| finding.kind != Kind::Frozen), "{:?}", report.findings);
+}
+
+/// Of torques without their signs nothing is said about signs.
+#[test]
+fn unsigned_torques_have_no_wrong_sign() {
+    let mut sieved = log(&irb(), 250.0, 12.0);
+    sieved.recording.tau.as_mut_slice().iter_mut().for_each(|v| *v = v.abs());
+    let report = examine(&sieved, Some(&irb())).unwrap();
+    let of = |kind: Kind| report.findings.iter().filter(move |finding| finding.kind == kind);
+    assert!(of(Kind::UnsignedTorque).count() > 2, "{:?}", report.findings);
+    for unsigned in of(Kind::UnsignedTorque) {
+        assert!(of(Kind::TorqueSign).all(|wrong| wrong.place != unsigned.place), "{:?}", report.findings);
+    }
+}
+
 #[test]
 fn clock_faults() {
     let robot = irb();

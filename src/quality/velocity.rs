@@ -25,7 +25,8 @@ const UNEXPLAINED: f64 = 0.4;
 pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
     let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
-    let moving: Vec<bool> = view.qd.iter().map(|v| rms(v) > BAND).collect();
+    let compared = |joint| view.log.has_velocity(joint) && rms(view.qd.channel(joint)) > BAND;
+    let moving: Vec<bool> = (0..view.dof()).map(compared).collect();
     let clock = clock_factor(view, logged, &moving);
     out.extend(clock.map(|factor| clock_finding(factor, moving.iter().filter(|moving| **moving).count())));
     for joint in (0..view.dof()).filter(|&joint| moving[joint]) {

@@ -1,6 +1,7 @@
 //! The table of a recording: which column is which signal of which joint. All formats that are tables share it.
 
 mod families;
+mod left_out;
 
 pub use families::joint_names;
 
@@ -33,9 +34,9 @@ pub struct Layout {
     /// Time may be the index of the rows.
     pub time_is_index: bool,
     q: Vec<usize>,
+    /// [`ABSENT`] for joints without, as the two below.
     qd: Option<Vec<usize>>,
     qdd: Option<Vec<usize>>,
-    /// [`ABSENT`] for joints without.
     tau: Vec<usize>,
     truth: Option<[Vec<usize>; 4]>,
     /// Torques are motor currents.
@@ -141,7 +142,7 @@ impl Layout {
         let resolver = Resolver { path, line, header, names: &names, fixed: joints.is_some(), lenient: demand.lenient };
         let time = match demand.timeless {
             true => Clock { time: ABSENT, ..Clock::default() },
-            false => resolver.clock(&used, found[0][names::TORQUE].is_empty())?,
+            false => resolver.clock(&used, [names::POSITION, names::TORQUE].map(|kind| found[0][kind].is_empty()))?,
         };
         used.extend([time.time].into_iter().chain(time.nanoseconds).filter(|column| *column != ABSENT));
         let [measured, truth] = &found;
@@ -154,10 +155,9 @@ impl Layout {
                 return Ok(None);
             }
             let columns = resolver.all(QUANTITIES[kind], found, Some(count))?;
-            if let Some(joint) = columns.iter().position(|column| *column == ABSENT) {
-                let name = names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1));
-                understood.push(format!("{name} has no {0}: no {0} is used", QUANTITIES[kind].name));
-                return Ok(None);
+            for joint in (0..count).filter(|&joint| columns[joint] == ABSENT) {
+                let name = names.get(joint).cloned().unwrap_or_else(|| format!("joint_{}", joint + 1));
+                understood.push(format!("{name} has no {}, which is taken from its position", QUANTITIES[kind].name));
             }
             Ok(Some(columns))
         };
@@ -255,34 +255,14 @@ impl Layout {
         (self.time, self.nanoseconds) = (column, None);
     }
 
-    /// Leaves out velocities or accelerations of which a column holds nothing, the torque of a joint, or a joint of the
-    /// file's own that has no positions. `fixed` joints must have them.
-    ///
-    /// # Errors
-    /// The place in `joints` of one without positions.
-    pub fn leave_out(&mut self, empty: &[usize], fixed: bool) -> std::result::Result<(), usize> {
-        for (name, table) in [("velocity", &mut self.qd), ("acceleration", &mut self.qdd)] {
-            let joint = table.iter().flatten().position(|column| empty.contains(column));
-            if let Some(joint) = joint {
-                *table = None;
-                self.understood.push(format!("the {name} of {} holds no value: no {name} is used", self.joints[joint]));
-            }
-        }
-        self.tau.iter_mut().filter(|column| empty.contains(column)).for_each(|column| *column = ABSENT);
-        while let Some(joint) = self.q.iter().position(|column| empty.contains(column)) {
-            if fixed || self.q.len() == 1 {
-                return Err(joint);
-            }
-            let name = self.joints.remove(joint);
-            self.understood.push(format!("{name} has no position and is left out"));
-            self.q.remove(joint);
-            self.tau.remove(joint);
-            let tables = [&mut self.qd, &mut self.qdd].into_iter().flatten().chain(self.truth.iter_mut().flatten());
-            for table in tables {
-                table.remove(joint);
-            }
-        }
-        Ok(())
+    /// Index of the column of every joint's velocity; [`ABSENT`] for joints without.
+    pub fn velocities(&self) -> Option<&[usize]> {
+        self.qd.as_deref()
+    }
+
+    /// Indices of the columns of velocity and acceleration.
+    pub fn derivatives(&self) -> impl Iterator<Item = usize> + '_ {
+        [&self.qd, &self.qdd].into_iter().flatten().flatten().copied().filter(|column| *column != ABSENT)
     }
 
     /// The first row with a value that is not finite or a time that does not increase. `columns` is indexed as the
@@ -376,15 +356,20 @@ struct Resolver<'a> {
 
 impl Resolver<'_> {
     /// The column of time, or the two of seconds and nanoseconds.
-    fn clock(&self, used: &BTreeSet<usize>, no_torque: bool) -> Result<Clock> {
+    fn clock(&self, used: &BTreeSet<usize>, [no_position, no_torque]: [bool; 2]) -> Result<Clock> {
         let times = self.header.iter().enumerate().filter(|(column, _)| !used.contains(column));
         let times = times.filter_map(|(column, name)| names::time(name, column).map(|time| (column, time)));
         let times: Vec<(usize, names::Time)> = times.collect();
         let of_part = |part| times.iter().filter(move |(_, time)| time.part == part);
         let best = times.iter().filter(|(_, time)| time.part != Part::Nanoseconds).min_by_key(|(_, time)| time.rank);
         let Some(&(column, time)) = best else {
-            let (torque, files) = if no_torque { (", and none of torque", CURE_OF_SIGNALS) } else { ("", "") };
-            let reason = format!("no column of time (t or time, in s){torque}");
+            let (others, files) = match (no_position, no_torque) {
+                (false, false) => ("", ""),
+                (true, false) => (", and none of position", CURE_OF_SIGNALS),
+                (false, true) => (", and none of torque", CURE_OF_SIGNALS),
+                (true, true) => (", and none of position or torque", CURE_OF_SIGNALS),
+            };
+            let reason = format!("no column of time (t or time, in s){others}");
             return Err(self.missing("t", &reason, &format!("{CURE_OF_TIME}{files}")));
         };
         let second = of_part(Part::Whole).find(|(other, own)| *other != column && own.rank == names::OWN_TIME);

@@ -1,5 +1,7 @@
 //! What kind of file a log is, from its content: what is not read is called by its name, with the command that converts it.
 
+mod xml;
+
 use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::Read;
@@ -45,6 +47,10 @@ pub fn of(path: &Path) -> Result<Format> {
             Ok(file) => {
                 let read = file.take(LOOKED_AT).read_to_end(&mut start);
                 read.map_err(|source| Error::io(path, "read the recording", source))?;
+                if start.trim_ascii_start().starts_with(b"<") || start.starts_with(b"\xEF\xBB\xBF<") {
+                    // The root of an XML file may stand behind a long comment, and a macro anywhere.
+                    start = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
+                }
             }
             Err(_) if !bag && !TEXTS.contains(&extension.as_str()) && extension != "parquet" => {
                 return Err(super::unknown_format(path));
@@ -124,14 +130,13 @@ fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'st
         let code = format!("import pandas; pandas.DataFrame(pandas.read_pickle('{name}')).to_csv('{stem}.csv')");
         ("a pickle of Python", python(code))
     } else if text.starts_with('<') {
-        let what = [
-            ("<mujoco", "a model of MuJoCo"),
-            ("<sdf", "an SDF model"),
-            ("<robot", "a URDF, the description of a robot"),
-        ];
-        let found = what.into_iter().find(|(tag, _)| text.contains(tag)).map_or("an XML file", |(_, what)| what);
-        let cure = "give a robot with --robot, and as the log a table, a ROS 2 bag or .npz";
-        (found, cure.to_owned())
+        xml::kind(text, name)
+    } else if is(b"#usda") || is(b"PXR-USDC") {
+        let cure = format!(
+            "convert it with `usd_to_urdf -o robot.urdf {name}` (pip install nvidia-srl-usd-to-urdf), give that with --robot, and \
+             as the log a table, a ROS 2 bag or .npz"
+        );
+        ("a USD scene", cure)
     } else if text.starts_with('{')
         || text.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(['{', '[']))
     {
@@ -170,6 +175,8 @@ mod tests {
             ("a.csv.gz", b"\x1F\x8B\x08\0", ["gzip", "gunzip a.csv.gz"]),
             ("a.csv", b"<?xml?><robot name=\"r\">", ["URDF", "--robot"]),
             ("a.csv", b"<mujoco model=\"r\">", ["MuJoCo", "--robot"]),
+            ("a.csv", b"<robot><xacro:include/></robot>", ["xacro file", "`xacro a.csv -o robot.urdf`"]),
+            ("a.usda", b"#usda 1.0\n", ["USD", "usd_to_urdf"]),
             ("a.txt", b"header:\n  stamp:\n", ["ros2 topic echo", "--csv"]),
             ("a.pkl", b"\x80\x04\x95\0", ["pickle", "read_pickle('a.pkl')"]),
         ] {

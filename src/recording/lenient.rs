@@ -6,7 +6,7 @@ use super::columns::{self, Demand, Layout};
 use super::sieve::Rows;
 pub use super::sieve::{Cause, Rejected};
 use super::source::{self, Source};
-use super::{mend, stamps};
+use super::{mend, rates, stamps};
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -118,7 +118,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let own = sources[0].own_joints();
     let demand = Demand { lenient: true, timeless: map.rate_hz.is_some(), positions_alone };
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
-    let (mut columns, lines, unreadable) = source::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
+    let (mut columns, mut lines, unreadable) = source::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
 
     let empty = mend::empty_columns(&layout, &columns);
     if let Err(joint) = layout.leave_out(&empty, joints.is_some()) {
@@ -126,6 +126,9 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         let problem = "holds no position in any row; log it, or choose joints that were logged";
         return Err(Error::input(path, None, name.as_str(), problem));
     }
+    layout.understood.extend(rates::without_blanks(&layout, &mut columns, &mut lines));
+    layout.leave_out_derivatives(&mend::derivatives_with_gaps(&layout, &columns), "has gaps");
+    layout.leave_out_torques(&mend::torques_with_gaps(&layout, &columns));
     if !positions_alone && layout.torques().iter().all(|column| *column == columns::ABSENT) {
         let problem = "the torques of all joints are empty or not a number: the driver did not report them; log them, or motor \
                        currents";
@@ -134,6 +137,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut mended = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, &sources[0], &mut layout, &mut columns, &mut header, lines.len(), map)?;
     mended.extend(clock.mended);
+    mended.extend(rates::without_repeats(&layout, &mut columns, &mut lines));
     let mut rows = Rows { header, lines, columns };
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
@@ -249,6 +253,49 @@ mod tests {
     fn a_file_without_a_usable_row_is_refused() {
         let error = read("t,q1,tau1\n0,x,1\n1,y,1\n", &ColumnMap::default()).unwrap_err().to_string();
         assert!(error.contains("log.csv:2: q1: none of the 2 rows"), "{error}");
+    }
+
+    /// Torques of two joints, of which the second ends early.
+    fn read_torque_with_gaps() -> Sieved {
+        let row = |k: usize| format!("{},{},{},{},{}", 0.01 * k as f64, k, k, k, if k < 60 { "1" } else { "" });
+        let rows: Vec<String> = (0..200).map(row).collect();
+        read(&format!("t,q1,q2,tau1,tau2\n{}\n", rows.join("\n")), &ColumnMap::default()).unwrap()
+    }
+
+    #[test]
+    fn missing_velocities_cost_their_joint_or_their_rows() {
+        let log = |header: &str, row: &dyn Fn(usize, f64) -> String| {
+            let rows = (0..200).map(|row_index| {
+                let t = 0.01 * row_index as f64;
+                format!("{t:.2},{},{},{},{},{}", t.sin(), t.cos(), t, -t, row(row_index, t))
+            });
+            let rows: Vec<String> = rows.collect();
+            read(&format!("t,q1,q2,tau1,tau2,{header}\n{}\n", rows.join("\n")), &ColumnMap::default()).unwrap()
+        };
+        // No column, no value, gaps: joint 1 keeps its velocity and all its rows.
+        for (header, row, word) in [
+            ("qd1", Box::new(|_, t: f64| t.cos().to_string()) as Box<dyn Fn(usize, f64) -> String>, "has no velocity"),
+            ("qd1,qd2", Box::new(|_, t| format!("{},nan", t.cos())), "holds no value"),
+            ("qd1,qd2", Box::new(|k, t| format!("{},{}", t.cos(), if k % 3 == 0 { "" } else { "1" })), "has gaps"),
+        ] {
+            let sieved = log(header, &row);
+            assert_eq!((sieved.recording.samples(), sieved.rejected.len()), (200, 0), "{word}");
+            assert_eq!([0, 1].map(|joint| sieved.recording.has_velocity(joint)), [true, false], "{word}");
+            assert!((sieved.recording.qd.unwrap().channel(0)[100] - 1f64.cos()).abs() < 1e-12);
+            assert!(
+                sieved.mended.iter().any(|note| note.contains(word) && note.contains("joint_2")),
+                "{:?}",
+                sieved.mended
+            );
+        }
+        let few = log("qd1,qd2", &|k, t| format!("{},{}", t.cos(), if k == 7 { "" } else { "1" }));
+        assert_eq!(few.rejected.iter().map(|row| row.line).collect::<Vec<_>>(), [9]);
+        assert_eq!([0, 1].map(|joint| few.recording.has_velocity(joint)), [true, true]);
+        let torque = read_torque_with_gaps();
+        assert_eq!((torque.recording.samples(), torque.rejected.len()), (200, 0));
+        assert_eq!([0, 1].map(|joint| torque.recording.has_torque(joint)), [true, false], "{:?}", torque.mended);
+        let none = log("qd1,qd2", &|k, _| if k % 3 == 0 { ",".to_owned() } else { "1,1".to_owned() });
+        assert_eq!((none.recording.samples(), none.recording.qd), (200, None));
     }
 
     #[test]

@@ -1,11 +1,18 @@
 //! Channels without values, torques that were not measured, and positions that jump by whole turns.
 
 use super::Recording;
-use super::columns::Layout;
+use super::columns::{ABSENT, Layout};
 use std::f64::consts::TAU;
 
 /// A column with a smaller share of numbers holds nothing: drivers send a value when they start, and then none.
 const FEWEST_VALUES: f64 = 0.01;
+
+/// Values that a column of velocity may lack, as a share of the rows: these rows are left out. A velocity can also be taken
+/// from the position, so that more than this costs the velocity and not the rows.
+const FEW_GAPS: f64 = 0.01;
+
+/// A torque that lacks more than half of its values would take the rows of the other joints with it.
+const MOST_VALUES: f64 = 0.5;
 
 /// A torque that is the same in fewer rows may be that by chance.
 const FEWEST_ROWS: usize = 50;
@@ -34,6 +41,29 @@ pub fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     let empty: Vec<usize> = layout.used().into_iter().filter(|column| *column != time && is_empty(column)).collect();
     let positions = layout.positions();
     if positions.iter().all(|column| empty.contains(column)) { Vec::new() } else { empty }
+}
+
+/// The columns of velocity and acceleration that lack more than a few of the values: what they lack must not cost rows in
+/// which positions and torques are there.
+pub fn derivatives_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+    let lacks = |column: &usize| {
+        let values = &columns[*column];
+        let missing = values.iter().filter(|value| !value.is_finite()).count() as f64;
+        missing > FEW_GAPS * values.len() as f64
+    };
+    layout.derivatives().filter(lacks).collect()
+}
+
+/// The columns of torque that lack most of the values while another joint has them: they cost their joint, and not the rows of the
+/// others.
+pub fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+    let torques: Vec<usize> = layout.torques().iter().copied().filter(|column| *column != ABSENT).collect();
+    let holds = |column: &usize| {
+        let values = &columns[*column];
+        values.iter().filter(|value| value.is_finite()).count() as f64 / values.len().max(1) as f64
+    };
+    let (most, few): (Vec<usize>, Vec<usize>) = torques.into_iter().partition(|column| holds(column) > MOST_VALUES);
+    if most.is_empty() { Vec::new() } else { few }
 }
 
 /// Puts NaN in the place of torques that are the same in every row, unless all are; returns what to say about it.

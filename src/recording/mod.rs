@@ -13,12 +13,14 @@ mod labels;
 mod mend;
 mod names;
 mod numpy;
+mod rates;
 #[cfg(test)]
 mod samples;
 mod sieve;
 mod source;
 mod stamps;
 mod text;
+mod time_unit;
 mod written;
 
 use crate::channels::Channels;
@@ -53,7 +55,8 @@ pub struct Recording {
     pub time: Vec<f64>,
     /// Measured positions, rad.
     pub q: Channels,
-    /// Measured velocities, rad/s, where there is a sensor for them.
+    /// Measured velocities, rad/s, where there is a sensor for them; a joint without is not a number at every sample, as
+    /// of accelerations and torques.
     pub qd: Option<Channels>,
     /// Measured accelerations, rad/s², where there is a sensor for them.
     pub qdd: Option<Channels>,
@@ -89,7 +92,12 @@ impl Recording {
     /// Whether the log holds the torque of a joint. A joint without has a torque that is not a number at every sample: its
     /// motion counts, its equation does not.
     pub fn has_torque(&self, joint: usize) -> bool {
-        self.tau.channel(joint).first().is_some_and(|torque| torque.is_finite())
+        has_values(Some(&self.tau), joint)
+    }
+
+    /// Whether the log holds the velocity of a joint. A joint without has a velocity that is not a number at every sample.
+    pub fn has_velocity(&self, joint: usize) -> bool {
+        has_values(self.qd.as_ref(), joint)
     }
 
     /// Number of samples.
@@ -204,6 +212,11 @@ fn unknown_format(path: &Path) -> Error {
         false => ".csv or .parquet (this build reads no ROS 2 bags: build it with the feature `bags`)",
     };
     Error::input(path, None, "extension", format!("the name of a log ends in {bags}, which tells how to read it"))
+}
+
+/// Whether a channel holds numbers: one without is not a number at every sample.
+fn has_values(table: Option<&Channels>, joint: usize) -> bool {
+    table.is_some_and(|table| table.channel(joint).first().is_some_and(|value| value.is_finite()))
 }
 
 fn cut(table: &Channels, range: &Range<usize>) -> Channels {

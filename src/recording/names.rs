@@ -84,6 +84,7 @@ pub const QUANTITIES: [Quantity; 4] = [
             "trq",
             "effort",
             "efforts",
+            "eff",
             "dof_torque",
             "dof_effort",
             "qfrc_actuator",
@@ -412,6 +413,10 @@ pub fn time(column: &str, place: usize) -> Option<Time> {
         }
     }
     let rank = match &*words.join("_") {
+        "millis" | "milliseconds" | "micros" | "microseconds" | "nanos" | "nanoseconds" | "seconds" => {
+            factor = factor_of(&whole);
+            STAMP
+        }
         "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
         "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,
         "t" | "time" => STAMP,

@@ -172,7 +172,7 @@ pub fn longest_stretch(recording: &Recording) -> Option<Range<usize>> {
 }
 
 /// Value at `t` between the samples `place` and `place + 1`.
-fn interpolate(time: &[f64], signal: &[f64], place: usize, t: f64, gap: f64) -> f64 {
+pub(super) fn interpolate(time: &[f64], signal: &[f64], place: usize, t: f64, gap: f64) -> f64 {
     let (t0, t1, x0, x1) = (time[place], time[place + 1], signal[place], signal[place + 1]);
     let (width, s) = (t1 - t0, ((t - t0) / (t1 - t0)).clamp(0.0, 1.0));
     let outer = place > 0 && place + 2 < time.len();

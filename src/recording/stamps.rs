@@ -1,9 +1,10 @@
-//! The clock of a log in seconds: units, parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
+//! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
 use super::columns::Layout;
 use super::lenient::ColumnMap;
 use super::source::Source;
+use super::time_unit;
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -16,9 +17,6 @@ const GAP: f64 = 4.0;
 /// Rows that are evenly spread on their own need so many between two gaps.
 const FEWEST: usize = 10;
 
-/// A clock beyond this did not start with the log, s.
-const LONG_AGO_S: f64 = 1e6;
-
 /// Positions that come back to those of the row before last this many times closer than to the last one are of two sources.
 const ALTERNATING: f64 = 5.0;
 
@@ -27,6 +25,14 @@ const FEWEST_OF_TWO: usize = 50;
 
 /// Smallest mean step between rows of two sources, in any unit of position: noise alternates below.
 const APART: f64 = 1e-3;
+
+/// Share of the rows from which on single ones that lie apart from both neighbours are those of a slower source, and no spikes.
+const OF_SLOWER: f64 = 0.05;
+
+/// A row lies apart where it differs from both neighbours by more than this share of the signal's range, and the signal by so many
+/// of its smallest changes: encoders tremble by one.
+const FAR: f64 = 0.01;
+const DIGITS: f64 = 50.0;
 
 /// What was done with the clock.
 #[derive(Debug, Default)]
@@ -74,7 +80,7 @@ pub fn clock(
         if let (Source::Text(text), true) = (source, backward(&columns[column]) > 0.0) {
             clock.mended.extend(zeros_lost(&text.cells(column), &mut columns[column]));
         }
-        clock.mended.extend(in_seconds(&mut columns[column], layout, map.time_factor));
+        clock.mended.extend(time_unit::in_seconds(columns, layout, map.time_factor));
         if layout.time_is_index && columns[column].windows(2).all(|pair| pair[1] - pair[0] == 1.0) {
             let problem = "missing column: no column of time (t or time, in s), the first counts the rows; give the sampling rate \
                            in a dataset: rate_hz = 100 in [columns]";
@@ -112,44 +118,6 @@ fn backward(time: &[f64]) -> f64 {
     time.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64 / time.len().max(2) as f64
 }
 
-/// Brings time to seconds. A unit that is not given is that of the column's name, or the one in which the numbers are a time
-/// from 1970, or (where the name leaves it open) steps of a log.
-fn in_seconds(time: &mut [f64], layout: &Layout, given: Option<f64>) -> Option<String> {
-    if let Some(factor) = given {
-        time.iter_mut().for_each(|t| *t *= factor);
-        return None;
-    }
-    let first = time.iter().copied().find(|t| t.is_finite())?;
-    let named = layout.time_factor();
-    let of_1970 = [(1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms")];
-    let of_1970 = of_1970.into_iter().find(|(least, ..)| first.abs() >= *least);
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    let step = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-    let (factor, unit) = match (named, of_1970) {
-        (Some(factor), _) => (factor, "the unit that its name says"),
-        (None, Some((_, factor, unit))) => (factor, unit),
-        (None, None) if layout.open_unit => {
-            STEPS.into_iter().find(|(least, ..)| step >= *least).map(|(_, f, u)| (f, u))?
-        }
-        (None, None) => return None,
-    };
-    // Numbers from 1970 on have no digits for what is between two rows.
-    let start = if first.abs() * factor > LONG_AGO_S { first } else { 0.0 };
-    if factor == 1.0 && start == 0.0 {
-        return None;
-    }
-    time.iter_mut().for_each(|t| *t = (*t - start) * factor);
-    let from = if start == 0.0 { "" } else { " from 1970; it is taken from the first row on" };
-    Some(match named {
-        Some(_) => format!("time is in {unit}{from}"),
-        None => format!("time is taken to be in {unit}{from} (say otherwise with [units] time in a dataset)"),
-    })
-}
-
-/// Median steps between rows from which on a time of open unit is in ns, us or ms: logs come at 2 to 2000 Hz.
-const STEPS: [(f64, f64, &str); 3] = [(5e5, 1e-9, "ns"), (500.0, 1e-6, "us"), (0.5, 1e-3, "ms")];
-
 /// Stamps of which the second's fraction lost its leading zeros when it was put behind the point: 12.5000000 for 12 s and
 /// 5000000 ns. They are mended where time then goes on.
 fn zeros_lost(cells: &[String], time: &mut [f64]) -> Option<String> {
@@ -184,7 +152,20 @@ fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
         let (one, two) = (path(signal, 1), path(signal, 2));
         signal.len() >= FEWEST_OF_TWO && one > ALTERNATING * two && one > APART * signal.len() as f64
     };
-    positions.iter().any(|signal| alternates(&signal)).then(|| {
+    let visited = |signal: &&&[f64]| {
+        let (low, high) =
+            signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+        let changes = signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+        let digit = changes.fold(f64::INFINITY, f64::min);
+        let apart = |x: &[f64]| {
+            let (to, from) = (x[1] - x[0], x[2] - x[1]);
+            let least = to.abs().min(from.abs());
+            to * from < 0.0 && least > ALTERNATING * (x[2] - x[0]).abs() && least > FAR * (high - low)
+        };
+        let count = signal.windows(3).filter(|x| apart(x)).count() as f64;
+        signal.len() >= FEWEST_OF_TWO && high - low > DIGITS * digit && count > OF_SLOWER * signal.len() as f64
+    };
+    positions.iter().any(|signal| alternates(&signal) || visited(&signal)).then(|| {
         "the rows alternate between two sources: two programs write the joints' states, as two publishers on one topic do; stop \
          one of them, or give it a topic of its own, and record again"
             .to_owned()
@@ -268,5 +249,11 @@ mod tests {
         assert!(of_two_sources(&[&moving, &mixed]).unwrap().contains("two publishers"));
         let noise: Vec<f64> = (0..200).map(|row| if row % 2 == 0 { 1e-5 } else { -1e-5 }).collect();
         assert_eq!(of_two_sources(&[&moving, &resting, &noise]), None);
+        // One of the two at a quarter of the rate of the other.
+        let visited: Vec<f64> = (0..200).map(|row| if row % 5 == 4 { 0.2 } else { moving[row] }).collect();
+        assert!(of_two_sources(&[&visited, &resting]).is_some());
+        let spikes: Vec<f64> = (0..200).map(|row| if row % 50 == 4 { 2.0 } else { moving[row] }).collect();
+        let trembling: Vec<f64> = (0..200).map(|row| f64::from(i32::from(row % 3 == 0))).collect();
+        assert_eq!(of_two_sources(&[&spikes, &trembling]), None);
     }
 }

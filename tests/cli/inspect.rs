@@ -171,6 +171,9 @@ fn exports_of_other_programs() {
         ("capitals", log.replacen("t,q1,tau1", "T,Q1,TAU1", 1)),
         ("comments", format!("# made by a controller\n# t in s\n{log}")),
         ("seconds since 1970", sines_at(&log, |t| 1.7e9 + t)),
+        ("milliseconds", sines_at(&log, |t| 1e3 * t)),
+        ("microseconds", sines_at(&log, |t| 1e6 * t)),
+        ("nanoseconds", sines_at(&log, |t| 1e9 * t)),
     ] {
         case.write("log.csv", &content);
         let output = case.tauscope(&["inspect", "log.csv"]);
@@ -187,8 +190,6 @@ fn exports_of_other_programs() {
         ("German names", log.replacen("t,q1,tau1", "Zeit,Winkel,Moment", 1), ["log.csv:1: t", "[columns]"]),
         ("a name twice", log.replacen("t,q1,tau1", "t,q1,q1", 1), ["log.csv:1: q1", "leave one of them out"]),
         ("no header", rows().collect::<Vec<_>>().join("\n"), ["log.csv:1: t", "the first line must name the columns"]),
-        ("milliseconds", sines_at(&log, |t| 1e3 * t), ["log.csv: t", "[units] time"]),
-        ("nanoseconds", sines_at(&log, |t| 1e9 * t), ["log.csv: t", "[units] time"]),
         ("time turned round", format!("t,q1,tau1\n{}", turned.join("\n")), ["log.csv: line", "out of time"]),
         ("numbers of no arm", sines("t,q1,tau1", |t| format!("{:e},1", 1e200 * t.sin())), ["log.csv:", "far beyond"]),
         ("no numbers", sines("t,q1,tau1", |_| "nan,inf".to_owned()), ["log.csv:2: q1", "not a finite number"]),
@@ -337,6 +338,11 @@ fn columns_in_several_files() {
     assert_done(&output);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(json["without_effects"]["test_rms_nm"][0].as_f64().unwrap() > 0.0, "{json}");
+    // One of the files stands for the log that it is a part of.
+    let inspected = case.tauscope(&["inspect", "tau.csv", "--dataset", "d.toml"]);
+    assert_done(&inspected);
+    assert!(text(&inspected.stdout).contains("1000 rows over 3.996 s at 250 Hz"), "{}", text(&inspected.stdout));
+    assert_refusal(&case.tauscope(&["inspect", "tau.csv"]), &["no column of time", "none of position", "files = ["]);
     dataset("[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nfile = \"q.csv\"\n");
     assert_refusal(&case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o2"]), &["d.toml", "files = ["]);
     case.write(
@@ -390,4 +396,45 @@ fn logs_with_more_joints_than_the_robot() {
         let all = text(&case.tauscope(&["inspect", to]).stdout);
         assert!(all.contains("(finger): there is no torque of this joint"), "{to}: {all}");
     }
+}
+
+/// Torques of two rates of logging, a velocity that is missing on one joint, and torques that nobody measured.
+#[test]
+fn signals_that_lack_something() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ONE);
+    let all = |t: f64| [(3.0 * t).sin() + 0.4 * (7.0 * t).sin(), 3.0 * (3.0 * t).cos() + 2.8 * (7.0 * t).cos()];
+    let torque = |t: f64| {
+        let [_, v] = all(t);
+        2.0 * (-9.0 * (3.0 * t).sin() - 19.6 * (7.0 * t).sin()) + 1.5 * v + 3.0 * v.signum()
+    };
+    let mut log = "t,a_position,a_velocity,a_effort\n".to_owned();
+    for row in 0..8000 {
+        let t = 0.002 * f64::from(row);
+        let [q, v] = all(t);
+        let velocity = if row % 7 == 3 { String::new() } else { v.to_string() };
+        let effort = if row % 4 == 0 { torque(t).to_string() } else { String::new() };
+        writeln!(log, "{t:.4},{q},{velocity},{effort}").unwrap();
+    }
+    case.write("log.csv", &log);
+    let arguments = ["identify", "--robot", "one.urdf", "--train", "log.csv", "--out", "out", "--json"];
+    let output = case.tauscope(&arguments);
+    assert_done(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let said = json["notes"].to_string();
+    assert!(said.contains("8000 hold positions and 2000 torques") && !said.contains("left out"), "{said}");
+    let parameters = json["without_effects"]["parameters"].as_array().unwrap();
+    for (symbol, expected) in [("Iyy1", 2.0), ("Fv1", 1.5), ("Fc1", 3.0)] {
+        let of = parameters.iter().find(|p| p["name"].as_str().unwrap().starts_with(symbol)).unwrap();
+        assert!((of["value"].as_f64().unwrap() / expected - 1.0).abs() < 0.01, "{of}");
+    }
+
+    let modelled = |t: f64| {
+        let (q, a) = ((3.0 * t).sin(), -9.0 * (3.0 * t).sin());
+        format!("{q:.9},{:.9}", 2.0 * a)
+    };
+    case.write("model.csv", &sines("t,q1,tau1", modelled));
+    let output = case.tauscope(&["identify", "--robot", "one.urdf", "--train", "model.csv", "--out", "model"]);
+    assert_done(&output);
+    assert!(text(&output.stdout).contains("the controller's own model"), "{}", text(&output.stdout));
 }

@@ -43,6 +43,7 @@ fn names_before_and_behind_the_quantity() {
         ("/joint_states/elbow_joint/velocity", VELOCITY, "elbow_joint"),
         ("position_elbow_joint", POSITION, "elbow_joint"),
         ("effort_joint_1", TORQUE, "joint_1"),
+        ("elbow_eff", TORQUE, "elbow"),
         ("elbow_flex.pos", POSITION, "elbow_flex"),
         ("joint_1_vel", VELOCITY, "joint_1"),
         ("q_joint_1", POSITION, "joint_1"),
@@ -88,9 +89,14 @@ fn columns_of_time() {
     {
         assert_eq!(factor(column), Some(None), "{column}");
     }
-    for (column, expected) in
-        [("time_ns", 1e-9), ("timestamp_us", 1e-6), ("Time (ms)", 1e-3), ("t[s]", 1.0), ("time_sec", 1.0)]
-    {
+    for (column, expected) in [
+        ("millis", 1e-3),
+        ("time_ns", 1e-9),
+        ("timestamp_us", 1e-6),
+        ("Time (ms)", 1e-3),
+        ("t[s]", 1.0),
+        ("time_sec", 1.0),
+    ] {
         assert_eq!(factor(column), Some(Some(expected)), "{column}");
     }
     for column in ["header.stamp.sec", "/joint_states/header/stamp/sec", "field.header.stamp.secs", "sec"] {

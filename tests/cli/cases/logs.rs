@@ -22,6 +22,26 @@ fn positions_and_torques_in_two_files() {
         &case.tauscope(&["inspect", "identification_q_real.csv"]),
         &["no column of time", "none of torque", "rate_hz = 100", "files = ["],
     );
+    assert_refusal(
+        &case.tauscope(&["inspect", "identification_tau_real.csv"]),
+        &["no column of time", "none of position", "rate_hz = 100", "files = ["],
+    );
+    let part = |range: &str| {
+        format!("files = [\"identification_q_real.csv\", \"identification_tau_real.csv\"]\nrate_hz = 100\n{range}\n")
+    };
+    let [train, test] = ["to_s = 20", "from_s = 20"].map(part);
+    case.write(
+        "two.toml",
+        &format!("schema = \"tauscope.dataset/1\"\nrobot = \"airbot.urdf\"\n[[train]]\n{train}[[test]]\n{test}"),
+    );
+    let output = case.tauscope(&["identify", "--dataset", "two.toml", "--out", "out", "--json"]);
+    assert_done(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let torques = [0.406, 1.76, 3.87, 0.5, 0.711, 0.124];
+    for (joint, torque) in torques.into_iter().enumerate() {
+        let rms = json["without_effects"]["test_rms_nm"][joint].as_f64().unwrap();
+        assert!(rms < 0.5 * torque, "{joint}: {rms}");
+    }
     assert_says(&inspected(&case, &["airbot.csv"]), &["2998 rows", "positions are numbered from 0 and torques from 1"]);
 }
 
@@ -45,6 +65,22 @@ fn lists_in_cells_and_microseconds() {
     );
 }
 
+/// A servo's load without its sign, of joints that stick at reversals: neither is frozen nor has another sign.
+#[test]
+#[ignore = "needs the cases folder"]
+fn loads_without_sign() {
+    let case = case("f08_so101_sage");
+    for log in ["chirp_sweep", "custom_motion", "friction_gravity"] {
+        for said in [
+            inspected(&case, &[&format!("{log}.csv")]),
+            inspected(&case, &[&format!("{log}_flat.csv"), "--dataset", "d.toml"]),
+        ] {
+            assert_says(&said, &["the signs were lost"]);
+            assert!(!said.contains("frozen") && !said.contains("wrong sign"), "{said}");
+        }
+    }
+}
+
 #[test]
 #[ignore = "needs the cases folder"]
 fn files_of_other_kinds() {
@@ -56,6 +92,9 @@ fn files_of_other_kinds() {
         ("log.json", ["JSON", "read_json"]),
         ("log.npy", ["500 x 3", "np.savez"]),
         ("arm.sdf", ["SDF", "--robot"]),
+        ("ur10e.urdf.xacro", ["xacro file", "`xacro ur10e.urdf.xacro -o robot.urdf`"]),
+        ("xacro_named.urdf", ["xacro file", "`xacro xacro_named.urdf"]),
+        ("sdf_named.urdf", ["SDF", "sdf2mjcf"]),
         ("so101.xml", ["MuJoCo", "--robot"]),
     ] {
         assert_refusal(&case.tauscope(&["inspect", file]), &words);

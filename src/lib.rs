@@ -12,7 +12,7 @@
 //! - Every random number comes from a recorded seed through a named stream ([`random`]).
 //!
 //! Imports run one way, from the top of this list downwards: [`cli`] and [`report`] know everything, [`robot`],
-//! [`channels`] and [`lane`] know nothing.
+//! [`channels`], [`lane`] and [`linear`] know nothing.
 
 pub mod cli;
 pub mod report;
@@ -47,5 +47,6 @@ pub mod robot;
 pub mod channels;
 pub mod error;
 pub mod lane;
+pub mod linear;
 pub mod output;
 pub mod random;

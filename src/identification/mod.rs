@@ -24,6 +24,7 @@ pub mod reversals;
 mod scaled_normal;
 pub mod separable;
 pub(crate) mod sequences;
+pub mod smoothing_choice;
 pub mod spectrum;
 pub mod standard;
 mod streamed;

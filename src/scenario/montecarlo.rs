@@ -87,7 +87,8 @@ impl MonteCarloSpec {
         if motion.moves < 2 || !(motion.duration_s.is_finite() && motion.duration_s > 0.0) {
             return Some(("random_motion", "takes 2 moves or more and a duration above zero".to_owned()));
         }
-        let (samples, window) = (scenario.samples(motion.duration_s), scenario.identification.smoothing_window);
+        let window = scenario.identification.fixed_window(scenario.sensors.rate_hz);
+        let samples = scenario.samples(motion.duration_s);
         (samples < window || samples > super::validate::MOST_SAMPLES).then(|| {
             ("random_motion", format!("{} s are {samples} samples; take {window} to 1000000", motion.duration_s))
         })

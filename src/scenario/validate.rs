@@ -107,14 +107,15 @@ fn per_joint(key: &str, value: &PerJoint, at: &Located) -> Result<()> {
 fn smoothing(scenario: &Scenario, at: &Located) -> Result<()> {
     let spec = &scenario.identification;
     let (window, order) = ("identification.smoothing_window", "identification.smoothing_order");
-    if spec.smoothing_window > LONGEST_WINDOW {
-        let problem = format!("{} samples are too many; take at most {LONGEST_WINDOW}", spec.smoothing_window);
+    let samples = spec.fixed_window(scenario.sensors.rate_hz);
+    if samples > LONGEST_WINDOW {
+        let problem = format!("{samples} samples are too many; take at most {LONGEST_WINDOW}");
         return Err(at.error(window, problem));
     }
     // Acceleration is the highest derivative taken.
     let period = 1.0 / scenario.sensors.rate_hz;
-    match SavitzkyGolay::new(spec.smoothing_window, spec.smoothing_order, 2, period, Edge::Nearest) {
-        Err(problem) if spec.smoothing_window.is_multiple_of(2) => Err(at.wrap(window, &problem)),
+    match SavitzkyGolay::new(samples, spec.smoothing_order, 2, period, Edge::Nearest) {
+        Err(problem) if samples.is_multiple_of(2) => Err(at.wrap(window, &problem)),
         Err(problem) => Err(at.wrap(order, &problem)),
         Ok(_) => Ok(()),
     }
@@ -137,7 +138,7 @@ pub(super) fn length(scenario: &Scenario, key: &str, duration_s: f64, at: &Locat
             format!("{duration_s:?} s take {steps:.0} steps, more than {MOST_STEPS:e}; take a longer plant.step_s");
         return Err(at.error(key, problem));
     }
-    let window = scenario.identification.smoothing_window;
+    let window = scenario.identification.fixed_window(scenario.sensors.rate_hz);
     if samples < window {
         let problem = format!(
             "{duration_s:?} s at {} Hz are {samples} samples, fewer than the {window} of identification.smoothing_window; \

@@ -31,9 +31,9 @@ const HELD: f64 = 0.02;
 /// start and stop.
 const USUAL_WINDOW_S: f64 = 0.12;
 
-/// Longest Savitzky-Golay window that is chosen by the noise, s: twice the usual one. Over more, torque and columns lose the reversals that
-/// tell friction from inertia, and a vibration that the window takes off whole does not show as an error of the window.
-const LONGEST_WINDOW_S: f64 = 0.24;
+/// Longest Savitzky-Golay window that is chosen by the noise, over the usual one. Over more, torque and columns lose the reversals that
+/// separate friction from inertia, and a vibration that the window takes off whole does not show as an error of the window.
+const LONGEST_OVER_USUAL: usize = 2;
 
 /// Shortest window where nothing is chosen, samples: one of order six smooths from here on.
 const SHORTEST_USUAL: usize = 9;
@@ -54,7 +54,7 @@ pub fn usual_window(rate_hz: f64) -> usize {
 pub fn window(logs: &[&Recording], order: usize) -> Result<usize> {
     let positions: Vec<&[f64]> = logs.iter().flat_map(|log| log.q.iter()).collect();
     let rate_hz = logs.iter().map(|log| log.rate_hz()).fold(f64::INFINITY, f64::min);
-    window_by_noise(&positions, order, (LONGEST_WINDOW_S * rate_hz) as usize)
+    window_by_noise(&positions, order, LONGEST_OVER_USUAL * usual_window(rate_hz))
 }
 
 /// Polynomial order of a smoother that no scenario describes: even, so that the second derivative gains by it, and high enough that a window
@@ -157,4 +157,76 @@ pub fn described(smoothing: Smoothing, rate_hz: f64) -> Result<Option<Described>
             decimation,
         }),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::random;
+    use rand_distr::{Distribution, StandardNormal};
+    use std::collections::BTreeMap;
+    use std::f64::consts::TAU;
+
+    /// 20 s of two joints at a rate: one swings at 0.4 and `hz`, one is held and shakes a little at 9 Hz.
+    fn log(rate_hz: f64, hz: f64) -> Recording {
+        let mut source = random::stream(9, "smoothing choice", 0);
+        let samples = (20.0 * rate_hz) as usize;
+        let mut positions = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let mut draw = || -> f64 { StandardNormal.sample(&mut source) };
+            (0..samples).map(|k| of(k as f64 / rate_hz) + 1e-5 * draw()).collect()
+        };
+        let moving = positions(&|t| (TAU * 0.4 * t).sin() + 0.2 * (TAU * hz * t).sin());
+        let held = positions(&|t| 1e-4 * (TAU * 9.0 * t).sin());
+        Recording {
+            robot: String::new(),
+            joints: vec!["a".into(), "b".into()],
+            time: (0..samples).map(|k| k as f64 / rate_hz).collect(),
+            q: Channels::from_vectors(&[moving, held]),
+            qd: None,
+            qdd: None,
+            tau: Channels::zeros(2, samples),
+            truth: None,
+            provenance: BTreeMap::new(),
+        }
+    }
+
+    #[test]
+    fn the_low_pass_follows_the_fastest_joint_that_is_not_held() {
+        let cutoff = |hz: f64| match usual_low_pass(&[&log(500.0, hz)]).unwrap() {
+            Smoothing::LowPass { cutoff_hz, decimation } => (cutoff_hz, decimation),
+            other => panic!("{other:?}"),
+        };
+        let (fast, every) = cutoff(3.0);
+        assert!((fast - 6.0).abs() < 0.2, "{fast}");
+        assert!(every as f64 * fast <= 0.8 * 250.0 && (every + 1) as f64 * fast > 0.8 * 250.0, "{every}");
+        // A slow motion is at least one of 1 Hz.
+        assert_eq!(cutoff(0.5).0, 2.0);
+    }
+
+    #[test]
+    fn a_window_is_found_at_every_rate_and_is_at_most_twice_the_usual_one() {
+        for rate_hz in [10.0, 25.0, 50.0, 125.0, 1000.0] {
+            let Smoothing::SavitzkyGolay { window, .. } = savitzky_golay(&[&log(rate_hz, 0.8)]).unwrap() else {
+                panic!()
+            };
+            assert!(window <= 2 * usual_window(rate_hz) + 1, "{rate_hz} Hz: {window}");
+            assert!(window % 2 == 1 && window > USUAL_ORDER + 1, "{rate_hz} Hz: {window}");
+        }
+        assert_eq!((usual_window(500.0), usual_window(20.0)), (61, 9));
+    }
+
+    #[test]
+    fn what_is_described_is_what_is_used() {
+        assert_eq!(described(Smoothing::None, 500.0).unwrap(), None);
+        let low_pass = described(Smoothing::LowPass { cutoff_hz: 100.0, decimation: 3 }, 500.0).unwrap();
+        let position_cutoff_hz = 0.45 * 500.0;
+        let expected = Described::Butterworth { order: 4, position_cutoff_hz, torque_cutoff_hz: 100.0, decimation: 3 };
+        assert_eq!(low_pass, Some(expected));
+        let window = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
+        let Some(Described::SavitzkyGolay { window_s, cutoff_hz, .. }) = described(window, 500.0).unwrap() else {
+            panic!()
+        };
+        assert!((window_s - 0.122).abs() < 1e-12 && (20.0..25.0).contains(&cutoff_hz), "{cutoff_hz}");
+    }
 }

@@ -6,6 +6,9 @@ use std::f64::consts::PI;
 /// Share of the rate above which the spectrum of a smooth signal holds nothing but noise.
 const NOISE_SHARE: f64 = 0.1;
 
+/// Mean square of Hann's window.
+const HANN_POWER: f64 = 0.375;
+
 /// Median of the square of a standard normal number.
 const MEDIAN_SQUARE: f64 = 0.454_936;
 
@@ -24,12 +27,16 @@ pub fn noise_floor(signal: &[f64]) -> f64 {
     if count == 0 {
         return 0.0;
     }
+    // Hann's window keeps lines, and what the ends cut off, from leaking into all of the spectrum.
+    for (k, x) in third.iter_mut().enumerate() {
+        *x *= (PI * (k as f64 + 0.5) / count as f64).sin().powi(2);
+    }
     DctPlanner::new().plan_dct2(count).process_dct2(&mut third);
     let first = ((2.0 * NOISE_SHARE * count as f64).ceil() as usize).max(1);
     // Third differences multiply what they see by (2 sin)^3; the transform's rows have a square norm of half the length.
     let own = third.iter().enumerate().skip(first).map(|(k, x)| {
         let gain = (2.0 * (0.5 * PI * k as f64 / count as f64).sin()).powi(6);
-        x * x / (0.5 * count as f64 * gain)
+        x * x / (HANN_POWER * 0.5 * count as f64 * gain)
     });
     let mut powers: Vec<f64> = own.collect();
     if powers.is_empty() {

@@ -35,7 +35,9 @@ def zero_phase(cutoff_hz, x):
 
 def motion_hz(q):
     velocity = np.gradient(q, 1.0 / RATE_HZ, edge_order=2)
-    third = dct(np.diff(q, 3), type=2, norm="ortho")
+    third = np.diff(q, 3)
+    hann = np.sin(np.pi * (np.arange(len(third)) + 0.5) / len(third)) ** 2
+    third = dct(hann * third, type=2, norm="ortho") / np.sqrt(0.375)
     bins = np.arange(int(np.ceil(0.2 * len(third))), len(third))  # above a tenth of the rate
     own = np.sort((third[bins] / (2 * np.sin(0.5 * np.pi * bins / len(third))) ** 3) ** 2)
     noise = np.sqrt(own[len(own) // 2] / 0.454936)  # the median square of a standard normal number

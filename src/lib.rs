@@ -48,6 +48,8 @@ pub mod signal;
 
 pub mod robot;
 
+pub(crate) mod linear;
+
 pub(crate) mod output;
 
 pub mod random;

@@ -13,6 +13,7 @@ use crate::identification::fit::{self, fit_effects};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
+use crate::identification::smoothing_choice::usual_window;
 use crate::output::ResultFolder;
 use crate::quality::UnitChanges;
 use crate::recording::Recording;
@@ -64,9 +65,6 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "RAD_S")]
     band: Option<f64>,
 }
-
-/// Time that the default smoothing window spans, s.
-const DEFAULT_WINDOW_S: f64 = 0.12;
 
 /// Time that reading logs, a fit without and one with effects, and the simulation take, beside each other.
 const READING: u64 = 2;
@@ -252,17 +250,17 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
     }
 }
 
-/// What logs go through where nothing else is asked for: Savitzky-Golay of order six over [`DEFAULT_WINDOW_S`].
+/// What logs go through where nothing else is asked for: Savitzky-Golay of order six over [`usual_window`].
 pub(super) fn usual_preparation(log: &Recording) -> Preparation {
-    let window = ((DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1).max(9);
+    let window = usual_window(log.rate_hz());
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
     Preparation { smoothing, band: Band::OfNoise }
 }
 
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
     let spec = setup.map(|setup| &setup.scenario.identification);
-    let default_window = (DEFAULT_WINDOW_S * log.rate_hz()).round() as usize | 1;
-    let window = arguments.window.or(spec.map(|s| s.smoothing_window)).unwrap_or(default_window.max(9));
+    let window = arguments.window.or(spec.and_then(|s| s.smoothing_window));
+    let window = window.unwrap_or_else(|| usual_window(log.rate_hz()));
     let order = arguments.order.or(spec.map(|s| s.smoothing_order)).unwrap_or(6);
     let decimation = arguments.decimation.or(spec.map(|s| s.decimation)).unwrap_or((window / 12).max(1));
     if decimation == 0 {

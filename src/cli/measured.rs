@@ -1,17 +1,20 @@
 //! `tauscope run --dataset`: identify and score with measured logs in place of the simulation.
 
+use super::run::compared;
 use super::{DONE, Global, corrected, identify, print, progress};
 use crate::dataset::arm::{Asked, LoggedArm};
 use crate::dataset::{self, Dataset, Logs, Named};
 use crate::error::{Error, Result};
 use crate::identification::consistent::consistent;
-use crate::identification::effect_model::Trust;
+use crate::identification::effect_model::{Preparation, Trust};
 use crate::identification::fit;
 use crate::identification::model::Model;
+use crate::identification::smoothing_choice;
 use crate::output::ResultFolder;
 use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::html::{self, Provenance};
+use crate::report::measured::Compared;
 use crate::report::{fit as fit_report, measured as report, viewer};
 use crate::robot;
 use crate::study::measured;
@@ -25,8 +28,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
         Error::input(path, None, "robot", "is missing: name the arm's URDF, which is looked for beside this file")
     })?;
     let mut arm = LoggedArm::open(&named, &Asked::default(), Trust::Structure, Some(&dataset), &dataset.files())?;
-    let variants = [Variant::Raw, Variant::SavitzkyGolay];
-    let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 1]);
+    let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 4, 1]);
     stages.begin("reading the logs");
     let mut logs = dataset.sieved(&arm.robot)?;
     arm.settle(Some(&dataset), &mut logs)?;
@@ -39,16 +41,19 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
         corrected::write(&folder, Some(&dataset), &Named::default(), &robot, description, UnitChanges::default())?;
     }
     let model = Model::new(&robot);
-    let preparation = identify::usual_preparation(&train[0]);
+    let usual_preparation = identify::usual_preparation(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
+    let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, ..usual_preparation };
     let logs = fit::Logs { train: &train, test: &test };
 
-    let mut scored = Vec::new();
-    for variant in variants {
+    let mut identified = |variant| {
         stages.begin("identifying");
-        scored.push(measured::identify(&model, logs, variant, preparation)?);
-    }
-    let plain = &scored[1].fitted;
+        measured::identify(&model, logs, variant, [preparation, usual_preparation])
+    };
+    let (raw, smoothed) = (identified(Variant::Raw)?, identified(Variant::SavitzkyGolay)?);
+    let (usual, missing) = compared(identified(Variant::Butterworth));
+    let ways = Compared { raw: &raw, smoothed: &smoothed, usual: usual.as_ref(), missing: missing.as_deref() };
+    let plain = &smoothed.fitted;
     stages.begin("finding bodies that can exist");
     let bodies = consistent(&model, logs, preparation, plain)?;
     let identified = bodies.robot(&robot);
@@ -57,9 +62,9 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let identification = fit_report::result(&robot, Trust::Structure, found, &notes);
     folder.write_json("identification.json", fit_report::SCHEMA, &identification)?;
     folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
-    let scores = report::result(&robot, &scored, &notes);
+    let scores = report::result(&robot, ways, &notes);
     folder.write_json("score.json", report::SCHEMA, &scores)?;
-    let page = html::measured::page(&robot, logs, &scored, &notes, Provenance::here(global.seed));
+    let page = html::measured::page(&robot, logs, ways, &notes, Provenance::here(global.seed));
     folder.write_text(html::FILE, &page.render())?;
     stages.begin("simulating the identified arm");
     let replayed = identify::replayed(&identified, logs, preparation);
@@ -69,7 +74,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let out = folder.finish()?;
     print::result(global, report::SCHEMA, &scores, || {
         let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");
-        format!("{notes}{}\n\nResults in {}", report::text(&robot, &scored), out.display())
+        format!("{notes}{}\n\nResults in {}", report::text(&robot, ways), out.display())
     })?;
     Ok(DONE)
 }

@@ -39,13 +39,16 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         bar.inc(1);
         scored
     };
-    let scored = [identified(Variant::Exact)?, identified(Variant::Raw)?, identified(Variant::SavitzkyGolay)?];
+    let [exact, raw, smoothed, usual] = Variant::ALL.map(identified);
+    let (usual, missing) = compared(usual);
+    let mut scored = vec![exact?, raw?, smoothed?];
+    scored.extend(usual);
     bar.finish_and_clear();
 
-    let [_, raw, smoothed] = &scored;
-    let gain = results::smoothing_gain(raw, smoothed);
+    let (raw, smoothed) = (&scored[1], &scored[2]);
+    let gain = results::smoothing_gain(raw, scored.get(3), smoothed);
     let limited = results::AtEffortLimit::new(&setup, &runs);
-    let scores = results::scores(&setup, &model, &scored, gain.clone(), limited.clone());
+    let scores = results::scores(&setup, &model, (&scored, missing.as_deref()), gain.clone(), limited.clone());
     simulate::write_recordings(&folder, &setup, &runs)?;
     folder.write_json(
         "identification.json",
@@ -53,15 +56,29 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         &results::identification(&setup, &model, &scored),
     )?;
     folder.write_json("score.json", results::SCORE_SCHEMA, &scores)?;
-    let found = html::run::Found { model: &model, scored: &scored, gain: &gain, limited: &limited };
+    let found = html::run::Found {
+        model: &model,
+        scored: &scored,
+        gain: &gain,
+        limited: &limited,
+        missing: missing.as_deref(),
+    };
     let page = html::run::page(&setup, &runs, found, Provenance::here(Some(setup.scenario.seed)))?;
     folder.write_text(html::FILE, &page.render())?;
     viewer::add(&folder, || viewer::scenario::film(&setup, &runs, Some((&model, smoothed))))?;
     let path = folder.finish()?;
     print::result(global, results::SCORE_SCHEMA, &scores, || {
-        let tables = console::scores(&setup, &scored, &gain, model.base().len());
+        let tables = console::scores(&setup, (&scored, missing.as_deref()), &gain, model.base().len());
         let notes = simulate::notes(&setup);
         format!("{notes}{tables}\n{}\nResults in {}", console::at_effort_limit(&setup, &limited), path.display())
     })?;
     Ok(DONE)
+}
+
+/// An identification that is made for comparison alone: what keeps it from being made is no error of the run, but is reported.
+pub(super) fn compared<T>(identified: Result<T>) -> (Option<T>, Option<String>) {
+    match identified {
+        Ok(scored) => (Some(scored), None),
+        Err(problem) => (None, Some(problem.to_string())),
+    }
 }

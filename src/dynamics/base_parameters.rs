@@ -1,5 +1,6 @@
 //! Base parameters: the combinations of standard parameters that torque can tell apart.
 
+use crate::linear::{OrthonormalBasis, inner_product, length};
 use nalgebra::DMatrix;
 
 /// Part of a unit column that must be left after projecting out the kept columns for it to count as new.
@@ -39,8 +40,7 @@ impl BaseParameters {
     /// standard parameter) can tell apart. Columns are taken in their order: a column that depends on those kept before it
     /// is regrouped into them, so the base stays on the proximal side. `names` are the standard parameters' symbols.
     ///
-    /// The factorisation is a QR by Gram-Schmidt with reorthogonalisation on columns of unit length; a column counts as
-    /// dependent when less than 1e-5 of its length is left, and as nothing when it is shorter than 1e-5 of the longest.
+    /// The factorisation is a QR of columns of unit length ([`OrthonormalBasis`]); a column counts as dependent when less than 1e-5 of its length is left, and as nothing when it is shorter than 1e-5 of the longest.
     ///
     /// # Panics
     /// If there is not one name per column.
@@ -49,32 +49,26 @@ impl BaseParameters {
         assert_eq!(names.len(), columns, "one name per standard parameter");
         let norms: Vec<f64> = (0..columns).map(|c| observation.column(c).norm()).collect();
         let largest = norms.iter().copied().fold(0.0, f64::max);
-        let mut kept: Vec<usize> = Vec::new();
-        let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();
+        let counts: Vec<usize> = (0..columns).filter(|&c| norms[c] > INDEPENDENT * largest).collect();
+        let rows = observation.nrows();
+        let column = |c: usize| &observation.as_slice()[c * rows..][..rows];
+        let basis = OrthonormalBasis::new(&counts.iter().map(|&c| column(c)).collect::<Vec<_>>(), INDEPENDENT);
+        let kept: Vec<usize> = basis.kept.iter().map(|&k| counts[k]).collect();
         // Row r of `triangle` holds q_r . column c, of unit columns.
         let mut triangle = DMatrix::zeros(columns, columns);
+        for (own, along) in kept.iter().zip(&basis.along) {
+            along.iter().enumerate().for_each(|(r, &part)| triangle[(r, *own)] = part);
+        }
         // Residuals of the columns that are regrouped.
         let mut apart = vec![0.0; columns];
-        for column in 0..columns {
-            if norms[column] <= INDEPENDENT * largest {
-                continue;
+        for c in counts.into_iter().filter(|c| !kept.contains(c)) {
+            let mut rest: Vec<f64> = column(c).iter().map(|x| x / norms[c]).collect();
+            let before = kept.iter().take_while(|&&own| own < c).count();
+            for (r, q) in basis.directions[..before].iter().enumerate() {
+                triangle[(r, c)] = inner_product(q, &rest);
+                rest.iter_mut().zip(q).for_each(|(x, q)| *x -= triangle[(r, c)] * q);
             }
-            let mut rest = observation.column(column) / norms[column];
-            for _ in 0..2 {
-                for (r, q) in basis.iter().enumerate() {
-                    let part = q.dot(&rest);
-                    triangle[(r, column)] += part;
-                    rest.axpy(-part, q, 1.0);
-                }
-            }
-            let left = rest.norm();
-            if left > INDEPENDENT {
-                triangle[(basis.len(), column)] = left;
-                basis.push(rest / left);
-                kept.push(column);
-            } else {
-                apart[column] = left;
-            }
+            apart[c] = length(&rest);
         }
         let regrouping = regrouping_matrix(&triangle, &kept, &norms, &apart);
         let groupings = groupings(&regrouping, &kept, names);

@@ -24,6 +24,7 @@ pub mod reversals;
 mod scaled_normal;
 pub(crate) mod separable;
 pub(crate) mod sequences;
+pub mod smoothing_choice;
 pub(crate) mod spectrum;
 pub(crate) mod standard;
 mod streamed;

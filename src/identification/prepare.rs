@@ -45,7 +45,14 @@ pub enum Smoothing {
 const POSITION_MARGIN: f64 = 4.0;
 
 /// Order of the low-pass of [`Smoothing::LowPass`], in each direction.
-const LOW_PASS_ORDER: usize = 4;
+pub const LOW_PASS_ORDER: usize = 4;
+
+/// Cut-off of the positions, Hz, where torque and columns go through [`Smoothing::LowPass`] with a cut-off.
+pub fn position_cutoff_hz(cutoff_hz: f64, rate_hz: f64) -> f64 {
+    /// Closer to half the rate the filter has no room to fall.
+    const HIGHEST_SHARE: f64 = 0.45;
+    (POSITION_MARGIN * cutoff_hz).min(HIGHEST_SHARE * rate_hz)
+}
 
 /// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count. What it takes
 /// over as it is stays in the recording.
@@ -106,7 +113,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
         }
         Smoothing::LowPass { cutoff_hz, decimation } => {
             let low_pass = ZeroPhaseLowPass::new(LOW_PASS_ORDER, cutoff_hz, recording.rate_hz())?;
-            let wide = (POSITION_MARGIN * cutoff_hz).min(0.45 * recording.rate_hz());
+            let wide = position_cutoff_hz(cutoff_hz, recording.rate_hz());
             let wide = ZeroPhaseLowPass::new(LOW_PASS_ORDER, wide, recording.rate_hz())?;
             let smooth = filtered(q, joints, |x, out| wide.apply(x, out))?;
             let motion = Motion {

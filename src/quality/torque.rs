@@ -11,8 +11,9 @@ use super::{BAND, Finding, Kind, Severity, View};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::identification::model::Model;
+use crate::identification::tsqr::Triangle;
+use crate::linear::{OrthonormalBasis, length};
 use crate::robot::Robot;
-use nalgebra::{DMatrix, DVector};
 
 /// Samples of the log that enter the models.
 const ROWS: usize = 4000;
@@ -25,8 +26,8 @@ const DEAD_TIME_S: f64 = 0.0015;
 /// either.
 const DEAD_TIME_COSTS: f64 = 1.1;
 
-/// Directions of a model's normal matrix weaker than this, of the strongest, are left out.
-const WEAK: f64 = 1e-9;
+/// A column of a model of which no more than this share is left over the others is left out: it would take up noise.
+const WEAK: f64 = 3e-5;
 
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
@@ -94,8 +95,8 @@ fn joint_alone(motion: &Motion, joint: usize) -> Channels {
 /// The column space of a joint's model over the samples at which its direction is certain.
 struct JointFit {
     rows: Vec<usize>,
-    /// Orthonormal basis of the columns.
-    basis: DMatrix<f64>,
+    /// Of the columns.
+    basis: OrthonormalBasis,
 }
 
 impl JointFit {
@@ -104,32 +105,15 @@ impl JointFit {
         if kept.len() < ROWS_PER_COLUMN * columns.channels() {
             return None;
         }
-        let mut table = DMatrix::from_fn(kept.len(), columns.channels(), |row, c| columns.channel(c)[kept[row]]);
-        let scales: Vec<f64> = (0..table.ncols()).map(|c| table.column(c).norm()).collect();
-        for (c, &scale) in scales.iter().enumerate().filter(|(_, scale)| **scale > 0.0) {
-            table.column_mut(c).unscale_mut(scale);
-        }
-        let gram = (table.transpose() * &table).symmetric_eigen();
-        let largest = gram.eigenvalues.max();
-        let strong: Vec<usize> =
-            (0..gram.eigenvalues.len()).filter(|&i| gram.eigenvalues[i] > WEAK * largest).collect();
-        let mut solve = DMatrix::zeros(table.ncols(), strong.len());
-        for (place, &i) in strong.iter().enumerate() {
-            solve.set_column(place, &(gram.eigenvectors.column(i) / gram.eigenvalues[i].sqrt()));
-        }
-        Some(JointFit { rows: kept.iter().map(|&row| rows[row]).collect(), basis: &table * &solve })
+        let table: Vec<Vec<f64>> = columns.iter().map(|column| kept.iter().map(|&row| column[row]).collect()).collect();
+        let basis = OrthonormalBasis::new(&table.iter().map(Vec::as_slice).collect::<Vec<_>>(), WEAK);
+        Some(JointFit { rows: kept.iter().map(|&row| rows[row]).collect(), basis })
     }
 
-    /// The torque of the samples, `lag` samples later.
-    fn torque(&self, tau: &[f64], lag: isize) -> DVector<f64> {
-        DVector::from_iterator(self.rows.len(), self.rows.iter().map(|&row| tau[row.saturating_add_signed(lag)]))
-    }
-
-    /// Part of a torque that the model leaves, root mean square over root mean square.
+    /// Part of a torque that the model leaves, `lag` samples later, root mean square over root mean square.
     fn unexplained(&self, tau: &[f64], lag: isize) -> f64 {
-        let torque = self.torque(tau, lag);
-        let rest = &torque - &self.basis * (self.basis.transpose() * &torque);
-        rest.norm() / torque.norm().max(f64::MIN_POSITIVE)
+        let torque: Vec<f64> = self.rows.iter().map(|&row| tau[row.saturating_add_signed(lag)]).collect();
+        length(&self.basis.residual(&torque)) / length(&torque).max(f64::MIN_POSITIVE)
     }
 
     /// By how much the torque comes behind the motion; None where the residual does not depend on it.
@@ -179,19 +163,19 @@ fn dead_time(view: &View, lags: &[Lag]) -> Option<Finding> {
 
 /// Condition number of all base columns, each of unit length.
 fn condition_number(model: &Model, columns: &[Channels], rows: usize) -> f64 {
-    let mut gram = DMatrix::<f64>::zeros(model.base().len(), model.base().len());
+    let mut triangle = Triangle::new(model.base().len());
     for (joint, table) in columns.iter().enumerate() {
-        let active = model.active(joint);
-        let own = DMatrix::from_fn(rows, table.channels(), |row, c| table.channel(c)[row]);
-        let part = own.transpose() * &own;
-        for (i, &a) in active.iter().enumerate() {
-            for (j, &b) in active.iter().enumerate() {
-                gram[(a, b)] += part[(i, j)];
-            }
+        let mut all = vec![0.0; model.base().len() * rows];
+        for (c, parameter) in model.active(joint).into_iter().enumerate() {
+            all[parameter * rows..][..rows].copy_from_slice(table.channel(c));
         }
+        triangle.add(&all, rows);
     }
-    let scale: Vec<f64> = gram.diagonal().iter().map(|v| v.sqrt().max(f64::MIN_POSITIVE)).collect();
-    let unit = DMatrix::from_fn(scale.len(), scale.len(), |i, j| gram[(i, j)] / (scale[i] * scale[j]));
-    let eigenvalues = unit.symmetric_eigen().eigenvalues;
-    (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt()
+    let mut unit = triangle.factor();
+    for mut column in unit.column_iter_mut() {
+        let norm = column.norm();
+        column.unscale_mut(norm.max(f64::MIN_POSITIVE));
+    }
+    let singular = unit.singular_values();
+    singular.max() / singular.min().max(f64::MIN_POSITIVE)
 }

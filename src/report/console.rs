@@ -1,10 +1,11 @@
 //! Tables for people.
 
 use super::results::{AtEffortLimit, SmoothingGain};
+use crate::identification::smoothing_choice::Described;
 pub(super) use crate::output::significant;
 use crate::robot::{Joint, JointKind, Robot};
 use crate::scenario::Setup;
-use crate::study::testbed::{Scored, Variant};
+use crate::study::testbed::{Score, Scored, Variant};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 /// A plain aligned table: first column left, numbers right.
@@ -18,40 +19,106 @@ pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     table.trim_fmt()
 }
 
-/// The scores of a scenario run: torque error per joint with and without smoothing, then one line per variant.
-pub(crate) fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, parameters: usize) -> String {
+/// Torque errors of every joint from raw signals, from those that are smoothed as is usual, and from Savitzky-Golay.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TorqueErrors<'a> {
+    /// Signals as they are.
+    pub raw: &'a [f64],
+    /// Butterworth low-pass; None where nothing was identified with it.
+    pub butterworth: Option<&'a [f64]>,
+    /// Savitzky-Golay.
+    pub savitzky_golay: &'a [f64],
+}
+
+impl TorqueErrors<'_> {
+    /// A line for each of the `names`, with the ratios to Savitzky-Golay and the `paper`'s where there are any.
+    pub(crate) fn table(&self, title: &str, names: &[String], paper: &[f64]) -> String {
+        let (mut header, mut ratios) = (vec![title, "raw"], vec!["S-G / raw"]);
+        if self.butterworth.is_some() {
+            header.push("Butterworth");
+            ratios.push("S-G / Butterworth");
+        }
+        header.push("Savitzky-Golay");
+        header.extend(ratios);
+        if !paper.is_empty() {
+            header.push("paper's ratio");
+        }
+        let rows = names.iter().enumerate().map(|(j, name)| {
+            let smoothed = self.savitzky_golay[j];
+            let others: Vec<f64> = [self.raw[j]].into_iter().chain(self.butterworth.map(|std| std[j])).collect();
+            let mut row = vec![name.clone()];
+            row.extend(others.iter().chain([&smoothed]).map(|&std| significant(std)));
+            row.extend(others.iter().map(|other| format!("{:.3}", smoothed / other)));
+            row.extend(paper.get(j).map(|ratio| format!("{ratio:.2}")));
+            row
+        });
+        table(&header, rows.collect())
+    }
+}
+
+/// How signals were smoothed, in words.
+pub(super) fn smoothing(described: &Described) -> String {
+    let every = |decimation: usize| match decimation {
+        1 => "every row".to_owned(),
+        n => format!("one row in {n}"),
+    };
+    match *described {
+        Described::SavitzkyGolay { window, window_s, order, cutoff_hz, decimation } => format!(
+            "Savitzky-Golay: window of {window} samples ({} s), order {order}, half the amplitude at {} Hz, {}",
+            significant(window_s),
+            significant(cutoff_hz),
+            every(decimation)
+        ),
+        Described::Butterworth { order, position_cutoff_hz, torque_cutoff_hz, decimation } => format!(
+            "Butterworth: order {order} forward and backward, half the amplitude of positions at {} Hz, of torque and regressor at \
+             {} Hz, {}",
+            significant(position_cutoff_hz),
+            significant(torque_cutoff_hz),
+            every(decimation)
+        ),
+    }
+}
+
+/// A line for every variant that smooths, which says how; the window of Savitzky-Golay may have been chosen `by_noise`, and the usual
+/// low-pass may be `missing` for a reason.
+pub(super) fn smoothings(described: &[Option<Described>], by_noise: bool, missing: Option<&str>) -> Vec<String> {
+    let line = |one: &Described| match one {
+        Described::SavitzkyGolay { .. } if by_noise => {
+            format!("{} (window chosen by the noise of the positions)", smoothing(one))
+        }
+        _ => smoothing(one),
+    };
+    let missing =
+        missing.map(|problem| format!("Butterworth: left out, for nothing was identified with it ({problem})"));
+    described.iter().flatten().map(line).chain(missing).collect()
+}
+
+/// The scores of a scenario run: torque error per joint with and without smoothing, then one line per variant; `missing` is why there is
+/// no identification with the usual low-pass.
+pub(crate) fn scores(
+    setup: &Setup,
+    (scored, missing): (&[Scored], Option<&str>),
+    gain: &SmoothingGain,
+    parameters: usize,
+) -> String {
     let find = |variant: Variant| scored.iter().find(|result| result.variant == variant);
     let (Some(raw), Some(smoothed)) = (find(Variant::Raw), find(Variant::SavitzkyGolay)) else {
         return String::new();
     };
+    let usual = find(Variant::Butterworth);
     let (unit, names) = by_joint(&setup.plant);
-    let title = format!("torque error, std in {unit}");
-    let mut header = vec![title.as_str(), "raw", "Savitzky-Golay", "ratio"];
-    if !gain.paper_table_3.is_empty() {
-        header.push("paper's ratio");
-    }
-    header.extend(["held-out raw", "held-out S-G", "ratio"]);
-    let rows = names
-        .into_iter()
-        .enumerate()
-        .map(|(j, name)| {
-            let [raw, smoothed] = [&raw.score, &smoothed.score];
-            let mut row = vec![
-                name,
-                significant(raw.torque_std_training_nm[j]),
-                significant(smoothed.torque_std_training_nm[j]),
-                format!("{:.3}", gain.training[j]),
-            ];
-            row.extend(gain.paper_table_3.get(j).map(|ratio| format!("{ratio:.2}")));
-            row.extend([
-                significant(raw.torque_std_held_out_nm[j]),
-                significant(smoothed.torque_std_held_out_nm[j]),
-                format!("{:.3}", gain.held_out[j]),
-            ]);
-            row
-        })
-        .collect();
-    let per_joint = table(&header, rows);
+    let errors = |of: fn(&Score) -> &Vec<f64>| TorqueErrors {
+        raw: of(&raw.score),
+        butterworth: usual.map(|usual| of(&usual.score).as_slice()),
+        savitzky_golay: of(&smoothed.score),
+    };
+    let training = errors(|score| &score.torque_std_training_nm);
+    let held_out = errors(|score| &score.torque_std_held_out_nm);
+    let per_joint = format!(
+        "{}\n\n{}",
+        training.table(&format!("torque error, std in {unit}"), &names, &gain.paper_table_3),
+        held_out.table(&format!("held out, std in {unit}"), &names, &[])
+    );
     let header = ["signals", "d_beta", "median rel. error", "condition number", "residual / noise", "time"];
     let noise: Vec<f64> = setup.sensors.iter().map(|sensor| sensor.torque_noise).collect();
     let rows = scored
@@ -68,8 +135,11 @@ pub(crate) fn scores(setup: &Setup, scored: &[Scored], gain: &SmoothingGain, par
         })
         .collect();
     let per_variant = table(&header, rows);
+    let described: Vec<Option<Described>> = scored.iter().map(|one| one.described).collect();
+    let smoothings =
+        smoothings(&described, setup.scenario.identification.smoothing_window.is_none(), missing).join("\n");
     format!(
-        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{}\n\n{}",
+        "{}: {} base parameters of {} joints, identified from {:.1} s, judged on {:.1} s\n\n{}\n\n{}\n\n{smoothings}",
         setup.scenario.name,
         parameters,
         setup.plant.dof(),
@@ -157,5 +227,21 @@ mod tests {
     fn median_of_an_odd_and_an_even_number() {
         assert_eq!(median_size(&[-3.0, 1.0, 2.0]), 2.0);
         assert_eq!(median_size(&[-3.0, 1.0, 2.0, 5.0]), 2.5);
+    }
+
+    #[test]
+    fn torque_errors_have_their_ratios_and_no_column_of_what_is_missing() {
+        let (raw, usual, smoothed) = ([4.0], [2.0], [1.0]);
+        let errors = TorqueErrors { raw: &raw, butterworth: Some(&usual), savitzky_golay: &smoothed };
+        let lines = |table: String| -> Vec<Vec<String>> {
+            table.lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect()
+        };
+        let all = lines(errors.table("std", &["j1".to_owned()], &[0.9]));
+        assert_eq!(all[1], ["j1", "4.00", "2.00", "1.00", "0.250", "0.500", "0.90"]);
+        let without = lines(TorqueErrors { butterworth: None, ..errors }.table("std", &["j1".to_owned()], &[]));
+        assert_eq!(without[0], ["std", "raw", "Savitzky-Golay", "S-G", "/", "raw"]);
+        assert_eq!(without[1], ["j1", "4.00", "1.00", "0.250"]);
+        let said = smoothings(&[None], true, Some("too few rows"));
+        assert!(said.len() == 1 && said[0].contains("too few rows"), "{said:?}");
     }
 }

@@ -1,6 +1,7 @@
 //! The JSON results of a scenario run.
 
 use crate::identification::model::Model;
+use crate::identification::smoothing_choice::Described;
 use crate::paper::equations::tables::PRINTED_TABLE_3;
 use crate::robot::Joint;
 use crate::scenario::Setup;
@@ -60,7 +61,11 @@ pub(crate) struct Scores {
     seed: u64,
     definitions: Definitions,
     at_effort_limit: AtEffortLimit,
+    /// Whether the Savitzky-Golay window was chosen by the noise of the positions; else the scenario gives it.
+    window_chosen_by_noise: bool,
     variants: Vec<VariantScore>,
+    /// Why nothing was identified with the usual low-pass; null where something was.
+    butterworth_problem: Option<String>,
     smoothing_gain: SmoothingGain,
 }
 
@@ -94,6 +99,8 @@ impl AtEffortLimit {
 #[derive(Debug, Serialize)]
 struct VariantScore {
     signals: &'static str,
+    /// Null where signals are not smoothed.
+    smoothing: Option<Described>,
     #[serde(flatten)]
     score: Score,
     parameters: Vec<String>,
@@ -102,13 +109,18 @@ struct VariantScore {
     seconds: f64,
 }
 
-/// Torque standard deviation with Savitzky-Golay over that without, per joint, beside the paper's.
+/// Torque standard deviation with Savitzky-Golay over that without, per joint, with the paper's for comparison.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct SmoothingGain {
     /// On the training motion.
     pub training: Vec<f64>,
     /// On the held-out motion.
     pub held_out: Vec<f64>,
+    /// With Savitzky-Golay over that with the usual Butterworth low-pass, on the training motion; empty where nothing was identified
+    /// with the latter.
+    pub over_butterworth_training: Vec<f64>,
+    /// The same on the held-out motion.
+    pub over_butterworth_held_out: Vec<f64>,
     /// From the paper's Table 3; empty for an arm that does not have the six joints of the paper's.
     pub paper_table_3: Vec<f64>,
 }
@@ -167,11 +179,11 @@ pub(crate) fn identification(setup: &Setup, model: &Model, scored: &[Scored]) ->
     }
 }
 
-/// The content of `score.json`. `gain` is [`smoothing_gain`]'s.
+/// The content of `score.json`. `gain` is [`smoothing_gain`]'s; `missing` is why there is no identification with the usual low-pass.
 pub(crate) fn scores(
     setup: &Setup,
     model: &Model,
-    scored: &[Scored],
+    (scored, missing): (&[Scored], Option<&str>),
     gain: SmoothingGain,
     at_effort_limit: AtEffortLimit,
 ) -> Scores {
@@ -191,10 +203,12 @@ pub(crate) fn scores(
             at_effort_limit: "share of the samples at which the drive gave its largest torque",
         },
         at_effort_limit,
+        window_chosen_by_noise: setup.scenario.identification.smoothing_window.is_none(),
         variants: scored
             .iter()
             .map(|result| VariantScore {
                 signals: result.variant.name(),
+                smoothing: result.described,
                 score: result.score.clone(),
                 parameters: names.clone(),
                 residual_rms_nm: result.residual_rms.clone(),
@@ -202,18 +216,25 @@ pub(crate) fn scores(
                 seconds: result.seconds,
             })
             .collect(),
+        butterworth_problem: missing.map(str::to_owned),
         smoothing_gain: gain,
     }
 }
 
-/// Ratio of the torque standard deviations of two variants, smoothed over raw, beside the paper's.
-pub(crate) fn smoothing_gain(raw: &Scored, smoothed: &Scored) -> SmoothingGain {
+/// Ratios of the torque standard deviations, smoothed over raw and over the usual low-pass, with the paper's for comparison.
+pub(crate) fn smoothing_gain(raw: &Scored, usual: Option<&Scored>, smoothed: &Scored) -> SmoothingGain {
     let printed = PRINTED_TABLE_3.iter().map(|[alone, smoothed]| smoothed / alone);
     let comparable = raw.residual_rms.len() == PRINTED_TABLE_3.len();
-    let ratio = |with: &[f64], without: &[f64]| with.iter().zip(without).map(|(a, b)| a / b).collect();
+    let ratio = |with: &[f64], without: &[f64]| -> Vec<f64> { with.iter().zip(without).map(|(a, b)| a / b).collect() };
     SmoothingGain {
         training: ratio(&smoothed.score.torque_std_training_nm, &raw.score.torque_std_training_nm),
         held_out: ratio(&smoothed.score.torque_std_held_out_nm, &raw.score.torque_std_held_out_nm),
+        over_butterworth_training: usual.map_or_else(Vec::new, |usual| {
+            ratio(&smoothed.score.torque_std_training_nm, &usual.score.torque_std_training_nm)
+        }),
+        over_butterworth_held_out: usual.map_or_else(Vec::new, |usual| {
+            ratio(&smoothed.score.torque_std_held_out_nm, &usual.score.torque_std_held_out_nm)
+        }),
         paper_table_3: if comparable { printed.collect() } else { Vec::new() },
     }
 }

@@ -4,6 +4,7 @@ use super::effects::EffectSpec;
 use super::montecarlo::MonteCarloSpec;
 use super::values::{PerJoint, RandomMotion};
 use crate::design::Workspace;
+use crate::identification::smoothing_choice::usual_window;
 use crate::simulation::integrator::Integrator;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -147,8 +148,10 @@ pub struct SensorSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentificationSpec {
-    /// Savitzky-Golay window, samples, odd.
-    pub smoothing_window: usize,
+    /// Savitzky-Golay window, samples, odd. Where it is left out, `tauscope run` chooses it by the noise of the measured positions, and what
+    /// compares studies takes [`IdentificationSpec::fixed_window`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smoothing_window: Option<usize>,
     /// Savitzky-Golay polynomial order.
     pub smoothing_order: usize,
     /// After smoothing, every n-th sample is used.
@@ -158,6 +161,13 @@ pub struct IdentificationSpec {
     pub low_pass_hz: Option<f64>,
     /// Samples of a joint slower than this are left out: the sign of its velocity is not certain there, rad/s.
     pub reversal_band_rad_s: f64,
+}
+
+impl IdentificationSpec {
+    /// The window that is the same for all draws of noise: as given, or of 0.12 s.
+    pub fn fixed_window(&self, rate_hz: f64) -> usize {
+        self.smoothing_window.unwrap_or_else(|| usual_window(rate_hz))
+    }
 }
 
 impl Scenario {

@@ -109,14 +109,15 @@ fn per_joint(key: &str, value: &PerJoint, at: &Located) -> Result<()> {
 fn smoothing(scenario: &Scenario, at: &Located) -> Result<()> {
     let spec = &scenario.identification;
     let (window, order) = ("identification.smoothing_window", "identification.smoothing_order");
-    if spec.smoothing_window > LONGEST_WINDOW {
-        let problem = format!("{} samples are too many; take at most {LONGEST_WINDOW}", spec.smoothing_window);
+    let samples = spec.fixed_window(scenario.sensors.rate_hz);
+    if samples > LONGEST_WINDOW {
+        let problem = format!("{samples} samples are too many; take at most {LONGEST_WINDOW}");
         return Err(at.error(window, problem));
     }
     // Acceleration is the highest derivative taken.
     let period = 1.0 / scenario.sensors.rate_hz;
-    match SavitzkyGolay::new(spec.smoothing_window, spec.smoothing_order, 2, period, Edge::Nearest) {
-        Err(problem) if spec.smoothing_window.is_multiple_of(2) => Err(at.wrap(window, &problem)),
+    match SavitzkyGolay::new(samples, spec.smoothing_order, 2, period, Edge::Nearest) {
+        Err(problem) if samples.is_multiple_of(2) => Err(at.wrap(window, &problem)),
         Err(problem) => Err(at.wrap(order, &problem)),
         Ok(_) => Ok(()),
     }
@@ -139,7 +140,7 @@ pub(super) fn length(scenario: &Scenario, key: &str, duration_s: f64, at: &Locat
             format!("{duration_s:?} s take {steps:.0} steps, more than {MOST_STEPS:e}; take a longer plant.step_s");
         return Err(at.error(key, problem));
     }
-    let window = scenario.identification.smoothing_window;
+    let window = scenario.identification.fixed_window(scenario.sensors.rate_hz);
     if samples < window {
         let problem = format!(
             "{duration_s:?} s at {} Hz are {samples} samples, fewer than the {window} of identification.smoothing_window; \
@@ -189,7 +190,8 @@ fn montecarlo_fault(spec: &MonteCarloSpec, scenario: &Scenario) -> Option<(&'sta
     if motion.moves < 2 || !(motion.duration_s.is_finite() && motion.duration_s > 0.0) {
         return Some(("random_motion", "takes 2 moves or more and a duration above zero".to_owned()));
     }
-    let (samples, window) = (scenario.samples(motion.duration_s), scenario.identification.smoothing_window);
+    let window = scenario.identification.fixed_window(scenario.sensors.rate_hz);
+    let samples = scenario.samples(motion.duration_s);
     (samples < window || samples > MOST_SAMPLES)
         .then(|| ("random_motion", format!("{} s are {samples} samples; take {window} to 1000000", motion.duration_s)))
 }

@@ -118,7 +118,7 @@ impl Measured {
                 torque_noise_correlation_s: PerJoint::All(0.0),
             },
             identification: IdentificationSpec {
-                smoothing_window: window,
+                smoothing_window: Some(window),
                 smoothing_order: 6,
                 decimation: (window / 12).max(1),
                 low_pass_hz: None,

@@ -1,5 +1,6 @@
 //! Filters and differences for uniformly sampled signals: pure functions on slices of f64, one channel at a time.
 
+mod bandwidth;
 pub(crate) mod decimate;
 pub(crate) mod difference;
 pub(crate) mod filter;
@@ -9,14 +10,17 @@ pub(crate) mod noise;
 pub(crate) mod savitzky_golay;
 mod sliding;
 pub(crate) mod spectrum;
+mod window;
 
+pub use bandwidth::{Bandwidth, bandwidth};
 pub use decimate::{block_means, downsample};
 pub use difference::{first_derivative, second_derivative, smooth_derivatives};
 pub use filter::Filter;
 pub use low_pass::ZeroPhaseLowPass;
-pub use noise::white_noise;
+pub use noise::{noise_floor, white_noise};
 pub use savitzky_golay::{Edge, SavitzkyGolay};
 pub use spectrum::amplitude_density;
+pub use window::{half_gain_hz, window_by_noise};
 
 use crate::error::{Error, Result};
 

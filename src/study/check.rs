@@ -117,7 +117,7 @@ impl Baseline {
     /// # Errors
     /// If a simulation or an identification fails.
     pub(crate) fn measure(setup: &Setup, trials: usize, runs: usize, tick: &(dyn Fn() + Sync)) -> Result<Self> {
-        let window = setup.scenario.identification.smoothing_window;
+        let window = setup.scenario.identification.fixed_window(setup.scenario.sensors.rate_hz);
         let overrides = Overrides {
             trials: Some(trials),
             estimators: Some(vec!["wls".to_owned()]),

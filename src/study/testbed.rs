@@ -7,6 +7,7 @@ use crate::identification::joint_regression::JointRegression;
 use crate::identification::least_squares::{Estimate, weighted_least_squares};
 use crate::identification::model::Model;
 use crate::identification::prepare::{self, Prepared, Smoothing};
+use crate::identification::smoothing_choice::{self, Described};
 use crate::recording::Recording;
 use crate::scenario::{Setup, measure, simulate};
 use crate::simulation::Truth;
@@ -22,11 +23,14 @@ pub enum Variant {
     Raw,
     /// Measured signals through Savitzky-Golay.
     SavitzkyGolay,
+    /// Measured signals as is usual in the field: positions through a zero-phase Butterworth low-pass, central differences, parallel filter
+    /// and decimation.
+    Butterworth,
 }
 
 impl Variant {
     /// All variants, in the order of the reports.
-    pub const ALL: [Variant; 3] = [Variant::Exact, Variant::Raw, Variant::SavitzkyGolay];
+    pub const ALL: [Variant; 4] = [Variant::Exact, Variant::Raw, Variant::SavitzkyGolay, Variant::Butterworth];
 
     /// Name in results.
     pub fn name(self) -> &'static str {
@@ -34,6 +38,7 @@ impl Variant {
             Variant::Exact => "exact",
             Variant::Raw => "raw",
             Variant::SavitzkyGolay => "savitzky_golay",
+            Variant::Butterworth => "butterworth",
         }
     }
 }
@@ -61,6 +66,10 @@ pub struct Runs {
 pub struct Scored {
     /// Which signals it saw.
     pub variant: Variant,
+    /// How they were smoothed.
+    pub smoothing: Smoothing,
+    /// The same in numbers; None where they were not.
+    pub described: Option<Described>,
     /// What it found.
     pub estimate: Estimate,
     /// Root mean square of the regression residual per joint, N m.
@@ -121,22 +130,50 @@ pub fn at_effort_limit(setup: &Setup, run: &Run) -> Vec<f64> {
         .collect()
 }
 
-/// The signals of a run as a variant sees them.
-pub fn prepared<'a>(setup: &Setup, run: &'a Run, variant: Variant) -> Result<Prepared<'a>> {
+impl Scored {
+    /// The signals of a run as this identification sees them.
+    ///
+    /// # Errors
+    /// If the log is too short for the filter.
+    pub fn seen<'a>(&self, setup: &Setup, run: &'a Run) -> Result<Prepared<'a>> {
+        smoothed(setup, run, self.variant, self.smoothing)
+    }
+}
+
+/// How a variant smooths what was measured: as the scenario says, and where it leaves that open, as the noise and the motion of the log ask.
+///
+/// # Errors
+/// If the choice is open and the log shows no motion or is too short.
+pub fn smoothing(setup: &Setup, log: &Recording, variant: Variant) -> Result<Smoothing> {
     let spec = &setup.scenario.identification;
-    let band = spec.reversal_band_rad_s;
+    let (order, decimation) = (spec.smoothing_order, spec.decimation);
+    match variant {
+        Variant::Exact | Variant::Raw => Ok(Smoothing::None),
+        Variant::SavitzkyGolay => {
+            let window = spec.smoothing_window.map_or_else(|| smoothing_choice::window(&[log], order), Ok)?;
+            Ok(Smoothing::SavitzkyGolay { window, order, decimation })
+        }
+        Variant::Butterworth => match spec.low_pass_hz {
+            Some(cutoff_hz) => Ok(Smoothing::LowPass { cutoff_hz, decimation }),
+            None => smoothing_choice::usual_low_pass(&[log]),
+        },
+    }
+}
+
+fn smoothed<'a>(setup: &Setup, run: &'a Run, variant: Variant, smoothing: Smoothing) -> Result<Prepared<'a>> {
+    let band = setup.scenario.identification.reversal_band_rad_s;
     match variant {
         Variant::Exact => Ok(prepare::exact(&run.truth.time, &run.truth.signals, band)),
-        Variant::Raw => prepare::measured(&run.recording, Smoothing::None, band),
-        Variant::SavitzkyGolay => {
-            let smoothing = Smoothing::SavitzkyGolay {
-                window: spec.smoothing_window,
-                order: spec.smoothing_order,
-                decimation: spec.decimation,
-            };
-            prepare::measured(&run.recording, smoothing, band)
-        }
+        _ => prepare::measured(&run.recording, smoothing, band),
     }
+}
+
+/// The signals of a run as a variant sees them that is chosen for that run.
+///
+/// # Errors
+/// Those of [`smoothing`], and if the log is too short for the filter.
+pub fn prepared<'a>(setup: &Setup, run: &'a Run, variant: Variant) -> Result<Prepared<'a>> {
+    smoothed(setup, run, variant, smoothing(setup, &run.recording, variant)?)
 }
 
 /// Identifies from the training run as `variant` sees it, and scores the result on both runs.
@@ -145,7 +182,8 @@ pub fn prepared<'a>(setup: &Setup, run: &'a Run, variant: Variant) -> Result<Pre
 /// Those of preparing and of the regression; named for the joint or parameters at fault.
 pub fn identify(setup: &Setup, model: &Model, runs: &Runs, variant: Variant) -> Result<Scored> {
     let started = Instant::now();
-    let training = prepared(setup, &runs.training, variant)?;
+    let smoothing = smoothing(setup, &runs.training.recording, variant)?;
+    let training = smoothed(setup, &runs.training, variant, smoothing)?;
     let regression = training.regression(model)?;
     let names: Vec<String> = model.base().groupings().iter().map(|g| g.name.clone()).collect();
     let estimate = weighted_least_squares(&regression, &names).map_err(|problem| {
@@ -161,8 +199,9 @@ pub fn identify(setup: &Setup, model: &Model, runs: &Runs, variant: Variant) -> 
         d_beta: parameter_distance(&truth, &estimate.beta),
         relative_errors: relative_errors(&truth, &estimate.beta),
         torque_std_training_nm: torque_error(&runs.training, &training),
-        torque_std_held_out_nm: torque_error(&runs.held_out, &prepared(setup, &runs.held_out, variant)?),
+        torque_std_held_out_nm: torque_error(&runs.held_out, &smoothed(setup, &runs.held_out, variant, smoothing)?),
     };
     let residual_rms = regression.iter().map(|joint: &JointRegression| joint.residual_rms(&estimate.beta)).collect();
-    Ok(Scored { variant, residual_rms, score, seconds, estimate })
+    let described = smoothing_choice::described(smoothing, runs.training.recording.rate_hz())?;
+    Ok(Scored { variant, smoothing, described, residual_rms, score, seconds, estimate })
 }

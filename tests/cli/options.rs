@@ -55,6 +55,11 @@ fn the_table_has_a_line_per_joint_and_variant() {
     {
         assert!(printed.contains(word), "{printed}");
     }
+    for word in ["S-G / Butterworth", "butterworth ", "window of 61 samples (0.122 s), order 6", "forward and backward"]
+    {
+        assert!(printed.contains(word), "{printed}");
+    }
+    assert!(!printed.contains("chosen by the noise"), "the scenario gives the window: {printed}");
     assert_eq!(names(&case.path("results/short")), FILES);
 }
 
@@ -70,6 +75,44 @@ fn the_same_seed_gives_the_same_bytes_and_another_gives_others() {
         assert_ne!(bytes("a", file), bytes("c", file), "{file}");
     }
     assert!(case.read("a/scenario.toml").contains("seed = 5"));
+}
+
+/// A scenario that leaves the window open has it chosen by the noise; the usual low-pass goes by the motion, which stays the same.
+#[test]
+fn more_noise_takes_a_longer_window_and_the_same_low_pass() {
+    let scores = |noise: &str| {
+        let case = Case::new(&[]);
+        let text = case.read("s.toml").replace("smoothing_window = 61\n", "");
+        case.write("s.toml", &text.replace("encoder_noise_rad = 1.5e-5", &format!("encoder_noise_rad = {noise}")));
+        let output = case.tauscope(&["run", "s.toml", "--json"]);
+        assert_done(&output);
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(json["window_chosen_by_noise"], true);
+        assert!(json["butterworth_problem"].is_null() && json["variants"][1]["smoothing"].is_null());
+        json
+    };
+    let (little, much) = (scores("1.5e-5"), scores("3e-4"));
+    let smoothing = |json: &serde_json::Value, variant: usize, name: &str| {
+        assert_eq!(json["variants"][variant]["signals"], name);
+        assert_eq!(json["variants"][variant]["smoothing"]["kind"], name);
+        json["variants"][variant]["smoothing"].clone()
+    };
+    let window = |json| smoothing(json, 2, "savitzky_golay")["window"].as_u64().unwrap();
+    assert!(
+        (31..=81).contains(&window(&little)) && window(&much) > window(&little) + 20,
+        "{} {}",
+        window(&little),
+        window(&much)
+    );
+    let cutoff = |json, which: &str| smoothing(json, 3, "butterworth")[which].as_f64().unwrap();
+    for json in [&little, &much] {
+        assert!((cutoff(json, "position_cutoff_hz") / cutoff(json, "torque_cutoff_hz") - 4.0).abs() < 1e-9);
+        for gain in ["over_butterworth_training", "over_butterworth_held_out"] {
+            assert_eq!(json["smoothing_gain"][gain].as_array().unwrap().len(), 6);
+        }
+    }
+    let change = cutoff(&much, "torque_cutoff_hz") / cutoff(&little, "torque_cutoff_hz");
+    assert!((0.8..1.25).contains(&change), "{change}");
 }
 
 /// The merged scenario stands on its own: run from its folder it gives the recording again.

@@ -1,7 +1,13 @@
-//! The filters against scipy (tests/reference/savitzky_golay.py, low_pass.py) and against exact rational arithmetic.
+//! The filters against scipy (tests/reference/savitzky_golay.py, low_pass.py, signal.py, butterworth.py) and against exact rational
+//! arithmetic.
 
 use serde::Deserialize;
-use tauscope::signal::{Edge, SavitzkyGolay, ZeroPhaseLowPass};
+use std::collections::BTreeMap;
+use tauscope::channels::Channels;
+use tauscope::identification::prepare::{Smoothing, measured, position_cutoff_hz};
+use tauscope::identification::smoothing_choice::usual_low_pass;
+use tauscope::recording::Recording;
+use tauscope::signal::{Edge, SavitzkyGolay, ZeroPhaseLowPass, bandwidth, downsample};
 
 #[derive(Deserialize)]
 struct SavitzkyGolayReference {
@@ -137,4 +143,90 @@ fn low_pass_gain_is_the_squared_magnitude_of_scipys_sections() {
             assert!((filter.gain(hz) - want).abs() < 1e-12, "order {}, {hz} Hz", case.order);
         }
     }
+}
+
+#[derive(Deserialize)]
+struct SignalReference {
+    rate_hz: f64,
+    input: Vec<f64>,
+    low_pass: Vec<FiltfiltCase>,
+}
+
+#[derive(Deserialize)]
+struct FiltfiltCase {
+    order: usize,
+    cutoff_hz: f64,
+    filtfilt_padlen: usize,
+    filtfilt: Vec<f64>,
+}
+
+#[test]
+fn low_pass_agrees_with_scipy_filtfilt_edges_included() {
+    let reference: SignalReference = serde_json::from_str(include_str!("../reference/signal.json")).unwrap();
+    assert_eq!(reference.low_pass.len(), 7);
+    let mut output = vec![0.0; reference.input.len()];
+    for case in &reference.low_pass {
+        let filter = ZeroPhaseLowPass::new(case.order, case.cutoff_hz, reference.rate_hz).unwrap();
+        assert_eq!(filter.padding(), case.filtfilt_padlen);
+        filter.apply(&reference.input, &mut output).unwrap();
+        let error = relative_error(&output, &case.filtfilt);
+        // One polynomial of fourth order instead of sections loses three digits in scipy.
+        assert!(error < 1e-10, "order {}, cut-off {} Hz: off by {error:e}", case.order, case.cutoff_hz);
+    }
+}
+
+#[derive(Deserialize)]
+struct ButterworthReference {
+    rate_hz: f64,
+    cutoff_hz: f64,
+    decimation: usize,
+    q: Vec<f64>,
+    tau: Vec<f64>,
+    q_filtered: Vec<f64>,
+    qd: Vec<f64>,
+    qdd_inside: Vec<f64>,
+    tau_rows: Vec<f64>,
+    motion_hz: f64,
+}
+
+/// The usual way as a whole: positions filtered, central differences, torque filtered and decimated, and how the cut-off is chosen.
+#[test]
+fn the_usual_low_pass_agrees_with_filtfilt_and_central_differences() {
+    let reference: ButterworthReference = serde_json::from_str(include_str!("../reference/butterworth.json")).unwrap();
+    let ButterworthReference { rate_hz, cutoff_hz, decimation, .. } = reference;
+    let samples = reference.q.len();
+    let log = Recording {
+        robot: String::new(),
+        joints: vec!["slide".into()],
+        time: (0..samples).map(|k| k as f64 / rate_hz).collect(),
+        q: Channels::from_vectors(std::slice::from_ref(&reference.q)),
+        qd: None,
+        qdd: None,
+        tau: Channels::from_vectors(std::slice::from_ref(&reference.tau)),
+        truth: None,
+        provenance: BTreeMap::new(),
+    };
+    let prepared = measured(&log, Smoothing::LowPass { cutoff_hz, decimation }, 0.03).unwrap();
+    assert_eq!(position_cutoff_hz(cutoff_hz, rate_hz), 4.0 * cutoff_hz);
+    for (got, want) in [
+        (prepared.motion.q.channel(0), &reference.q_filtered[..]),
+        (prepared.motion.qd.channel(0), &reference.qd),
+        (&prepared.motion.qdd.channel(0)[1..samples - 1], &reference.qdd_inside),
+        (&downsample(prepared.filtered_torque().unwrap().channel(0), decimation).unwrap(), &reference.tau_rows),
+    ] {
+        let error = relative_error(got, want);
+        assert!(error < 1e-9, "off by {error:e}");
+    }
+
+    let found = bandwidth(&reference.q, rate_hz).unwrap().unwrap();
+    assert!((found.hz / reference.motion_hz - 1.0).abs() < 1e-9, "{found:?}");
+    // Eight times that for the positions; the log is too short to keep fewer rows.
+    let usual = usual_low_pass(&[&log]).unwrap();
+    let Smoothing::LowPass { cutoff_hz, decimation } = usual else { panic!("{usual:?}") };
+    assert!((position_cutoff_hz(cutoff_hz, rate_hz) / (8.0 * reference.motion_hz) - 1.0).abs() < 1e-9, "{usual:?}");
+    assert_eq!(decimation, 2);
+    // Of ten such logs as few are kept as hold the torque's band.
+    let Smoothing::LowPass { decimation, .. } = usual_low_pass(&[&log; 10]).unwrap() else { panic!("{usual:?}") };
+    let half_rate = 0.5 * rate_hz / decimation as f64;
+    assert!(0.8 * half_rate >= cutoff_hz && 0.7 * half_rate < cutoff_hz, "{decimation}, {usual:?}");
 }

@@ -5,20 +5,20 @@ use super::{Block, Page, Provenance, Section, Tone};
 use crate::identification::fit::{Fitted, Logs};
 use crate::recording::Recording;
 use crate::report::console::significant;
+use crate::report::measured::Compared;
 use crate::report::svg::Color;
 use crate::robot::Robot;
-use crate::study::measured::Scored;
 
 /// Share of a joint's torque that an error may be before it is told as one.
 const NOTABLE: f64 = 0.1;
 
-/// The report of an identification from measured logs; `scored` are the variants, the smoothed one last.
-pub(crate) fn page(robot: &Robot, logs: Logs, scored: &[Scored], notes: &[String], provenance: Provenance) -> Page {
-    let best = &scored[scored.len() - 1];
+/// The report of an identification from measured logs.
+pub(crate) fn page(robot: &Robot, logs: Logs, compared: Compared, notes: &[String], provenance: Provenance) -> Page {
+    let best = compared.smoothed;
     let fitted = &best.fitted;
     let rows = rows(robot, fitted);
     let (tone, verdict) = verdict(robot, fitted, &rows);
-    let mut sections = vec![scores(robot, scored, &rows)];
+    let mut sections = vec![scores(robot, compared, &rows)];
     if !rows.is_empty() {
         let contenders = [Contender { name: "identified".into(), color: Color::Orange }];
         sections.extend(evidence::sections(&rows, &contenders, row_period(&fitted.test.time)));
@@ -133,14 +133,15 @@ fn row_period(time: &[f64]) -> f64 {
     steps.get(steps.len() / 2).copied().unwrap_or(1.0)
 }
 
-fn scores(robot: &Robot, scored: &[Scored], rows: &[Joint]) -> Section {
-    let (raw, best) = (&scored[0], &scored[scored.len() - 1]);
+fn scores(robot: &Robot, compared: Compared, rows: &[Joint]) -> Section {
+    let Compared { raw, smoothed: best, usual, .. } = compared;
     let at = |values: &[f64], j: usize| values.get(j).map_or("-".to_owned(), |&value| significant(value));
     let table = robot.joints.iter().enumerate().map(|(j, about)| {
         vec![
             format!("{}, {}", about.name, about.effort_unit()),
             rows.get(j).map_or("-".to_owned(), |row| significant(rms(&row.torque))),
             at(&raw.torque_std_held_out_nm, j),
+            usual.map_or("-".to_owned(), |usual| at(&usual.torque_std_held_out_nm, j)),
             at(&best.torque_std_held_out_nm, j),
             at(&best.torque_std_training_nm, j),
             at(&best.fitted.test_rms, j),
@@ -150,8 +151,9 @@ fn scores(robot: &Robot, scored: &[Scored], rows: &[Joint]) -> Section {
     let header = [
         "joint",
         "torque, rms",
-        "error without smoothing",
-        "error with smoothing",
+        "error, raw signals",
+        "error, Butterworth",
+        "error, Savitzky-Golay",
         "the same in training",
         "filtered residual, rms",
         "noise floor",
@@ -165,6 +167,7 @@ fn scores(robot: &Robot, scored: &[Scored], rows: &[Joint]) -> Section {
                  filter lets through.",
             ),
             Block::table(header, table.collect()),
+            Block::List(compared.smoothings()),
         ],
     )
 }

@@ -4,12 +4,13 @@ use super::evidence::{self, Contender, Joint, rms};
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::error::Result;
 use crate::identification::model::Model;
+use crate::identification::smoothing_choice::Described;
 use crate::report::console::{self, significant};
 use crate::report::results::{AtEffortLimit, SmoothingGain};
 use crate::report::svg::Color;
 use crate::scenario::Setup;
 use crate::signal::block_means;
-use crate::study::testbed::{self, Runs, Scored, Variant};
+use crate::study::testbed::{Runs, Scored, Variant};
 
 /// Time over which rows are means, s.
 const ROW_S: f64 = 0.02;
@@ -25,6 +26,8 @@ pub(crate) struct Found<'a> {
     pub gain: &'a SmoothingGain,
     /// How often drives were at their limits.
     pub limited: &'a AtEffortLimit,
+    /// Why nothing was identified with the usual low-pass, if so.
+    pub missing: Option<&'a str>,
 }
 
 /// The report of a run.
@@ -79,7 +82,7 @@ fn valid(joint: &Joint, contender: usize) -> Vec<f64> {
 /// Rows of the held-out motion, means over 20 ms: what the controller's model and the identified model leave.
 fn rows(setup: &Setup, runs: &Runs, model: &Model, best: &Scored) -> Result<(Vec<Joint>, Vec<Contender>)> {
     let run = &runs.held_out;
-    let seen = testbed::prepared(setup, run, best.variant)?;
+    let seen = best.seen(setup, run)?;
     let believed = model.base().values(&Model::standard_values(&setup.nominal));
     let models = [seen.predict(model, &believed), seen.predict(model, &best.estimate.beta)];
     let block = ((ROW_S * setup.scenario.sensors.rate_hz).round() as usize).max(1);
@@ -111,24 +114,29 @@ fn rows(setup: &Setup, runs: &Runs, model: &Model, best: &Scored) -> Result<(Vec
 }
 
 fn scores(setup: &Setup, found: Found, best: &Scored, joints: &[Joint]) -> Section {
-    let raw = found.scored.iter().find(|one| one.variant == Variant::Raw).unwrap_or(best);
+    let find = |variant| found.scored.iter().find(|one| one.variant == variant);
+    let (raw, usual) = (find(Variant::Raw).unwrap_or(best), find(Variant::Butterworth));
     let rows = setup.plant.joints.iter().enumerate().map(|(j, about)| {
         vec![
             format!("{}, {}", about.name, about.effort_unit()),
             significant(rms(&joints[j].torque)),
             significant(raw.score.torque_std_held_out_nm[j]),
+            significant(usual.map_or(f64::NAN, |usual| usual.score.torque_std_held_out_nm[j])),
             significant(best.score.torque_std_held_out_nm[j]),
             significant(setup.sensors[j].torque_noise),
             format!("{:.3}", found.gain.held_out[j]),
+            found.gain.over_butterworth_held_out.get(j).map_or("-".to_owned(), |ratio| format!("{ratio:.3}")),
         ]
     });
     let header = [
         "joint",
         "torque, rms",
-        "error without smoothing",
-        "error with smoothing",
+        "error, raw signals",
+        "error, Butterworth",
+        "error, Savitzky-Golay",
         "sensor noise",
-        "with over without",
+        "S-G / raw",
+        "S-G / Butterworth",
     ];
     let per_variant = found.scored.iter().map(|one| {
         vec![
@@ -137,6 +145,8 @@ fn scores(setup: &Setup, found: Found, best: &Scored, joints: &[Joint]) -> Secti
             format!("{:.2}", one.estimate.condition_number),
         ]
     });
+    let described: Vec<Option<Described>> = found.scored.iter().map(|one| one.described).collect();
+    let by_noise = setup.scenario.identification.smoothing_window.is_none();
     Section::new(
         "How good the model is",
         vec![
@@ -145,6 +155,7 @@ fn scores(setup: &Setup, found: Found, best: &Scored, joints: &[Joint]) -> Secti
             ),
             Block::table(header, rows.collect()),
             Block::table(["signals", "d_beta", "condition number"], per_variant.collect()),
+            Block::List(console::smoothings(&described, by_noise, found.missing)),
         ],
     )
 }

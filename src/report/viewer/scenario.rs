@@ -8,7 +8,7 @@ use crate::excitation::Reference;
 use crate::identification::model::Model;
 use crate::report::console::{self, significant};
 use crate::scenario::Setup;
-use crate::study::testbed::{self, Run, Runs, Scored};
+use crate::study::testbed::{Run, Runs, Scored};
 
 /// The film of a scenario's runs; with the model and what was identified from the smoothed signals, its torques too.
 ///
@@ -60,8 +60,7 @@ pub fn film<'a>(setup: &'a Setup, runs: &Runs, identified: Option<(&Model, &Scor
         both[k].recording.tau.channel(j).iter().zip(model).map(|(measured, model)| measured - model).collect()
     };
     if let Some((model, scored)) = identified {
-        let seen =
-            [testbed::prepared(setup, both[0], scored.variant)?, testbed::prepared(setup, both[1], scored.variant)?];
+        let seen = [scored.seen(setup, both[0])?, scored.seen(setup, both[1])?];
         // Where a joint hardly moves, the model does not know the direction of its friction.
         let moving = |k: usize, j: usize, values: Vec<f64>| -> Vec<f64> {
             values.into_iter().zip(seen[k].moving(j)).map(|(value, ok)| if ok { value } else { f64::NAN }).collect()

@@ -45,7 +45,7 @@ impl Plan {
         spec.sg_windows = overrides.windows.unwrap_or(spec.sg_windows);
         spec.noise = overrides.noise.unwrap_or(spec.noise);
         if spec.sg_windows.is_empty() {
-            spec.sg_windows = vec![0, scenario.identification.smoothing_window];
+            spec.sg_windows = vec![0, scenario.identification.fixed_window(scenario.sensors.rate_hz)];
         }
         if spec.noise.is_empty() {
             spec.noise = vec![NoiseLevel::default()];

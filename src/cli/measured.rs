@@ -1,6 +1,6 @@
 //! `tauscope run --dataset`: identify and score with measured logs in place of the simulation.
 
-use super::run::compared;
+use super::usual_way::compared;
 use super::{DONE, Global, corrected, identify, print, progress};
 use crate::dataset::arm::{Asked, LoggedArm};
 use crate::dataset::{self, Dataset, Logs, Named};

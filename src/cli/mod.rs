@@ -20,6 +20,7 @@ mod progress;
 mod robot;
 mod run;
 mod simulate;
+mod usual_way;
 mod view;
 
 pub use global::{BAD_INPUT, DONE, FAILED, Global};

@@ -1,5 +1,6 @@
 //! `tauscope run`: simulate, measure, identify, score.
 
+use super::usual_way::compared;
 use super::{DONE, Global, measured, print, progress, simulate};
 use crate::error::Result;
 use crate::identification::model::Model;
@@ -73,12 +74,4 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         format!("{notes}{tables}\n{}\nResults in {}", console::at_effort_limit(&setup, &limited), path.display())
     })?;
     Ok(DONE)
-}
-
-/// An identification that is made for comparison alone: what keeps it from being made is no error of the run, but is reported.
-pub(super) fn compared<T>(identified: Result<T>) -> (Option<T>, Option<String>) {
-    match identified {
-        Ok(scored) => (Some(scored), None),
-        Err(problem) => (None, Some(problem.to_string())),
-    }
 }

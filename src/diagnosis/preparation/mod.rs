@@ -4,7 +4,7 @@
 //! tanh width of Coulomb friction: whatever predicts held-out rows best.
 
 mod coulomb_width;
+mod filters;
 mod opening;
 mod passband;
-mod preparation;
 mod smoothing;

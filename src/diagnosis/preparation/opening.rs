@@ -1,7 +1,7 @@
 //! How a session is opened: the low-passes that serve the logs, how sharply friction turns, and rows that are not to be used.
 
 use super::coulomb_width;
-use super::preparation::{Preparation, Prepared};
+use super::filters::{Preparation, Prepared};
 use super::smoothing;
 use crate::diagnosis::model::{Known, Noise, Session};
 use crate::diagnosis::noise::Whitener;

@@ -3,14 +3,14 @@
 use super::findings::{Finding, finding, findings, joints};
 use super::gap::Share;
 use super::notices;
-use super::outcome::Conclusion;
+use super::outcome::{Answer, Conclusion};
 use super::residual_structure::ResidualStructure;
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::search::Verdict;
 use crate::quality::Kind;
 use crate::robot::Robot;
 use crate::simulation::engine::EngineKind;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
 pub const DIAGNOSIS_SCHEMA: &str = "tauscope.diagnosis/1";
@@ -235,6 +235,24 @@ impl Document {
             data_quality: qualities(robot, faults),
             ..Document::default()
         }
+    }
+}
+
+impl Serialize for Answer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        match self.conclusion() {
+            Some(conclusion) => Document::new(&self.robot, conclusion, &self.faults).serialize(serializer),
+            None => Document::stopped(&self.robot, self.alpha, &self.faults).serialize(serializer),
+        }
+    }
+}
+
+impl Answer {
+    /// The content of `diagnosis.json`, with its schema.
+    pub fn to_json(&self) -> String {
+        let mut bytes = Vec::new();
+        crate::output::json(&mut bytes, DIAGNOSIS_SCHEMA, self).expect("an answer is a JSON object");
+        String::from_utf8(bytes).expect("JSON is UTF-8")
     }
 }
 

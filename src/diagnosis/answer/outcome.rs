@@ -1,7 +1,6 @@
 //! The answer that a diagnosis hands out: it owns all it holds.
 
 use super::diagnosis::Diagnosis;
-use super::document::Document;
 use super::extended::ExtendedModel;
 use super::findings::{Finding, findings};
 use super::resimulation::{Replay, Resimulation};
@@ -12,7 +11,6 @@ use crate::quality::descriptions;
 use crate::robot::Robot;
 use crate::scenario::Measured;
 use crate::simulation::engine::EngineKind;
-use serde::{Serialize, Serializer};
 
 /// The answer of a diagnosis. It serialises as `diagnosis.json` has it, without the schema.
 #[derive(Debug)]
@@ -56,13 +54,6 @@ pub struct Conclusion {
 }
 
 impl Answer {
-    /// The content of `diagnosis.json`, with its schema.
-    pub fn to_json(&self) -> String {
-        let mut bytes = Vec::new();
-        crate::output::json(&mut bytes, super::document::DIAGNOSIS_SCHEMA, self).expect("an answer is a JSON object");
-        String::from_utf8(bytes).expect("JSON is UTF-8")
-    }
-
     /// The answer in a word.
     pub fn verdict(&self) -> Verdict {
         self.diagnosis().map_or(Verdict::NotTestable, |diagnosis| diagnosis.verdict)
@@ -99,15 +90,6 @@ impl Answer {
     /// The effects found, with names and units; none where the diagnosis stopped.
     pub fn findings(&self) -> Vec<Finding> {
         self.diagnosis().map(|diagnosis| findings(&self.robot, diagnosis)).unwrap_or_default()
-    }
-}
-
-impl Serialize for Answer {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        match self.conclusion() {
-            Some(conclusion) => Document::new(&self.robot, conclusion, &self.faults).serialize(serializer),
-            None => Document::stopped(&self.robot, self.alpha, &self.faults).serialize(serializer),
-        }
     }
 }
 

@@ -25,9 +25,10 @@ mod noise;
 mod preparation;
 mod regression;
 mod search;
+mod variance;
 
 pub use answer::{
-    Conclusion, Derived, Diagnosis, Gain, Observed, ResidualStructure, Resimulation, Share, conclude, diagnose,
+    Conclusion, Derived, Diagnosis, Gain, Observed, ResidualStructure, Resimulation, Share, conclude, diagnose, first_look,
     observed, predicts_worse, torque,
 };
 pub use backlash::Play;
@@ -40,6 +41,7 @@ pub use logs::{
 pub use model::{Family, Session, Side, is_candidate, is_level, places};
 pub use noise::Whitener;
 pub use regression::{Column, Projection, rms};
+pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
 pub use search::{Found, Verdict};
 
 use crate::identification::effect_model::Trust;

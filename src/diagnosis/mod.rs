@@ -25,6 +25,7 @@ mod noise;
 mod preparation;
 mod regression;
 mod search;
+mod variance;
 
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_SCENARIO, EXTENDED_URDF,
@@ -40,6 +41,7 @@ pub use model::{Family, Session, Side, is_candidate, is_level, places};
 pub use noise::Whitener;
 pub use regression::{Column, Projection, rms};
 pub use search::{Found, Verdict};
+pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
 
 use crate::effects;
 use crate::error::{Error, Result};

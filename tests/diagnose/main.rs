@@ -6,6 +6,7 @@ mod entry;
 mod extended;
 mod faults;
 mod forms;
+mod map;
 mod smoothing;
 mod structure;
 

@@ -17,6 +17,7 @@ use crate::diagnosis::model::{Arm, Known, Member, Session, Side};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined, rms};
 use crate::diagnosis::search::{Found, Selection, select};
+use crate::diagnosis::variance::ResidualMap;
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -86,6 +87,7 @@ pub(super) fn conclude<'a>(
     let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
     let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
     let simulation = as_described(&session, &input.present)?;
+    let map = residual_map(&session, options)?;
     let mut selection = select(&mut session, options, progress)?;
     let mut left = unexplained(&session, &selection, options.alpha)?;
     let mut inertias = None;
@@ -97,7 +99,7 @@ pub(super) fn conclude<'a>(
         }
     }
     let present = input.present.clone();
-    let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present };
+    let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present, map };
     answer(session, selection, left, circumstances, options)
 }
 
@@ -121,6 +123,14 @@ fn identified<'a>(
     let found = select(&mut session, options, progress)?.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
     Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
+}
+
+/// What the residual of the baseline follows in all logs.
+fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
+    let mut all = session.over_all_logs();
+    let noise = all.noise_under(&all.train.baseline);
+    all.settle(&mut [], &noise.whitener)?;
+    Ok(ResidualMap::new(&all.train, &all.train.baseline, &all.arm, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
@@ -157,6 +167,8 @@ struct Circumstances {
     held_out_from_training: bool,
     /// Effects that the simulation has already.
     present: Vec<Placed>,
+    /// What the residual of the baseline follows.
+    map: ResidualMap,
 }
 
 fn answer<'a>(
@@ -166,7 +178,7 @@ fn answer<'a>(
     circumstances: Circumstances,
     options: &Options,
 ) -> Result<Concluded<'a>> {
-    let Circumstances { simulation, before, inertias, held_out_from_training, present } = circumstances;
+    let Circumstances { simulation, before, inertias, held_out_from_training, present, map } = circumstances;
     let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
         selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
@@ -238,6 +250,7 @@ fn answer<'a>(
         of_sampling,
         inertias,
         unexplained,
+        map,
         next_experiment,
         evidence,
     };

@@ -12,6 +12,7 @@ use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::model::{Family, Member, Session, is_candidate, is_wanted, places};
 use crate::diagnosis::regression::rms;
 use crate::diagnosis::search::{Alternative, Found, Verdict};
+use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{LIBRARY, Nature, Parameter, Placed};
 use crate::error::Result;
 use crate::robot::Robot;
@@ -130,6 +131,8 @@ pub struct Diagnosis {
     pub of_sampling: Vec<OfSampling>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
     pub inertias: Option<Gain>,
+    /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.
+    pub map: ResidualMap,
     /// Structure without a name.
     pub unexplained: Vec<Unexplained>,
     /// Effects not found.

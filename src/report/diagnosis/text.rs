@@ -66,6 +66,7 @@ pub(crate) fn lines(
     lines.push(String::new());
     lines.push(errors(robot, diagnosis, resimulation));
     lines.push(String::new());
+    lines.extend(followed(robot, diagnosis));
     if !diagnosis.found.is_empty() {
         let closed = percent(diagnosis.errors.gap_closed);
         let mut line = format!("What was found closes {closed} of the gap to the noise");
@@ -237,6 +238,23 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
         [name].into_iter().chain(values).collect()
     });
     table(&header, rows.collect())
+}
+
+/// What the residual of the baseline follows, for the joints on which it follows anything.
+fn followed(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let (unit, names) = by_joint(robot);
+    let title = format!("residual in all logs, rms in {unit}");
+    let rows = diagnosis.map.joints.iter().filter_map(|map| {
+        let parts =
+            map.reported().take(MENTIONED).map(|part| format!("{} {}", part.follows.title(), significant(part.rms)));
+        let lines = map.lines.iter().map(|line| format!("{} Hz {}", significant(line.hz), significant(line.rms)));
+        let follows: Vec<String> = parts.chain(lines).collect();
+        let sizes = [map.residual, map.noise].map(significant);
+        let row = [names[map.joint].clone()].into_iter().chain(sizes).chain([follows.join(", ")]);
+        (!follows.is_empty()).then(|| row.collect())
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    (!rows.is_empty()).then(|| table(&[title.as_str(), "re-identified", "noise", "it follows"], rows) + "\n")
 }
 
 /// What would have been seen, where nothing was.

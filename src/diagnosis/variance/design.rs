@@ -1,0 +1,223 @@
+//! The regression of one joint on rows of its own: fixed columns, generic functions, torque.
+
+use super::kinds::{Kind, Signals};
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::Column;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Rows that are averaged to one: 20 ms become 80 ms, since what generic functions follow is slower than that, and noise that
+/// lasts for a few rows is nearly white over them.
+const TOGETHER: usize = 4;
+
+/// Fewest valid ones among them.
+const FEWEST: usize = 2;
+
+/// Eigenvalue of the fixed columns' correlation matrix under which a direction is rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// One joint's regression. All matrices have a row per averaged row.
+#[derive(Debug, Clone)]
+pub(super) struct Design {
+    /// Torque with the fixed columns projected out.
+    pub y: DVector<f64>,
+    /// Generic functions with the fixed columns projected out, each kind scaled to one squared per row.
+    pub z: DMatrix<f64>,
+    /// Columns of each kind.
+    pub kinds: Vec<(Kind, Range<usize>)>,
+    /// Rank of the fixed columns.
+    pub rank: usize,
+    /// Rows that follow each other without a gap.
+    pub runs: Vec<Range<usize>>,
+    /// Time of each row since the start of all logs, in averaged rows.
+    pub time: Vec<usize>,
+    /// Log of each row.
+    pub log: Vec<usize>,
+}
+
+/// Averages over consecutive rows of each log, where enough of them are valid.
+struct Averages {
+    members: Vec<Vec<usize>>,
+    log: Vec<usize>,
+    runs: Vec<Range<usize>>,
+    time: Vec<usize>,
+}
+
+impl Averages {
+    fn new(rows: &Rows, joint: usize) -> Self {
+        let mut averages = Averages { members: Vec::new(), log: Vec::new(), runs: Vec::new(), time: Vec::new() };
+        let (mut clock, mut open) = (0, None);
+        for log in 0..rows.logs.len() {
+            let close = |open: &mut Option<usize>, averages: &mut Averages| {
+                if let Some(start) = open.take() {
+                    averages.runs.push(start..averages.members.len());
+                }
+            };
+            let (start, end) = (rows.starts[log], rows.starts[log + 1]);
+            for from in (start..end).step_by(TOGETHER) {
+                let all = from..(from + TOGETHER).min(end);
+                let members: Vec<usize> = all.filter(|&row| rows.valid[joint][row]).collect();
+                clock += 1;
+                if members.len() < FEWEST {
+                    close(&mut open, &mut averages);
+                    continue;
+                }
+                open.get_or_insert(averages.members.len());
+                averages.members.push(members);
+                averages.log.push(log);
+                averages.time.push(clock);
+            }
+            close(&mut open, &mut averages);
+        }
+        averages
+    }
+
+    /// The mean of a signal; zero of none.
+    fn of(&self, signal: Option<&[f64]>) -> DVector<f64> {
+        let mean = |members: &Vec<usize>| match signal {
+            Some(signal) => members.iter().map(|&row| signal[row]).sum::<f64>() / members.len() as f64,
+            None => 0.0,
+        };
+        DVector::from_iterator(self.members.len(), self.members.iter().map(mean))
+    }
+}
+
+/// What a regression is made of.
+pub(super) struct Source<'a> {
+    /// The rows of all logs.
+    pub rows: &'a Rows,
+    /// Torque to be explained.
+    pub torque: &'a Column,
+    /// Columns of the model.
+    pub fixed: &'a [Column],
+    /// Torque of the arm as identified, `[joint][row]`, N m.
+    pub arm: &'a [Vec<f64>],
+}
+
+/// Fixed columns, generic functions and torque before any projection.
+#[derive(Debug, Clone)]
+pub(super) struct Raw {
+    y: DVector<f64>,
+    x: DMatrix<f64>,
+    z: DMatrix<f64>,
+    kinds: Vec<(Kind, Range<usize>)>,
+    runs: Vec<Range<usize>>,
+    time: Vec<usize>,
+    log: Vec<usize>,
+}
+
+impl Raw {
+    /// The regression of `joint`.
+    pub fn new(source: &Source, joint: usize) -> Self {
+        let averages = Averages::new(source.rows, joint);
+        let signals = Signals { rows: source.rows, torque: source.arm, joint };
+        let (mut columns, mut kinds) = (Vec::new(), Vec::new());
+        for kind in Kind::ALL {
+            let start = columns.len();
+            columns.extend(signals.functions(kind).iter().map(|signal| averages.of(Some(signal))));
+            kinds.push((kind, start..columns.len()));
+        }
+        let fixed: Vec<DVector<f64>> = source
+            .fixed
+            .iter()
+            .filter_map(|column| column.part(joint))
+            .map(|signal| averages.of(Some(signal)))
+            .filter(|column| column.norm() > 0.0)
+            .collect();
+        let matrix = |columns: &[DVector<f64>]| match columns.is_empty() {
+            true => DMatrix::zeros(averages.members.len(), 0),
+            false => DMatrix::from_columns(columns),
+        };
+        Raw {
+            y: averages.of(source.torque.part(joint)),
+            x: matrix(&fixed),
+            z: matrix(&columns),
+            kinds,
+            runs: averages.runs,
+            time: averages.time,
+            log: averages.log,
+        }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.y.len()
+    }
+
+    /// The regression with noise of first-order correlation `rho` between rows made white, and the fixed columns projected out.
+    pub fn design(&self, rho: f64) -> Design {
+        let x = self.whitened(&self.x, rho);
+        let basis = basis(&x);
+        let complement = |columns: DMatrix<f64>| &columns - &basis * basis.tr_mul(&columns);
+        let y = complement(self.whitened(&DMatrix::from_columns(std::slice::from_ref(&self.y)), rho));
+        let mut z = complement(self.whitened(&self.z, rho));
+        let offset = z.columns(self.kinds[0].1.start, self.kinds[0].1.len()).normalize();
+        for (_, columns) in &self.kinds[1..] {
+            let mut part = z.columns_mut(columns.start, columns.len());
+            let along = offset.tr_mul(&part);
+            part -= &offset * along;
+        }
+        for (_, columns) in &self.kinds {
+            let mut part = z.columns_mut(columns.start, columns.len());
+            let mean = part.norm_squared() / self.len().max(1) as f64;
+            if mean > 0.0 {
+                part /= mean.sqrt();
+            }
+        }
+        Design {
+            y: y.column(0).into_owned(),
+            z,
+            kinds: self.kinds.clone(),
+            rank: basis.ncols(),
+            runs: self.runs.clone(),
+            time: self.time.clone(),
+            log: self.log.clone(),
+        }
+    }
+
+    fn whitened(&self, columns: &DMatrix<f64>, rho: f64) -> DMatrix<f64> {
+        let mut white = columns.clone();
+        let first = (1.0 - rho * rho).sqrt();
+        for run in &self.runs {
+            for row in run.clone().skip(1) {
+                for column in 0..columns.ncols() {
+                    white[(row, column)] = columns[(row, column)] - rho * columns[(row - 1, column)];
+                }
+            }
+            white.row_mut(run.start).scale_mut(first);
+        }
+        white
+    }
+}
+
+/// An orthonormal basis of the column space, by the eigenvectors of the columns' correlation matrix.
+fn basis(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    if columns.ncols() == 0 {
+        return columns.clone();
+    }
+    let mut scaled = columns.clone();
+    for mut column in scaled.column_iter_mut() {
+        let norm = column.norm();
+        if norm > 0.0 {
+            column /= norm;
+        }
+    }
+    let eigen = scaled.tr_mul(&scaled).symmetric_eigen();
+    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > ROUNDING).collect();
+    let directions: Vec<DVector<f64>> =
+        kept.iter().map(|&k| eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt()).collect();
+    if directions.is_empty() {
+        return DMatrix::zeros(columns.nrows(), 0);
+    }
+    // A second pass makes up for the rounding of squared columns.
+    let first = &scaled * DMatrix::from_columns(&directions);
+    let gram = first.tr_mul(&first);
+    match gram.clone().cholesky() {
+        Some(factor) => {
+            let mut transposed = first.transpose();
+            factor.l().solve_lower_triangular_mut(&mut transposed);
+            transposed.transpose()
+        }
+        None => first,
+    }
+}

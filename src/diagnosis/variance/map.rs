@@ -1,0 +1,197 @@
+//! The map of what is missing: per joint, the size of what the residual follows.
+
+use super::design::{Design, Raw, Source};
+use super::kinds::Kind;
+use super::lines::{Line, lines};
+use super::mixed::{Fit, fit};
+use super::sign_flips::p_values;
+use crate::diagnosis::model::{Arm, Side};
+use crate::diagnosis::regression::{Column, Projection, inner_product};
+use crate::signal::white_noise;
+use nalgebra::DVector;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Times that the correlation of the noise is estimated.
+const CORRELATION_ROUNDS: usize = 3;
+
+/// Largest correlation of consecutive rows of noise: what lasts longer is structure, slow time among it.
+const MOST_CORRELATED: f64 = 0.8;
+
+/// Share of the noise from which a part is reported: less changes the residual by 3 %.
+const CLEAR: f64 = 0.25;
+
+/// Time that a row of the regression stands for, s.
+const ROW_S: f64 = 0.08;
+
+/// What the residual of every joint follows.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ResidualMap {
+    /// The joints that have an equation.
+    pub joints: Vec<JointMap>,
+}
+
+/// What the residual of one joint follows. Torques are root mean squares over means of 80 ms, N m or N.
+#[derive(Debug, Clone, Serialize)]
+pub struct JointMap {
+    /// The joint, counted from 0.
+    pub joint: usize,
+    /// Measured torque.
+    pub torque: f64,
+    /// Residual of the model.
+    pub residual: f64,
+    /// What is left when everything below is taken off.
+    pub noise: f64,
+    /// Correlation of consecutive rows of that.
+    pub correlation: f64,
+    /// White noise of the torque signal: what the sensors account for.
+    pub sensor_noise: f64,
+    /// What the residual follows, the largest first.
+    pub parts: Vec<Part>,
+    /// Spectral lines.
+    pub lines: Vec<Line>,
+}
+
+/// A part of the residual that follows one kind of generic functions.
+#[derive(Debug, Clone, Serialize)]
+pub struct Part {
+    /// What it follows.
+    pub follows: Kind,
+    /// Its size: its share of the square of all parts' sum, so that parts that cancel do not count twice.
+    pub rms: f64,
+    /// Probability of as much without it, given all other kinds.
+    pub p: f64,
+    /// The same for the best of all kinds on all joints (Holm, 1979).
+    pub family_wise_p: f64,
+    /// Whether it is significant at the level of the diagnosis.
+    pub significant: bool,
+}
+
+impl JointMap {
+    /// The parts that are significant and stand clear of the noise, the largest first.
+    pub fn reported(&self) -> impl Iterator<Item = &Part> {
+        self.parts.iter().filter(|part| part.significant && part.rms >= CLEAR * self.noise)
+    }
+}
+
+impl ResidualMap {
+    /// Of what `fixed` leaves of the torque of `side`, along the torque of `arm`; `alpha` is the family-wise level.
+    pub fn new(side: &Side, fixed: &[Column], arm: &Arm, alpha: f64, seed: u64) -> Self {
+        let rows = &side.rows;
+        let torque = arm.all_torque(rows);
+        let torque: Vec<Vec<f64>> = (0..rows.dof())
+            .map(|joint| torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec))
+            .collect();
+        let source = Source { rows, torque: &side.torque, fixed, arm: &torque };
+        let joints: Vec<usize> = (0..rows.dof()).filter(|&joint| rows.valid[joint].contains(&true)).collect();
+        let tested = joints.len() as f64;
+        let mut joints: Vec<JointMap> = joints
+            .into_par_iter()
+            .map(|joint| {
+                let mut map = of_joint(&source, joint, seed);
+                let residual = residual(&source, joint);
+                map.lines = lines(rows, joint, &residual, &torque[joint], alpha / tested);
+                map
+            })
+            .collect();
+        adjust(&mut joints, alpha);
+        ResidualMap { joints }
+    }
+}
+
+fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
+    let raw = Raw::new(source, joint);
+    let mut rho = 0.0;
+    let mut design = raw.design(rho);
+    let mut fitted = fit(&design);
+    for _ in 1..CORRELATION_ROUNDS {
+        rho = correlation(&design, &fitted, rho);
+        design = raw.design(rho);
+        fitted = fit(&design);
+    }
+    let p = p_values(&design, &fitted, seed, joint);
+    let all = coloured((&design.y - &fitted.residual).as_slice(), &design, rho);
+    // Parts that cancel each other count for what they add to the sum: the shares of the sum's square add up to it.
+    let size = |part: &DVector<f64>| {
+        let part = coloured(part.as_slice(), &design, rho);
+        (inner_product(&part, &all) / all.len().max(1) as f64).max(0.0).sqrt()
+    };
+    let mut parts: Vec<Part> = design
+        .kinds
+        .iter()
+        .zip(&fitted.parts)
+        .zip(p)
+        .map(|(((kind, _), part), p)| Part { follows: *kind, rms: size(part), p, family_wise_p: p, significant: false })
+        .collect();
+    parts.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+    let rows = source.rows;
+    let valid = rows.torque[joint].iter().zip(&rows.valid[joint]).filter(|(_, ok)| **ok).map(|(x, _)| *x);
+    let per_log = rows.logs.iter().map(|log| {
+        let channel = log.torque.channel(joint);
+        let finite: Vec<f64> = channel.iter().copied().filter(|x| x.is_finite()).collect();
+        white_noise(&finite) * (log.period / ROW_S).sqrt()
+    });
+    let sensor_noise = per_log.fold(0.0, f64::max);
+    JointMap {
+        joint,
+        torque: root_mean_square(&valid.collect::<Vec<f64>>()),
+        residual: root_mean_square(&coloured(design.y.as_slice(), &design, rho)),
+        noise: (fitted.noise / (1.0 - rho * rho)).sqrt(),
+        correlation: rho,
+        sensor_noise,
+        parts,
+        lines: Vec::new(),
+    }
+}
+
+/// Correlation of consecutive rows of noise, given that the rows were whitened with `rho`.
+fn correlation(design: &Design, fit: &Fit, rho: f64) -> f64 {
+    let noise = coloured(fit.residual.as_slice(), design, rho);
+    let (mut together, mut all) = (0.0, 0.0);
+    for run in &design.runs {
+        for row in run.clone().skip(1) {
+            together += noise[row] * noise[row - 1];
+            all += 0.5 * (noise[row].powi(2) + noise[row - 1].powi(2));
+        }
+    }
+    if all > 0.0 { (together / all).clamp(0.0, MOST_CORRELATED) } else { 0.0 }
+}
+
+/// Undoes the whitening of [`Raw::design`].
+fn coloured(white: &[f64], design: &Design, rho: f64) -> Vec<f64> {
+    let mut signal = white.to_vec();
+    for run in &design.runs {
+        signal[run.start] /= (1.0 - rho * rho).sqrt();
+        for row in run.clone().skip(1) {
+            signal[row] += rho * signal[row - 1];
+        }
+    }
+    signal
+}
+
+/// Torque of a joint over the rows without its best fit by the fixed columns; zero in rows that are not valid.
+fn residual(source: &Source, joint: usize) -> Vec<f64> {
+    let valid = &source.rows.valid[joint];
+    let masked = |signal: &[f64]| signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect();
+    let zeros = vec![0.0; source.rows.len()];
+    let torque: Vec<f64> = masked(source.torque.part(joint).unwrap_or(&zeros));
+    let fixed = source.fixed.iter().filter_map(|column| column.part(joint)).map(|part| Column::on(0, masked(part)));
+    let fit = Projection::new(&fixed.collect::<Vec<Column>>(), &Column::on(0, torque));
+    fit.residual.part(0).map_or(zeros, <[f64]>::to_vec)
+}
+
+/// Adjusts the p-values for the number of kinds and joints, the smallest first.
+fn adjust(joints: &mut [JointMap], alpha: f64) {
+    let mut all: Vec<&mut Part> = joints.iter_mut().flat_map(|joint| &mut joint.parts).collect();
+    all.sort_by(|a, b| a.p.total_cmp(&b.p));
+    let (count, mut least) = (all.len(), 0.0f64);
+    for (rank, part) in all.into_iter().enumerate() {
+        least = least.max((count - rank) as f64 * part.p).min(1.0);
+        part.family_wise_p = least;
+        part.significant = least <= alpha;
+    }
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}

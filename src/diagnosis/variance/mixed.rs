@@ -134,7 +134,7 @@ pub(super) mod tests {
             z,
             kinds: vec![(Kind::Position, 0..each), (Kind::Speed, each..2 * each)],
             rank: 0,
-            runs: vec![0..rows],
+            runs: std::iter::once(0..rows).collect(),
             time: (0..rows).collect(),
             log: vec![0; rows],
         }

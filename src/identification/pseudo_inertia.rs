@@ -17,7 +17,7 @@ pub(super) fn unit_pseudo_inertia(k: usize) -> Matrix4<f64> {
             matrix[(k - 1, 3)] = 1.0;
             matrix[(3, k - 1)] = 1.0;
         }
-        // On the diagonal stand (Iyy + Izz - Ixx) / 2 and so on, beside it the products with the other sign.
+        // On the diagonal stand (Iyy + Izz - Ixx) / 2 and so on, off it the products with the other sign.
         4 | 6 | 9 => {
             let own = [4, 6, 9].iter().position(|&index| index == k).unwrap_or(0);
             (0..3).for_each(|axis| matrix[(axis, axis)] = if axis == own { -0.5 } else { 0.5 });

@@ -56,9 +56,23 @@ impl OrthonormalBasis {
     }
 }
 
-/// Sum of the products.
+/// The inner product, in several sums at once so that none waits for itself.
 pub fn inner_product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    const TOGETHER: usize = 8;
+    let (mut xs, mut ys) = (a.chunks_exact(TOGETHER), b.chunks_exact(TOGETHER));
+    let mut sums = [0.0; TOGETHER];
+    for (x, y) in (&mut xs).zip(&mut ys) {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum += x[k] * y[k];
+        }
+    }
+    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Root mean square; zero of nothing.
+pub fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Root of the sum of the squares.

@@ -327,11 +327,6 @@ impl<'a> View<'a> {
     }
 }
 
-/// Root mean square.
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
 /// Correlation about zero of two signals; zero where one of them is.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();

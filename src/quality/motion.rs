@@ -1,6 +1,7 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
-use super::{BAND, Finding, Kind, Severity, View, rms, size_quantile};
+use super::{BAND, Finding, Kind, Severity, View, size_quantile};
+use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
 use std::f64::consts::{PI, TAU};
 
@@ -53,7 +54,7 @@ pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
                 speed,
                 speed_share: fastest.map(|fastest| speed / fastest),
                 reversals: reversals(view.qd.channel(joint)),
-                torque_rms: rms(view.log.tau.channel(joint)),
+                torque_rms: root_mean_square(view.log.tau.channel(joint)),
                 unexplained: None,
                 dead_time_s: None,
             }

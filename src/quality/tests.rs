@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::linear::root_mean_square;
 use crate::random;
 use crate::robot::{self, InertiaCheck};
 use rand::RngExt;
@@ -39,8 +40,8 @@ pub(super) fn log(robot: &Robot, rate_hz: f64, seconds: f64) -> Sieved {
     let mut normal = || -> f64 { StandardNormal.sample(&mut noise) };
     let (mut q, mut qd) = (motion.q.clone(), motion.qd.clone());
     for j in 0..robot.dof() {
-        let size = rms(tau.channel(j));
-        let speed = rms(motion.qd.channel(j));
+        let size = root_mean_square(tau.channel(j));
+        let speed = root_mean_square(motion.qd.channel(j));
         for i in 0..samples {
             let v = motion.qd.channel(j)[i];
             tau.channel_mut(j)[i] += size * (0.2 * (v / 0.01).tanh() + 0.1 * v / speed + 0.01 * normal());

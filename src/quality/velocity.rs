@@ -1,7 +1,8 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay.
 
-use super::{BAND, Finding, Kind, Severity, View, correlation, rms};
+use super::{BAND, Finding, Kind, Severity, View, correlation};
 use crate::channels::Channels;
+use crate::linear::root_mean_square;
 use std::f64::consts::PI;
 
 /// Known factors between velocities in other units, with the advice.
@@ -25,7 +26,7 @@ const UNEXPLAINED: f64 = 0.4;
 pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
     let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
-    let compared = |joint| view.log.has_velocity(joint) && rms(view.qd.channel(joint)) > BAND;
+    let compared = |joint| view.log.has_velocity(joint) && root_mean_square(view.qd.channel(joint)) > BAND;
     let moving: Vec<bool> = (0..view.dof()).map(compared).collect();
     let clock = clock_factor(view, logged, &moving);
     out.extend(clock.map(|factor| clock_finding(factor, moving.iter().filter(|moving| **moving).count())));
@@ -80,7 +81,7 @@ pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
 fn slope(own: &[f64], column: &[f64]) -> (f64, f64) {
     let slope = own.iter().zip(column).map(|(v, x)| v * x).sum::<f64>() / own.iter().map(|v| v * v).sum::<f64>();
     let rest: Vec<f64> = own.iter().zip(column).map(|(v, x)| x - slope * v).collect();
-    (slope, rms(&rest) / rms(column).max(f64::MIN_POSITIVE))
+    (slope, root_mean_square(&rest) / root_mean_square(column).max(f64::MIN_POSITIVE))
 }
 
 /// True seconds per second of the clock, where the change of position per second differs from the velocities by a factor
@@ -96,7 +97,7 @@ fn clock_factor(view: &View, logged: &Channels, moving: &[bool]) -> Option<f64> 
     }
     let mut factors: Vec<f64> = (0..view.dof())
         .filter(|&joint| moving[joint])
-        .map(|joint| rms(view.qd.channel(joint)) / rms(logged.channel(joint)))
+        .map(|joint| root_mean_square(view.qd.channel(joint)) / root_mean_square(logged.channel(joint)))
         .collect();
     factors.sort_by(f64::total_cmp);
     let median = factors[factors.len() / 2];

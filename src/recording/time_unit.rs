@@ -11,7 +11,7 @@ const UNITS: [(f64, f64, &str); 3] = [(1e11, 1e-3, "ms"), (1e14, 1e-6, "us"), (1
 /// Median step from which on a column called `t` or `time` is not in seconds, if the arm moves: a log at 1 Hz shows no dynamics.
 const NO_SECONDS: f64 = 1.0;
 
-/// The same of a column whose name leaves the unit open, as `timestamp` does: nothing speaks for seconds there.
+/// The same of a column whose name leaves the unit open, as `timestamp` does: no convention makes it seconds.
 const NO_SECONDS_OPEN: f64 = 0.5;
 
 /// Fewer rows are no log whose steps speak against the name of their column.

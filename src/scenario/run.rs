@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Speed (rad/s or m/s) that no joint reaches unless the simulation runs away.
 const RUNAWAY_SPEED: f64 = 1e4;
 
-/// Drives the plant of `setup` along `reference` and logs what happens. `tick` is told the number of samples done.
+/// Drives the plant of `setup` along `reference` and logs what happens. `tick` receives the number of samples done.
 ///
 /// # Errors
 /// If the plant cannot be built, or the motion runs away (speeds beyond any joint's, numbers no longer finite).

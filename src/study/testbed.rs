@@ -93,7 +93,7 @@ pub struct Score {
     pub torque_std_held_out_nm: Vec<f64>,
 }
 
-/// Simulates and measures both motions of a scenario. `tick` is told the samples done of all samples of both motions.
+/// Simulates and measures both motions of a scenario. `tick` receives the samples done of all samples of both motions.
 ///
 /// # Errors
 /// Those of [`simulate`] and [`measure`].

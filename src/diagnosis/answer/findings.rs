@@ -15,7 +15,7 @@ const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on s
 
 /// What is said of a finding whose amplitudes the logs leave open.
 pub const NOT_SIZED: &str =
-    "the logs show that it is there, and not how its parameters share it: none is told from zero";
+    "the logs show that it is there, and not how its parameters share it: none differs significantly from zero";
 
 /// An effect that was found, in words and units.
 #[derive(Debug, Clone, Serialize)]

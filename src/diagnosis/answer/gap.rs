@@ -4,8 +4,8 @@ use crate::diagnosis::regression::Column;
 use crate::random;
 use rand::RngExt;
 
-/// Rows in a stretch that is drawn as a whole (one second): residuals further apart count as independent.
-const STRETCH: usize = 50;
+/// Rows in a block that is drawn as a whole (one second): residuals further apart count as independent.
+const BLOCK: usize = 50;
 
 /// Draws of the bootstrap.
 const DRAWS: u64 = 1000;
@@ -22,25 +22,25 @@ pub struct Share {
     pub interval: [f64; 2],
 }
 
-/// Sums of squares of stretches of the rows, in units of the noise, before and after, with the number of rows in them.
-struct Stretches(Vec<[f64; 3]>);
+/// Sums of squares of blocks of the rows, in units of the noise, before and after, with the number of rows in them.
+struct Blocks(Vec<[f64; 3]>);
 
-impl Stretches {
+impl Blocks {
     fn new(values: impl Iterator<Item = (usize, f64, f64)>) -> Self {
         let mut sums: Vec<[f64; 3]> = Vec::new();
         for (row, before, after) in values {
-            let stretch = row / STRETCH;
-            sums.resize(sums.len().max(stretch + 1), [0.0; 3]);
-            let sum = &mut sums[stretch];
+            let block = row / BLOCK;
+            sums.resize(sums.len().max(block + 1), [0.0; 3]);
+            let sum = &mut sums[block];
             sum[0] += before * before;
             sum[1] += after * after;
             sum[2] += 1.0;
         }
         sums.retain(|sum| sum[2] > 0.0);
-        Stretches(sums)
+        Blocks(sums)
     }
 
-    /// A statistic of the sums of all stretches, with the percentiles of its bootstrap.
+    /// A statistic of the sums of all blocks, with the percentiles of its bootstrap.
     fn share(&self, seed: u64, of: impl Fn([f64; 3]) -> f64) -> Share {
         let total = |places: &mut dyn Iterator<Item = usize>| {
             places.fold([0.0; 3], |sum, k| std::array::from_fn(|i| sum[i] + self.0[k][i]))
@@ -87,13 +87,13 @@ impl Residuals<'_> {
     /// Share of the excess over the noise that is closed: 1 - (after - noise) / (before - noise) in sums of squares, over the
     /// joints in `amiss` and those on which the models differ; zero where there is no excess.
     pub fn gap_closed(&self, amiss: &[usize], seed: u64) -> Share {
-        let mut sums = Stretches(Vec::new());
+        let mut sums = Blocks(Vec::new());
         for joint in 0..self.valid.len() {
             let rows = self.of(joint);
             let changed: f64 = rows.iter().map(|(_, before, after)| (before - after).powi(2)).sum();
             // The scatter of the noise of joints that have nothing to do with it would drown a small gap.
             if changed > CHANGES * rows.len() as f64 || amiss.contains(&joint) {
-                sums.0.extend(Stretches::new(rows.into_iter()).0);
+                sums.0.extend(Blocks::new(rows.into_iter()).0);
             }
         }
         sums.share(
@@ -107,7 +107,7 @@ impl Residuals<'_> {
     /// Share of the sum of squares that is gained, the joints weighted by their noise: 1 - after / before.
     pub fn gain(&self, seed: u64) -> Share {
         let joints = 0..self.valid.len();
-        let sums = Stretches(joints.flat_map(|joint| Stretches::new(self.of(joint).into_iter()).0).collect());
+        let sums = Blocks(joints.flat_map(|joint| Blocks::new(self.of(joint).into_iter()).0).collect());
         sums.share(seed, |[before, after, _]| if before > 0.0 { 1.0 - after / before } else { 0.0 })
     }
 }

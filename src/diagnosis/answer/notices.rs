@@ -30,7 +30,7 @@ pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
-            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is told here, which is that of \
+            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is reported here, which is that of \
              the training logs together; log all at one rate",
             each.join(" and ")
         )

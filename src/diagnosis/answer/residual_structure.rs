@@ -6,8 +6,8 @@ use crate::diagnosis::regression::Column;
 /// Bins of a variable, equally filled.
 const BINS: usize = 20;
 
-/// Rows in a stretch (one second).
-const STRETCH: usize = 50;
+/// Rows in a block (one second).
+const BLOCK: usize = 50;
 
 /// Share from which on a variable is worth naming.
 const WORTH_NAMING: f64 = 0.2;
@@ -117,26 +117,21 @@ fn follows(variable: &[f64], values: &[f64]) -> f64 {
 }
 
 fn worst(rows: &Rows, kept: &[usize], values: &[f64]) -> Option<Worst> {
-    let mut stretches: Vec<(usize, usize, f64, usize)> = Vec::new();
+    let mut blocks: Vec<(usize, usize, f64, usize)> = Vec::new();
     for (&row, value) in kept.iter().zip(values) {
         let log = rows.starts.partition_point(|&start| start <= row) - 1;
-        let stretch = (row - rows.starts[log]) / STRETCH;
-        match stretches.last_mut().filter(|last| (last.0, last.1) == (log, stretch)) {
+        let block = (row - rows.starts[log]) / BLOCK;
+        match blocks.last_mut().filter(|last| (last.0, last.1) == (log, block)) {
             Some(last) => (last.2, last.3) = (last.2 + value * value, last.3 + 1),
-            None => stretches.push((log, stretch, value * value, 1)),
+            None => blocks.push((log, block, value * value, 1)),
         }
     }
     let mean = |&(.., sum, count): &(usize, usize, f64, usize)| sum / count as f64;
-    let long = stretches.iter().filter(|(.., count)| *count >= STRETCH / 4);
-    let (log, stretch, sum, count) = *long.max_by(|a, b| mean(a).total_cmp(&mean(b)))?;
+    let long = blocks.iter().filter(|(.., count)| *count >= BLOCK / 4);
+    let (log, block, sum, count) = *long.max_by(|a, b| mean(a).total_cmp(&mean(b)))?;
     let times = rows.logs[log].blocks(&rows.logs[log].time);
     let at = |row: usize| times.get(row.min(times.len().max(1) - 1)).copied().unwrap_or(0.0);
-    Some(Worst {
-        log,
-        from_s: at(stretch * STRETCH),
-        to_s: at((stretch + 1) * STRETCH),
-        rms_nm: (sum / count as f64).sqrt(),
-    })
+    Some(Worst { log, from_s: at(block * BLOCK), to_s: at((block + 1) * BLOCK), rms_nm: (sum / count as f64).sqrt() })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What columns take beside what is not physics: the error of the smoothing, slow noise whose strength the rows tell poorly,
 //! and noise that is stronger or of another colour in parts of the logs.
 
-use super::blocks::STRETCH;
+use super::blocks::BLOCK;
 use super::generic::slow_cosines;
 use super::judging::Judged;
 use crate::diagnosis::logs::Rows;
@@ -20,17 +20,17 @@ const MATTERS: f64 = 1e-4;
 /// Eigenvalue of a covariance, over its largest, below which a direction does not count.
 const SINGULAR: f64 = 1e-10;
 
-/// Stretches that short logs are cut into too, and the fewest rows of one: few scores have tails that hide everything.
-const STRETCHES: usize = 40;
-const SHORTEST_STRETCH: usize = 12;
+/// Blocks that short logs are cut into too, and the fewest rows of one: few scores have tails that hide everything.
+const BLOCKS: usize = 40;
+const SHORTEST_BLOCK: usize = 12;
 
 /// Cosines over each log that stand for slow drifts beside an event.
 const DRIFTS: usize = 10;
 
-/// Logarithm of the probability of what a candidate takes beside the error of the smoothing, by the strength that slow noise
-/// is seen to have once the candidate is in the model. An event of one log must also show beside slow drifts of all joints
-/// that it acts on: how sharply it begins and ends the rows tell well.
-pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
+/// Logarithm of the probability of what a candidate explains, adjusted for errors of the smoothing and for slow noise of the
+/// strength that it has once the candidate is in the model. An event of one log is also adjusted for slow drifts of all joints that
+/// it acts on: the rows show well how sharply it begins and ends.
+pub fn log_p_adjusted(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
     let rows = &session.train.rows;
     let fit = if candidate.candidate.log.is_some() {
         let joints = candidate.candidate.joints();
@@ -44,20 +44,20 @@ pub fn beside(session: &Session, whitener: &Whitener, fit: &Projection, candidat
     if happens_anywhere(&candidate.candidate) {
         return slow;
     }
-    let over = over_stretches(rows.len(), whitener, &fit, &judged.whitened, judged.test.freedom);
-    tracing::debug!(smoothing = judged.test.log_p(), slow, over, "beside");
+    let over = over_blocks(rows.len(), whitener, &fit, &judged.whitened, judged.test.freedom);
+    tracing::debug!(smoothing = judged.test.log_p(), slow, over, "adjusted");
     slow.max(over)
 }
 
 /// Logarithm of the probability of what whitened `columns` take beyond `fit`, by a Wald test whose covariance is that of the
-/// scores of whole stretches of the logs: right whatever the noise is within them, and however strong in each (Liang and
+/// scores of whole blocks of the logs: right whatever the noise is within them, and however strong in each (Liang and
 /// Zeger, Biometrika 73, 1986).
-fn over_stretches(rows: usize, whitener: &Whitener, fit: &Projection, columns: &[Column], freedom: usize) -> f64 {
+fn over_blocks(rows: usize, whitener: &Whitener, fit: &Projection, columns: &[Column], freedom: usize) -> f64 {
     let columns: Vec<Column> = columns.iter().map(|column| fit.left_of(column.clone())).collect();
     let residual = Projection::new(&columns, &fit.residual).residual;
-    let width = (rows / STRETCHES).clamp(SHORTEST_STRETCH, STRETCH);
-    let (count, stretches) = (columns.len(), rows / width + 1);
-    let mut scores = vec![DVector::<f64>::zeros(count); stretches];
+    let width = (rows / BLOCKS).clamp(SHORTEST_BLOCK, BLOCK);
+    let (count, blocks) = (columns.len(), rows / width + 1);
+    let mut scores = vec![DVector::<f64>::zeros(count); blocks];
     for (joint, left) in &residual.parts {
         let places = whitener.places(*joint);
         for (index, column) in columns.iter().enumerate() {
@@ -67,7 +67,7 @@ fn over_stretches(rows: usize, whitener: &Whitener, fit: &Projection, columns: &
             }
         }
     }
-    // What is known beforehand is no part of any stretch.
+    // What is known beforehand is no part of any block.
     scores.push(DVector::from_iterator(count, columns.iter().map(|column| column.dot_beforehand(&residual))));
     let used = scores.iter().filter(|score| score.norm_squared() > 0.0).count();
     if used <= 2 * freedom {
@@ -138,7 +138,7 @@ mod tests {
     use crate::recording::Recording;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Probabilities of a slow column in white noise with a push of two seconds in forty: of the score test, and over stretches.
+    /// Probabilities of a slow column in white noise with a push of two seconds in forty: of the score test, and over blocks.
     fn probabilities(seed: u64, size: f64) -> [f64; 2] {
         let mut source = random::stream(seed, "pushes", 0);
         let time: Vec<f64> = (0..20_000).map(|k| f64::from(k) / 500.0).collect();
@@ -157,11 +157,11 @@ mod tests {
         let column = rows.signal(|log| log.time.iter().map(|&t| slow(t)).collect());
         let columns = whitener.apply_all(&[Column::on(0, column)]);
         let test = fit.test(&columns).unwrap();
-        [test.log_p(), over_stretches(rows.len(), &whitener, &fit, &columns, test.freedom)].map(f64::exp)
+        [test.log_p(), over_blocks(rows.len(), &whitener, &fit, &columns, test.freedom)].map(f64::exp)
     }
 
     #[test]
-    fn a_push_is_no_evidence_over_stretches() {
+    fn a_push_is_no_evidence_over_blocks() {
         let runs = 300;
         let (mut plain, mut sober) = (0, 0);
         for seed in 0..runs {

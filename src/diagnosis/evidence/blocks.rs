@@ -7,17 +7,17 @@ use crate::diagnosis::regression::Column;
 use crate::error::Result;
 use std::ops::Range;
 
-/// Rows in a stretch (one second): longer than the memory of noise and filters.
-pub(super) const STRETCH: usize = 50;
+/// Rows in a block (one second): longer than the memory of noise and filters.
+pub(super) const BLOCK: usize = 50;
 
 /// The same for an event, which may last no longer than that: a tenth of a second.
 const MOMENT: usize = 5;
 
-/// Stretches that an effect must be seen without.
+/// Blocks that an effect must be seen without.
 const WITHOUT: usize = 2;
 
-/// The stretch of so many rows with the largest sum.
-pub(super) fn best_stretch(of_rows: &[f64], width: usize) -> Range<usize> {
+/// The block of so many rows with the largest sum.
+pub(super) fn most_influential_block(of_rows: &[f64], width: usize) -> Range<usize> {
     let width = width.min(of_rows.len());
     let mut sum: f64 = of_rows[..width].iter().sum();
     let mut best = (sum, 0);
@@ -42,12 +42,12 @@ pub(super) fn row_by_row<'a>(
     })
 }
 
-/// Logarithm of the probability of what a candidate takes beyond the model with `members` outside the stretches in which it
+/// Logarithm of the probability of what a candidate takes beyond the model with `members` outside the blocks in which it
 /// takes most.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn without_best_stretches(
+pub fn without_influential_blocks(
     session: &Session,
     members: &[Member],
     whitener: &Whitener,
@@ -56,7 +56,7 @@ pub fn without_best_stretches(
     let present = session.all_columns(&session.train, members)?;
     let mut rows = session.train.rows.clone();
     let mut whitener = whitener.clone();
-    let width = if is_event(winner.candidate.placed.effect) { MOMENT } else { STRETCH };
+    let width = if is_event(winner.candidate.placed.effect) { MOMENT } else { BLOCK };
     for _ in 0..WITHOUT {
         let fit = whitener.fit(&present, &session.train.torque);
         let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
@@ -64,13 +64,13 @@ pub fn without_best_stretches(
         for (place, before, after) in row_by_row(&whitener, &fit.residual, &with.residual) {
             gains[place] += before * before - after * after;
         }
-        let best = best_stretch(&gains, width);
+        let best = most_influential_block(&gains, width);
         rows.valid.iter_mut().for_each(|valid| valid[best.clone()].fill(false));
         whitener = whitener.on(&rows);
     }
     let fit = whitener.fit(&present, &session.train.torque);
     let log_p = session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p());
-    tracing::debug!(log_p, "without the best stretches");
+    tracing::debug!(log_p, "without the best blocks");
     Ok(log_p)
 }
 
@@ -79,14 +79,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_best_stretch_is_where_most_is_gained() {
+    fn the_most_influential_block_is_where_most_is_gained() {
         let mut rows = vec![0.1; 400];
         rows[120] = 30.0;
         rows[165] = 20.0;
-        let best = best_stretch(&rows, STRETCH);
-        assert_eq!(best.len(), STRETCH);
+        let best = most_influential_block(&rows, BLOCK);
+        assert_eq!(best.len(), BLOCK);
         assert!(best.contains(&120) && best.contains(&165));
-        assert_eq!(best_stretch(&rows, MOMENT), 116..121);
-        assert_eq!(best_stretch(&[1.0, 2.0], STRETCH), 0..2);
+        assert_eq!(most_influential_block(&rows, MOMENT), 116..121);
+        assert_eq!(most_influential_block(&[1.0, 2.0], BLOCK), 0..2);
     }
 }

@@ -4,6 +4,7 @@ use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::model::{Session, Side};
 use crate::diagnosis::noise::rich;
 use crate::diagnosis::regression::Column;
+use crate::signal::first_order_lag;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -24,7 +25,7 @@ const DRIFTS: usize = 8;
 const SLOW_CHANGES: usize = 4;
 
 /// Delays with which something may follow the motion, s.
-const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
+pub const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 
 /// A kind of structure, and the generic columns of a joint that show it.
 #[derive(Debug)]
@@ -113,7 +114,7 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         let late = move |f: fn(f64) -> f64| {
             rows.signal(|log| {
                 let speed = log.motion.qd.channel(joint).iter().map(|&v| f(v));
-                delayed(speed, log.period / delay)
+                first_order_lag(speed, log.period / delay)
             })
         };
         vec![late(|v| v.max(0.0)), late(|v| v.min(0.0)), late(|v| v.max(0.0).powi(2)), late(|v| v.min(0.0).powi(2))]
@@ -199,32 +200,11 @@ fn hat(x: f64, center: f64, width: f64) -> f64 {
     (1.0 - ((x - center) / width).abs()).max(0.0)
 }
 
-/// A signal behind a first-order lag; `share` is the sampling period over its time constant.
-fn delayed(signal: impl Iterator<Item = f64>, share: f64) -> Vec<f64> {
-    let kept = (-share).exp();
-    let mut state = None;
-    signal
-        .map(|x| {
-            let before = state.unwrap_or(x);
-            *state.insert(kept * before + (1.0 - kept) * x)
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::channels::Channels;
     use crate::recording::Recording;
-
-    #[test]
-    fn a_delayed_step_comes_up_over_its_time_constant() {
-        let step = (0..300).map(|k| if k < 100 { 0.0 } else { 1.0 });
-        let out = delayed(step, 0.02);
-        assert_eq!(out[99], 0.0);
-        let expected = 1.0 - (-1.0f64).exp();
-        assert!((out[149] - expected).abs() < 1e-12, "{}", out[149]);
-    }
 
     #[test]
     fn short_logs_hold_few_slow_cosines() {

@@ -1,6 +1,6 @@
 //! What an effect takes away on rows that it was not fitted to, with its chance.
 
-use super::blocks::{STRETCH, best_stretch, row_by_row};
+use super::blocks::{BLOCK, most_influential_block, row_by_row};
 use super::generic::slow_cosines;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::Nuisances;
@@ -21,7 +21,7 @@ const CALM: f64 = 1.5;
 /// What is gained of the whitened sum of squares on the joints that an effect acts on.
 ///
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
-/// chance: its scatter is taken over stretches of the rows, within which neither is independent of its past.
+/// chance: its scatter is taken over blocks of the rows, within which neither is independent of its past.
 #[derive(Debug, Clone)]
 pub struct Gains {
     /// Gain in each row of the logs.
@@ -69,13 +69,13 @@ impl Gains {
 
     fn of_white(unseen: &Whitener, [before, after]: [Column; 2], rows: usize) -> Self {
         let mut of_rows = vec![0.0; rows];
-        let mut chance = vec![0.0; rows / STRETCH + 1];
-        let mut scores = vec![None; rows / STRETCH + 1];
+        let mut chance = vec![0.0; rows / BLOCK + 1];
+        let mut scores = vec![None; rows / BLOCK + 1];
         let mut predicted = 0.0;
         for (place, b, a) in row_by_row(unseen, &before, &after) {
             of_rows[place] += b * b - a * a;
-            chance[place / STRETCH] += 2.0 * a * (b - a);
-            *scores[place / STRETCH].get_or_insert(0.0) += b * (b - a);
+            chance[place / BLOCK] += 2.0 * a * (b - a);
+            *scores[place / BLOCK].get_or_insert(0.0) += b * (b - a);
             predicted += (b - a).powi(2);
         }
         let scores: Vec<f64> = scores.into_iter().flatten().collect();
@@ -117,9 +117,9 @@ impl Gains {
         self.std < CALM * self.expected_std
     }
 
-    /// The share that is gained outside the stretch that gains most.
-    pub fn without_best_stretch(&self) -> f64 {
-        let best: f64 = self.of_rows[best_stretch(&self.of_rows, STRETCH)].iter().sum();
+    /// The share that is gained outside the block that gains most.
+    pub fn without_most_influential_block(&self) -> f64 {
+        let best: f64 = self.of_rows[most_influential_block(&self.of_rows, BLOCK)].iter().sum();
         self.share() - best / self.before
     }
 }

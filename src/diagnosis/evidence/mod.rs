@@ -12,10 +12,10 @@ mod judging;
 mod multiplicity;
 mod scan;
 
-pub use adjusted::{against_slow_noise, beside};
-pub use blocks::without_best_stretches;
+pub use adjusted::{against_slow_noise, log_p_adjusted};
+pub use blocks::without_influential_blocks;
 pub use cross_validation::left_by_others;
-pub use generic::{Block, Reach, blocks, modulated, slow_cosines};
+pub use generic::{Block, DELAYS_S, Reach, blocks, modulated, slow_cosines};
 pub use held_out::{Gains, SEEN_AGAIN};
 pub use judging::Judged;
 pub use multiplicity::{Multiplicity, family_wise};

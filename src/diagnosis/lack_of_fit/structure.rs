@@ -278,7 +278,7 @@ impl<'a> Fitted<'a> {
     /// What the held-out rows say of a block that follows from the motion, as fitted to the training rows.
     fn gained(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Again {
         let gains = self.gains(under, joint, block, again);
-        let gained = gains.share() > 0.0 && gains.without_best_stretch() > 0.0;
+        let gained = gains.share() > 0.0 && gains.without_most_influential_block() > 0.0;
         Again { chance: gains.chance(), gained, surely: gains.lower_bound() > 0.0 }
     }
 

@@ -1,4 +1,4 @@
-//! Faults of the data, looked for before any physics: what stops a diagnosis, what is left out, and what is only reported.
+//! Screening for faults of the data, before any model is fitted: faults that stop a diagnosis, samples that are excluded, and warnings.
 //!
 //! The checks are those of [`quality`]. Samples at a clipping level become torques that are not a number, which the rows of
 //! the tests leave out; logs are cut at long gaps; columns in the wrong order, unit or sign stop the diagnosis, since any

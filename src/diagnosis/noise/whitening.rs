@@ -7,8 +7,9 @@
 use super::innovations::InnovationsFilter;
 use super::noise_spectrum::corrected;
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::{Column, Projection, inner_product};
+use crate::diagnosis::regression::{Column, Projection};
 use crate::identification::noise::AutoregressiveNoise;
+use crate::linear::inner_product;
 use rayon::prelude::*;
 
 /// Order of the noise models.

@@ -1,5 +1,6 @@
 //! Columns of the tests: a torque per joint over the rows, held only for the joints on which it acts.
 
+use crate::linear::inner_product;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -101,20 +102,6 @@ impl Column {
     pub fn is_sound(&self) -> bool {
         !self.parts.is_empty() && self.parts.iter().flat_map(|(_, values)| values).all(|v| v.is_finite())
     }
-}
-
-/// The inner product, in sums side by side so that none waits for itself.
-pub fn inner_product(a: &[f64], b: &[f64]) -> f64 {
-    const TOGETHER: usize = 8;
-    let (mut xs, mut ys) = (a.chunks_exact(TOGETHER), b.chunks_exact(TOGETHER));
-    let mut sums = [0.0; TOGETHER];
-    for (x, y) in (&mut xs).zip(&mut ys) {
-        for (k, sum) in sums.iter_mut().enumerate() {
-            *sum += x[k] * y[k];
-        }
-    }
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
-    sums.iter().sum::<f64>() + rest
 }
 
 /// The sum of `columns` with their `values`.

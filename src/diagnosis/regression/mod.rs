@@ -8,6 +8,6 @@ mod column;
 mod score;
 mod solution;
 
-pub use column::{Column, combined, inner_product, rms};
+pub use column::{Column, combined, rms};
 pub use score::{Projection, Test, fisher, log_survival};
 pub use solution::{Solved, gram, solve};

@@ -2,7 +2,7 @@
 //! by what it gains on the held-out logs.
 
 use crate::diagnosis::evidence::{
-    Gains, Judged, Multiplicity, SEEN_AGAIN, beside, left_by_others, without_best_stretches,
+    Gains, Judged, Multiplicity, SEEN_AGAIN, left_by_others, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Candidate, Member, Noise, Session, is_flat, is_level};
@@ -15,7 +15,7 @@ use crate::identification::effect_model::Trust;
 /// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
 const BEYOND_CHANCE: f64 = 1e-6;
 
-/// What an effect takes outside the stretches that show it best must be less likely than this by chance, or it is seen again on
+/// What an effect takes outside the blocks that show it best must be less likely than this by chance, or it is seen again on
 /// the held-out logs.
 const SEEN_ELSEWHERE: f64 = 0.01;
 
@@ -47,7 +47,7 @@ const ANOTHER_FORM: f64 = 1e-5;
 const HIDDEN: f64 = 1e-3;
 
 /// Share of the level at which is believed what logs confirm that did not choose it, held-out ones or each of all in its turn: there
-/// the scatter over stretches stands in for the noise.
+/// the scatter over blocks stands in for the noise.
 const CONFIRMED: f64 = 0.5;
 
 /// The same for either where something else was found before: what is not quite right with that is left, too. Delays do not count, which
@@ -122,7 +122,7 @@ pub(super) struct Seen {
     level: f64,
     /// The level at which they alone are believed.
     limit: f64,
-    /// Logarithm of the probability of what is seen outside the stretches that show it best.
+    /// Logarithm of the probability of what is seen outside the blocks that show it best.
     elsewhere: f64,
     /// Whether held-out logs can confirm it.
     confirmable: bool,
@@ -184,9 +184,9 @@ impl Trial<'_> {
         if level > highest {
             return refused(!is_level(winner.candidate.placed.effect));
         }
-        let beside = beside(self.session, self.whitener, self.fit, winner);
-        level = level.max(self.multiplicity.level(kind, beside));
-        tracing::debug!(level, beside, "beside slow noise and the error of the smoothing");
+        let adjusted = log_p_adjusted(self.session, self.whitener, self.fit, winner);
+        level = level.max(self.multiplicity.level(kind, adjusted));
+        tracing::debug!(level, adjusted, "adjusted for slow noise and errors of the smoothing");
         if level > highest {
             return refused(!is_level(winner.candidate.placed.effect));
         }
@@ -199,7 +199,7 @@ impl Trial<'_> {
             }
             f64::NEG_INFINITY
         } else {
-            without_best_stretches(self.session, self.members, self.whitener, winner)?
+            without_influential_blocks(self.session, self.members, self.whitener, winner)?
         };
         Ok(Ok(Seen { level, limit, elsewhere, confirmable }))
     }
@@ -232,7 +232,7 @@ impl Trial<'_> {
         let held_out = self.held_out(winner, under)?;
         let HeldOut { gains, beside_errors, .. } = &held_out;
         // What rests on a moment or two of the training logs is no accident if it is there again.
-        let there = confirmable && beside_errors.chance() < SEEN_AGAIN && gains.without_best_stretch() > 0.0;
+        let there = confirmable && beside_errors.chance() < SEEN_AGAIN && gains.without_most_influential_block() > 0.0;
         let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
         let bound = gains.lower_bound();
         let refused = |asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked }));

@@ -51,7 +51,7 @@ pub struct Selection {
     pub sensitivity: BTreeMap<Family, (usize, f64)>,
 }
 
-/// Searches for effects until no more pass. `progress` is told the number of effects found so far.
+/// Searches for effects until no more pass. `progress` receives the number of effects found so far.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

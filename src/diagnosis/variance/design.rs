@@ -3,6 +3,7 @@
 use super::kinds::{Kind, Signals};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
+use crate::linear::OrthonormalBasis;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -13,8 +14,8 @@ const TOGETHER: usize = 4;
 /// Fewest valid ones among them.
 const FEWEST: usize = 2;
 
-/// Eigenvalue of the fixed columns' correlation matrix under which a direction is rounding.
-const ROUNDING: f64 = 1e-10;
+/// Share of a fixed column that must be left over the others for it to be more than rounding.
+const ROUNDING: f64 = 1e-5;
 
 /// One joint's regression. All matrices have a row per averaged row.
 #[derive(Debug, Clone)]
@@ -190,34 +191,9 @@ impl Raw {
     }
 }
 
-/// An orthonormal basis of the column space, by the eigenvectors of the columns' correlation matrix.
+/// An orthonormal basis of the column space.
 fn basis(columns: &DMatrix<f64>) -> DMatrix<f64> {
-    if columns.ncols() == 0 {
-        return columns.clone();
-    }
-    let mut scaled = columns.clone();
-    for mut column in scaled.column_iter_mut() {
-        let norm = column.norm();
-        if norm > 0.0 {
-            column /= norm;
-        }
-    }
-    let eigen = scaled.tr_mul(&scaled).symmetric_eigen();
-    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > ROUNDING).collect();
-    let directions: Vec<DVector<f64>> =
-        kept.iter().map(|&k| eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt()).collect();
-    if directions.is_empty() {
-        return DMatrix::zeros(columns.nrows(), 0);
-    }
-    // A second pass makes up for the rounding of squared columns.
-    let first = &scaled * DMatrix::from_columns(&directions);
-    let gram = first.tr_mul(&first);
-    match gram.clone().cholesky() {
-        Some(factor) => {
-            let mut transposed = first.transpose();
-            factor.l().solve_lower_triangular_mut(&mut transposed);
-            transposed.transpose()
-        }
-        None => first,
-    }
+    let slices: Vec<&[f64]> = columns.as_slice().chunks_exact(columns.nrows().max(1)).collect();
+    let directions = OrthonormalBasis::new(&slices, ROUNDING).directions;
+    DMatrix::from_vec(columns.nrows(), directions.len(), directions.concat())
 }

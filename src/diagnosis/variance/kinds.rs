@@ -1,6 +1,8 @@
 //! Kinds of generic functions that a residual may follow.
 
+use crate::diagnosis::evidence::DELAYS_S;
 use crate::diagnosis::logs::{Log, Rows};
+use crate::signal::{first_order_lag, hat};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -14,9 +16,6 @@ const REVERSAL_REACH: [f64; 5] = [0.003, 0.01, 0.03, 0.1, 0.3];
 
 /// Speed over a joint's fastest at which its direction counts as reversed: below, noise decides the sign.
 const REVERSED: f64 = 0.01;
-
-/// Delays with which the residual may follow the motion, s.
-const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 
 /// Cosines over each log: half a period of the first is the log.
 const SLOW: usize = 6;
@@ -168,7 +167,7 @@ impl Signals<'_> {
         };
         let mut knots: Vec<f64> = (0..count).map(knot).collect();
         knots.dedup_by(|b, a| *b - *a <= 1e-9 * (highest - lowest));
-        (0..knots.len()).map(|k| signal.iter().map(|&x| hat(x, &knots, k)).collect()).collect()
+        (0..knots.len()).map(|k| signal.iter().map(|&x| hat(&knots, k, x)).collect()).collect()
     }
 
     /// Hats over the square root of the speed, for each direction: friction bends most at low speed.
@@ -199,7 +198,7 @@ impl Signals<'_> {
             for sign in [1.0, -1.0] {
                 all.push(self.rows.signal(|log| {
                     let speed = log.motion.qd.channel(joint).iter().map(|&v| if v * sign > 0.0 { v } else { 0.0 });
-                    behind(speed, log.period / delay)
+                    first_order_lag(speed, log.period / delay)
                 }));
             }
         }
@@ -243,14 +242,6 @@ impl Signals<'_> {
     }
 }
 
-/// Value of hat `k` of a partition of unity over `knots` at `x`; constant beyond the outer ones.
-fn hat(x: f64, knots: &[f64], k: usize) -> f64 {
-    let x = x.clamp(knots[0], knots[knots.len() - 1]);
-    let up = (k > 0).then(|| (x - knots[k - 1]) / (knots[k] - knots[k - 1]));
-    let down = (k + 1 < knots.len()).then(|| (knots[k + 1] - x) / (knots[k + 1] - knots[k]));
-    up.unwrap_or(1.0).min(down.unwrap_or(1.0)).clamp(0.0, 1.0)
-}
-
 fn times(signals: &[Vec<f64>], factor: &[f64]) -> Vec<Vec<f64>> {
     signals.iter().map(|signal| signal.iter().zip(factor).map(|(x, f)| x * f).collect()).collect()
 }
@@ -287,30 +278,9 @@ fn rate_of_change(signal: &[f64], starts: &[usize]) -> Vec<f64> {
     rate
 }
 
-/// A signal behind a first-order lag; `share` is the sampling period over its time constant.
-fn behind(signal: impl Iterator<Item = f64>, share: f64) -> Vec<f64> {
-    let kept = (-share).exp();
-    let mut state = None;
-    signal
-        .map(|x| {
-            let before = state.unwrap_or(x);
-            *state.insert(kept * before + (1.0 - kept) * x)
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn hats_are_a_partition_of_unity() {
-        let knots = [-1.0, -0.2, 0.1, 2.0];
-        for x in [-3.0, -1.0, -0.7, 0.0, 0.1, 1.9, 2.0, 5.0] {
-            let sum: f64 = (0..knots.len()).map(|k| hat(x, &knots, k)).sum();
-            assert!((sum - 1.0).abs() < 1e-12, "{x}: {sum}");
-        }
-    }
 
     #[test]
     fn distance_grows_from_the_place_of_the_reversal() {

@@ -6,7 +6,8 @@ use super::lines::{Line, lines};
 use super::mixed::{Fit, fit};
 use super::sign_flips::p_values;
 use crate::diagnosis::model::{Arm, Side};
-use crate::diagnosis::regression::{Column, Projection, inner_product};
+use crate::diagnosis::regression::{Column, Projection};
+use crate::linear::{inner_product, root_mean_square};
 use crate::signal::white_noise;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -40,7 +41,7 @@ pub struct JointMap {
     pub torque: f64,
     /// Residual of the model.
     pub residual: f64,
-    /// What is left when everything below is taken off.
+    /// Residual of the mixed model: without all parts below.
     pub noise: f64,
     /// Correlation of consecutive rows of that.
     pub correlation: f64,
@@ -105,7 +106,11 @@ fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
     let mut design = raw.design(rho);
     let mut fitted = fit(&design);
     for _ in 1..CORRELATION_ROUNDS {
-        rho = correlation(&design, &fitted, rho);
+        let correlated = correlation(&design, &fitted, rho);
+        if correlated == rho {
+            break;
+        }
+        rho = correlated;
         design = raw.design(rho);
         fitted = fit(&design);
     }
@@ -190,8 +195,4 @@ fn adjust(joints: &mut [JointMap], alpha: f64) {
         part.family_wise_p = least;
         part.significant = least <= alpha;
     }
-}
-
-fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }

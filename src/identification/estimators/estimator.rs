@@ -29,7 +29,7 @@ impl<'a> Data<'a> {
 
 /// An arm with given parameters, simulated under the controller and along the reference of the measured one.
 pub trait SimulatedRows {
-    /// The measured torque with the columns along the simulated motion, row by row beside the measured rows. Rows count
+    /// The measured torque with the columns along the simulated motion, row by row with the measured rows. Rows count
     /// where the simulated motion says so.
     ///
     /// # Errors

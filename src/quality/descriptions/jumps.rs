@@ -3,8 +3,9 @@
 //! On either side of a reversal, at equal speed, a joint has the same place and the same acceleration: gravity and inertia
 //! cancel in the difference of the torques, and twice the friction is left. It goes with the motion.
 
-use super::super::{View, rms};
+use super::super::View;
 use super::change::Description;
+use crate::linear::root_mean_square;
 
 /// Speed on both sides of a reversal, as a share of the joint's root mean square speed.
 const SIDES: f64 = 0.1;
@@ -28,7 +29,7 @@ pub fn with_motion(views: &[&View]) -> Vec<bool> {
 /// Jumps with the motion, and all jumps, of a log.
 fn jumps(view: &View, joint: usize) -> (usize, usize) {
     let (qd, tau) = (view.qd.channel(joint), view.tau.channel(joint));
-    let side = SIDES * rms(qd);
+    let side = SIDES * root_mean_square(qd);
     let longest = (LONGEST_S / view.period) as usize;
     let (mut with, mut all) = (0, 0);
     // The last sample at which the joint surely moved.

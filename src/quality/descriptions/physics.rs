@@ -10,6 +10,7 @@ use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::identification::model::Model;
 use crate::robot::Robot;
+use crate::signal::hat;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Quantiles of a joint's speed at which the size of its friction is free; linear between.
@@ -155,19 +156,6 @@ fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
         (0..knots.len()).map(|knot| velocity.iter().map(|v| v.signum() * hat(&knots, knot, v.abs())).collect()),
     );
     columns
-}
-
-/// Piecewise linear, one at its own knot and zero at the others, constant beyond the ends.
-fn hat(knots: &[f64], own: usize, x: f64) -> f64 {
-    let x = x.clamp(knots[0], knots[knots.len() - 1]);
-    let rise = |from: f64, to: f64| if to > from { (x - from) / (to - from) } else { f64::from(x >= to) };
-    if own > 0 && x < knots[own] {
-        return rise(knots[own - 1], knots[own]).max(0.0);
-    }
-    match knots.get(own + 1) {
-        Some(&next) if x > knots[own] => (1.0 - rise(knots[own], next)).max(0.0),
-        _ => 1.0,
-    }
 }
 
 impl JointTable {

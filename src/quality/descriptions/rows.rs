@@ -1,8 +1,9 @@
 //! The rows on which descriptions of the logs are compared: few, band-limited, and cut into blocks of time.
 
-use super::super::{View, rms};
+use super::super::View;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
+use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
 
 /// Spacing of the rows, s. Gravity, inertia and friction of an arm act below 10 Hz; more rows would only repeat them.
@@ -86,7 +87,7 @@ impl Rows {
         Some(Rows {
             moves: moves.collect(),
             measured: tau.iter().map(measured).collect(),
-            size: tau.iter().map(rms).collect(),
+            size: tau.iter().map(root_mean_square).collect(),
             motion,
             tau,
             block,
@@ -100,6 +101,6 @@ fn moves(q: &[f64], qd: &[f64], unit: f64) -> Vec<bool> {
     let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
     let fastest = qd.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let still = high - low < STILL[0] * unit || fastest < STILL[1] * unit;
-    let sticks = STICKS * rms(qd);
+    let sticks = STICKS * root_mean_square(qd);
     qd.iter().map(|v| !still && v.abs() > sticks && v.abs() < FASTEST).collect()
 }

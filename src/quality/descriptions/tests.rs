@@ -102,8 +102,8 @@ fn simulated(robot: &Robot, oddity: Oddity, seconds: f64, seed: u64) -> Sieved {
     let bodies = inverse_dynamics(&Chain::new(&carrying), &carrying.inertial_parameters(), &motion);
     let (mut q, mut tau) = (motion.q.clone(), bodies.clone());
     for j in 0..dof {
-        let size = super::super::rms(bodies.channel(j)).max(0.5);
-        let speed = super::super::rms(motion.qd.channel(j)).max(1e-3);
+        let size = crate::linear::root_mean_square(bodies.channel(j)).max(0.5);
+        let speed = crate::linear::root_mean_square(motion.qd.channel(j)).max(1e-3);
         for i in 0..samples {
             let v = motion.qd.channel(j)[i] / speed;
             let load = bodies.channel(j)[i].abs();

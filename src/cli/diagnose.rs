@@ -5,7 +5,8 @@ use super::{DONE, Global, corrected, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Named};
 use crate::diagnosis::{
-    Answer, Conclusion, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_SCENARIO, EXTENDED_URDF, Options, Outcome, Progress,
+    Answer, Conclusion, Criteria, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_SCENARIO, EXTENDED_URDF, Options, Outcome,
+    Progress,
 };
 use crate::effects::Placed;
 use crate::error::{Error, Result};
@@ -63,6 +64,9 @@ pub(super) struct Arguments {
     /// Effects to look for, with commas between, or repeated. Default: all of the library.
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     candidates: Vec<String>,
+    /// Least size of a finding, % of a joint's torque rms; a tenth of what the joint misses counts too.
+    #[arg(long, value_name = "PERCENT", default_value_t = 2.0)]
+    least_share: f64,
     /// Skip the simulation of the extended model along the held-out motions.
     #[arg(long)]
     no_resimulation: bool,
@@ -147,6 +151,7 @@ impl Arguments {
             max_findings: self.max_findings.into(),
             seed: global.seed.unwrap_or_default(),
             candidates: self.candidates.clone(),
+            criteria: Criteria { share_of_torque: 0.01 * self.least_share, ..Criteria::default() },
         };
         options.check().map_err(|problem| match problem {
             Error::Request { subject, problem } if subject == "alpha" => Error::request("--alpha", problem),

@@ -3,6 +3,7 @@
 //! | room | in | out |
 //! |---|---|---|
 //! | `answer` | arm, logs, options | the diagnosis and the extended model |
+//! | `relevance` | effects found | those that matter, smaller ones |
 //! | `lack_of_fit` | residual | structure that no effect explains |
 //! | `search` | fits, candidates | effects found, by forward selection |
 //! | `preparation` | logs, arm | filters and widths |
@@ -17,6 +18,7 @@
 
 mod answer;
 mod backlash;
+mod criteria;
 mod evidence;
 mod lack_of_fit;
 mod logs;
@@ -24,6 +26,7 @@ mod model;
 mod noise;
 mod preparation;
 mod regression;
+mod relevance;
 mod search;
 mod variance;
 
@@ -34,12 +37,14 @@ pub use answer::{
 };
 pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;
+pub use criteria::{Criteria, Gate, Judgement};
 pub use evidence::Ranked;
 pub use lack_of_fit::LOGS_DISAGREE;
 pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};
 pub use model::{Family, Session, Side, is_candidate, is_level, places};
 pub use noise::Whitener;
 pub use regression::{Column, Projection, rms};
+pub use relevance::Minor;
 pub use search::{Found, Verdict};
 pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
 
@@ -60,11 +65,20 @@ pub struct Options {
     pub seed: u64,
     /// Names of the effects to look for; all where empty.
     pub candidates: Vec<String>,
+    /// What decides whether an effect found is reported.
+    pub criteria: Criteria,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { trust: Trust::Structure, alpha: 0.05, max_findings: 12, seed: 0, candidates: Vec::new() }
+        Options {
+            trust: Trust::Structure,
+            alpha: 0.05,
+            max_findings: 12,
+            seed: 0,
+            candidates: Vec::new(),
+            criteria: Criteria::default(),
+        }
     }
 }
 

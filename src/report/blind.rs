@@ -54,7 +54,8 @@ fn answer(answer: &Answer) -> String {
         None => " not told".to_owned(),
     });
     let taken_back = if answer.verdict == "unexplained" { " (tentative)" } else { "" };
-    format!("{}{}{taken_back} p {:.0e}", answer.names.join(" or "), values.collect::<String>(), answer.family_wise_p)
+    let p = answer.family_wise_p.map_or_else(String::new, |p| format!(" p {p:.0e}"));
+    format!("{}{}{taken_back}{p}", answer.names.join(" or "), values.collect::<String>())
 }
 
 /// The counts for people.

@@ -7,6 +7,7 @@ mod extended;
 mod faults;
 mod forms;
 mod map;
+mod relevance;
 mod smoothing;
 mod structure;
 

@@ -8,15 +8,16 @@ use super::inertias::{Gain, all_inertias};
 use super::outcome::Conclusion;
 use super::residual_structure::residual_structure;
 use super::resimulation::{Replay, joints_of};
+use super::searched::{Searched, found_that_matter};
 use super::traces::Evidence;
 use crate::channels::Channels;
 use crate::diagnosis::Options;
-use crate::diagnosis::lack_of_fit::{Unexplained, disagreement, unexplained};
+use crate::diagnosis::lack_of_fit::disagreement;
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{Arm, Known, Member, Session, Side};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined, rms};
-use crate::diagnosis::search::{Found, Selection, select};
+use crate::diagnosis::search::{Found, Selection};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::Placed;
 use crate::error::{Error, Result};
@@ -88,19 +89,18 @@ pub(super) fn conclude<'a>(
     let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
     let simulation = as_described(&session, &input.present)?;
     let map = residual_map(&session, options)?;
-    let mut selection = select(&mut session, options, progress)?;
-    let mut left = unexplained(&session, &selection, options.alpha)?;
+    let mut searched = Searched::new(&mut session, options, progress)?;
     let mut inertias = None;
     if options.trust == Trust::Nominal && input.reference.is_empty() {
         let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
-        if let Some(free) = all_inertias(&session, (&selection, &left), free, train, test, options, progress)? {
-            (session, selection, left) = (free.session, free.selection, free.unexplained);
+        if let Some(free) = all_inertias(&session, &searched, free, train, test, options, progress)? {
+            (session, searched) = (free.session, free.searched);
             inertias = Some(free.gain);
         }
     }
     let present = input.present.clone();
     let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present, map };
-    answer(session, selection, left, circumstances, options)
+    answer(session, searched, circumstances, options)
 }
 
 /// The arm as its reference logs show it, with the effects found there: they were there before the change.
@@ -120,7 +120,7 @@ fn identified<'a>(
         Ok(session) => session,
         Err(_) => Session::knowing(model, options.trust, described, reference, reference)?,
     };
-    let found = select(&mut session, options, progress)?.found;
+    let found = found_that_matter(&mut session, options, progress)?.0.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
     Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
 }
@@ -173,12 +173,12 @@ struct Circumstances {
 
 fn answer<'a>(
     session: Session<'a>,
-    selection: Selection,
-    mut unexplained: Vec<Unexplained>,
+    searched: Searched,
     circumstances: Circumstances,
     options: &Options,
 ) -> Result<Concluded<'a>> {
     let Circumstances { simulation, before, inertias, held_out_from_training, present, map } = circumstances;
+    let Searched { selection, minor, mut unexplained } = searched;
     let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
         selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
@@ -229,6 +229,7 @@ fn answer<'a>(
         candidates: options.candidates.clone(),
         against_reference: session.train.rows.before > 0,
         effective_tests: multiplicity.all(),
+        criteria: options.criteria,
     };
     let logs = LogSummary {
         rates_hz: rates_hz(&session),
@@ -249,6 +250,7 @@ fn answer<'a>(
         derived,
         of_sampling,
         inertias,
+        minor,
         unexplained,
         map,
         next_experiment,

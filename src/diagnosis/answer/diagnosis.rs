@@ -6,11 +6,13 @@ use super::inertias::Gain;
 use super::residual_structure::ResidualStructure;
 use super::traces::Evidence;
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
 use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::model::{Family, Member, Session, is_candidate, is_wanted, places};
 use crate::diagnosis::regression::rms;
+use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Alternative, Found, Verdict};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{LIBRARY, Nature, Parameter, Placed};
@@ -68,6 +70,8 @@ pub struct Scope {
     pub against_reference: bool,
     /// Number of independent tests that the scan is worth.
     pub effective_tests: f64,
+    /// What decides whether an effect found is reported.
+    pub criteria: Criteria,
 }
 
 /// What the logs are, and how they were filtered.
@@ -129,6 +133,8 @@ pub struct Diagnosis {
     pub derived: Vec<Vec<Derived>>,
     /// Delays and lags of the torque that are of the sampling: in the model, and no effects.
     pub of_sampling: Vec<OfSampling>,
+    /// Effects found that do not matter, each with the gate that it failed: not in the model.
+    pub minor: Vec<Minor>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
     pub inertias: Option<Gain>,
     /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.
@@ -324,7 +330,7 @@ mod tests {
     fn a_name_that_leaves_as_much_as_the_noise_is_taken_back() {
         // Of an excess of 15 in units of the noise, 1.2 are left, or 0.8; without structure a name stands all the same.
         let structure = |sure| {
-            let (family_wise_p, instead_of) = (1e-6, Vec::new());
+            let (family_wise_p, instead_of) = (Some(1e-6), Vec::new());
             Unexplained { joint: 0, share: 0.3, structure: "follows the speed", family_wise_p, sure, instead_of }
         };
         let left = |excess: f64, unexplained: &[Unexplained]| {

@@ -1,11 +1,13 @@
 //! The content of `diagnosis.json`.
 
-use super::findings::{Finding, finding, findings, joints};
+use super::findings::{Finding, NamedParameter, finding, findings, joints};
 use super::gap::Share;
 use super::notices;
 use super::outcome::{Answer, Conclusion};
 use super::residual_structure::ResidualStructure;
+use crate::diagnosis::criteria::{Criteria, Judgement};
 use crate::diagnosis::logs::{Consequence, DataFault};
+use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::Verdict;
 use crate::diagnosis::variance::{JointMap, Line, Part};
 use crate::quality::Kind;
@@ -46,6 +48,11 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     reference: Vec<Finding>,
     findings: Vec<Finding>,
+    /// Effects found that do not matter, not in the extended model.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    smaller_findings: Vec<SmallerFinding>,
+    /// Thresholds that decide what is a finding.
+    criteria: Criteria,
     /// What the residual of the baseline follows, joint by joint, in means of 80 ms over all logs.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     residual_map: Vec<MapOfJoint>,
@@ -55,6 +62,25 @@ pub(super) struct Document {
     unexplained: Vec<Unexplained>,
     next_experiment: String,
     data_quality: Vec<Quality>,
+}
+
+/// An effect found that does not matter.
+#[derive(Debug, Serialize)]
+struct SmallerFinding {
+    effect: &'static str,
+    joints: Vec<String>,
+    parameters: Vec<NamedParameter>,
+    /// Root of the difference of the training logs' mean squares with and without it, per joint.
+    size_nm: Vec<f64>,
+    /// The gate that it failed.
+    failed: Judgement,
+}
+
+impl SmallerFinding {
+    fn new(robot: &Robot, minor: &Minor) -> Self {
+        let Finding { effect, joints, parameters, .. } = finding(robot, &minor.found, &[]);
+        SmallerFinding { effect, joints, parameters, size_nm: minor.size.clone(), failed: minor.failed }
+    }
 }
 
 /// What the residual of one joint follows; root mean squares in the unit of its effort.
@@ -144,7 +170,8 @@ struct Unexplained {
     joint: String,
     share: f64,
     structure: &'static str,
-    family_wise_p: f64,
+    /// Null where none was worked out.
+    family_wise_p: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -231,6 +258,8 @@ impl Document {
             baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
             reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
             findings: findings(robot, diagnosis),
+            smaller_findings: diagnosis.minor.iter().map(|minor| SmallerFinding::new(robot, minor)).collect(),
+            criteria: diagnosis.scope.criteria,
             residual_map: diagnosis.map.joints.iter().map(|map| MapOfJoint::new(robot, map)).collect(),
             extended: Some(Extended {
                 test_rms_nm: known(&diagnosis.errors.extended_test_rms),

@@ -32,8 +32,8 @@ pub struct Finding {
     pub parameters: Vec<NamedParameter>,
     /// Whether any of its amplitudes differs surely from zero.
     pub size_told: bool,
-    /// Family-wise p-value.
-    pub family_wise_p: f64,
+    /// Family-wise p-value; None where none was worked out.
+    pub family_wise_p: Option<f64>,
     /// Root mean square of the held-out residual without the effect, per joint, N m (N).
     pub test_rms_before_nm: Vec<f64>,
     /// The same with it.
@@ -88,7 +88,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
         alternatives: Vec::new(),
         parameters: Vec::new(),
         size_told: false,
-        family_wise_p: 0.0,
+        family_wise_p: None,
         test_rms_before_nm: before,
         test_rms_after_nm: after,
         gain_lower_bound: gain.lower_bound,
@@ -122,7 +122,7 @@ pub fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Finding {
             .collect(),
         size_told: found.member.is_sized(),
         joints: own,
-        family_wise_p: found.family_wise_p,
+        family_wise_p: Some(found.family_wise_p),
         test_rms_before_nm: before,
         test_rms_after_nm: after,
         gain_lower_bound: found.gain_lower_bound,

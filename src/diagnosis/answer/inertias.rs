@@ -4,12 +4,13 @@
 //! for several wrong links, the search is made once more with all base parameters free; if that predicts the held-out logs
 //! surely better, and leaves less without a name, the inertias are what is wrong.
 
+use super::searched::Searched;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Gains;
-use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
+use crate::diagnosis::lack_of_fit::Unexplained;
 use crate::diagnosis::model::{Known, Session};
 use crate::diagnosis::regression::rms;
-use crate::diagnosis::search::{Found, Selection, select};
+use crate::diagnosis::search::Found;
 use crate::effects::Site;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -36,9 +37,7 @@ pub(super) struct Free<'a> {
     /// Logs and arm.
     pub session: Session<'a>,
     /// What was found with the inertias free.
-    pub selection: Selection,
-    /// What stays unexplained then.
-    pub unexplained: Vec<Unexplained>,
+    pub searched: Searched,
     /// What it gains on the held-out logs over the search with inertias trusted.
     pub gain: Gain,
 }
@@ -50,7 +49,7 @@ pub(super) struct Free<'a> {
 /// If a log is too short to differentiate.
 pub(super) fn all_inertias<'a>(
     trusted: &Session<'a>,
-    (selection, left): (&Selection, &[Unexplained]),
+    trusting: &Searched,
     known: Known<'a>,
     train: &[&Recording],
     test: &[&Recording],
@@ -58,15 +57,16 @@ pub(super) fn all_inertias<'a>(
     progress: &mut dyn FnMut(usize),
 ) -> Result<Option<Free<'a>>> {
     let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
+    let Searched { selection, unexplained: left, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
     let left = surely_left(left);
     if bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS {
         return Ok(None);
     }
     let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
-    let free = select(&mut session, options, progress)?;
-    let unexplained = unexplained(&session, &free, options.alpha)?;
-    let left_free = surely_left(&unexplained);
+    let searched = Searched::new(&mut session, options, progress)?;
+    let free = &searched.selection;
+    let left_free = surely_left(&searched.unexplained);
     if left_free > left || (left_free == left && free.found.len() >= selection.found.len()) {
         return Ok(None);
     }
@@ -80,7 +80,7 @@ pub(super) fn all_inertias<'a>(
     let lower_bound = Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound();
     let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
     let gain = Gain { lower_bound, rms };
-    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, selection: free, unexplained, gain }))
+    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, searched, gain }))
 }
 
 /// Number of joints of which something surely stays unexplained.

@@ -18,6 +18,7 @@ pub mod notices;
 mod outcome;
 mod residual_structure;
 mod resimulation;
+mod searched;
 mod traces;
 
 pub use builder::{DiagnosisBuilder, Progress};

@@ -112,6 +112,12 @@ impl Gains {
         self.share() + SURELY * self.std / self.before < 0.0
     }
 
+    /// Standard deviations by which the sum of squares grows; negative where it falls, zero where nothing changes.
+    pub fn growth(&self) -> f64 {
+        let gain: f64 = self.of_rows.iter().sum();
+        if self.std > 0.0 { -gain / self.std } else { 0.0 }
+    }
+
     /// Whether the chance in the gain is that of the noise: the residual holds little else.
     pub fn is_calm(&self) -> bool {
         self.std < CALM * self.expected_std

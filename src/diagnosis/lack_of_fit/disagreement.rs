@@ -40,7 +40,7 @@ pub fn disagreement(
             joint,
             share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
             structure: LOGS_DISAGREE,
-            family_wise_p: 0.0,
+            family_wise_p: None,
             sure: true,
             instead_of: Vec::new(),
         })

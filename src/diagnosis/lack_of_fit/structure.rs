@@ -51,8 +51,8 @@ pub struct Unexplained {
     pub share: f64,
     /// What it follows.
     pub structure: &'static str,
-    /// Probability of as much without structure, on any joint.
-    pub family_wise_p: f64,
+    /// Probability of as much without structure, on any joint; None where none was worked out.
+    pub family_wise_p: Option<f64>,
     /// Whether training and held-out logs each show it surely: names on the joint are weighed against it.
     pub sure: bool,
     /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
@@ -260,7 +260,7 @@ impl<'a> Fitted<'a> {
         let instead_of = if weighs { self.empty_beside(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
         let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
-        told.then_some(Unexplained { joint, share, structure, family_wise_p, sure, instead_of })
+        told.then_some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), sure, instead_of })
     }
 
     /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.

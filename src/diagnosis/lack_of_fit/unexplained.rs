@@ -46,7 +46,7 @@ impl Fitted<'_> {
         for (block, again) in kinds {
             let Some(seen) = self.seen(&place, &block) else { continue };
             // What stands for a name comes before what does not, then the likelier.
-            let is_weaker = best.as_ref().is_some_and(|best| seen.family_wise_p >= best.family_wise_p);
+            let is_weaker = best.as_ref().is_some_and(|best| Some(seen.family_wise_p) >= best.family_wise_p);
             let is_settled = best.as_ref().is_some_and(|best| !place.has_names || !best.instead_of.is_empty());
             if is_weaker && is_settled {
                 continue;
@@ -81,7 +81,7 @@ impl Fitted<'_> {
             joint: place.joint,
             share: self.under.share(place.joint, test.statistic),
             structure: "drifts over time",
-            family_wise_p,
+            family_wise_p: Some(family_wise_p),
             sure: true,
             instead_of: Vec::new(),
         })
@@ -103,7 +103,7 @@ impl Fitted<'_> {
             joint,
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
-            family_wise_p,
+            family_wise_p: Some(family_wise_p),
             sure: again.log_p < CONFIRMED.ln(),
             instead_of: Vec::new(),
         })

@@ -138,6 +138,18 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     Ok(Selection { found, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
 }
 
+impl Selection {
+    /// Fits the effects found once more, after some were taken out.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn settle(&mut self, session: &mut Session) -> Result<()> {
+        (self.whitener, _) = settled(session, &mut self.found)?;
+        self.held_out = tell_rms(session, &mut self.found, &self.whitener)?;
+        Ok(())
+    }
+}
+
 /// Tells of each effect what of the held-out logs is left before and after it; returns what is left after all.
 fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
     let all = members(found);

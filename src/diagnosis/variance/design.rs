@@ -17,6 +17,9 @@ const FEWEST: usize = 2;
 /// Share of a fixed column that must be left over the others for it to be more than rounding.
 const ROUNDING: f64 = 1e-5;
 
+/// Share of a law's square, beyond the model, in its mean from which it counts as a constant.
+const CONSTANT: f64 = 0.9;
+
 /// One joint's regression. All matrices have a row per averaged row.
 #[derive(Debug, Clone)]
 pub(super) struct Design {
@@ -24,8 +27,11 @@ pub(super) struct Design {
     pub y: DVector<f64>,
     /// Generic functions with the fixed columns projected out, each kind scaled to one squared per row.
     pub z: DMatrix<f64>,
-    /// Columns of each kind.
-    pub kinds: Vec<(Kind, Range<usize>)>,
+    /// Inner products of the generic functions with each other, and with the torque.
+    pub gram: DMatrix<f64>,
+    pub right: DVector<f64>,
+    /// Columns of each kind; None for those of a law.
+    pub kinds: Vec<(Option<Kind>, Range<usize>)>,
     /// Rank of the fixed columns.
     pub rank: usize,
     /// Rows that follow each other without a gap.
@@ -34,6 +40,14 @@ pub(super) struct Design {
     pub time: Vec<usize>,
     /// Log of each row.
     pub log: Vec<usize>,
+}
+
+impl Design {
+    /// The same without the columns of a law.
+    pub fn without_law(mut self) -> Self {
+        self.kinds.retain(|(kind, _)| kind.is_some());
+        self
+    }
 }
 
 /// Averages over consecutive rows of each log, where enough of them are valid.
@@ -101,7 +115,7 @@ pub(super) struct Raw {
     y: DVector<f64>,
     x: DMatrix<f64>,
     z: DMatrix<f64>,
-    kinds: Vec<(Kind, Range<usize>)>,
+    kinds: Vec<(Option<Kind>, Range<usize>)>,
     runs: Vec<Range<usize>>,
     time: Vec<usize>,
     log: Vec<usize>,
@@ -116,7 +130,7 @@ impl Raw {
         for kind in Kind::ALL {
             let start = columns.len();
             columns.extend(signals.functions(kind).iter().map(|signal| averages.of(Some(signal))));
-            kinds.push((kind, start..columns.len()));
+            kinds.push((Some(kind), start..columns.len()));
         }
         let fixed: Vec<DVector<f64>> = source
             .fixed
@@ -140,6 +154,29 @@ impl Raw {
         }
     }
 
+    /// With the columns of a law as one more kind, and the share of their square that is left in the means.
+    pub fn with_law(mut self, source: &Source, law: &[Column], joint: usize) -> (Self, f64) {
+        let averages = Averages::new(source.rows, joint);
+        let start = self.z.ncols();
+        let (mut left, mut all) = (0.0, 0.0);
+        for signal in law.iter().filter_map(|column| column.part(joint)) {
+            let mean = averages.of(Some(signal));
+            let squares = |members: &Vec<usize>| {
+                members.iter().map(|&row| signal[row].powi(2)).sum::<f64>() / members.len() as f64
+            };
+            let square: f64 = averages.members.iter().map(squares).sum();
+            if square > 0.0 {
+                left += mean.norm_squared() / square;
+                all += 1.0;
+                let place = self.z.ncols();
+                self.z = self.z.insert_column(place, 0.0);
+                self.z.set_column(place, &(mean / square.sqrt()));
+            }
+        }
+        self.kinds.push((None, start..self.z.ncols()));
+        (self, if all > 0.0 { left / all } else { 0.0 })
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.y.len()
@@ -153,10 +190,19 @@ impl Raw {
         let y = complement(self.whitened(&DMatrix::from_columns(std::slice::from_ref(&self.y)), rho));
         let mut z = complement(self.whitened(&self.z, rho));
         let offset = z.columns(self.kinds[0].1.start, self.kinds[0].1.len()).normalize();
-        for (_, columns) in &self.kinds[1..] {
+        for (_, columns) in self.kinds[1..].iter().filter(|(kind, _)| kind.is_some()) {
             let mut part = z.columns_mut(columns.start, columns.len());
             let along = offset.tr_mul(&part);
             part -= &offset * along;
+        }
+        // A law that is a constant beyond the model must not share it with the kind of constants.
+        let laws = self.kinds.iter().filter(|(kind, _)| kind.is_none()).flat_map(|(_, columns)| columns.clone());
+        let is_constant = |column: usize| {
+            let law = z.column(column);
+            offset.column(0).dot(&law).powi(2) > CONSTANT * law.norm_squared()
+        };
+        if laws.into_iter().any(is_constant) {
+            z.column_mut(self.kinds[0].1.start).fill(0.0);
         }
         for (_, columns) in &self.kinds {
             let mut part = z.columns_mut(columns.start, columns.len());
@@ -165,8 +211,11 @@ impl Raw {
                 part /= mean.sqrt();
             }
         }
+        let y = y.column(0).into_owned();
         Design {
-            y: y.column(0).into_owned(),
+            gram: z.tr_mul(&z),
+            right: z.tr_mul(&y),
+            y,
             z,
             kinds: self.kinds.clone(),
             rank: basis.ncols(),

@@ -5,6 +5,7 @@ use super::kinds::Kind;
 use super::lines::{Line, lines};
 use super::mixed::{Fit, fit};
 use super::sign_flips::p_values;
+use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Arm, Side};
 use crate::diagnosis::regression::{Column, Projection};
 use crate::linear::{inner_product, root_mean_square};
@@ -79,10 +80,7 @@ impl ResidualMap {
     /// Of what `fixed` leaves of the torque of `side`, along the torque of `arm`; `alpha` is the family-wise level.
     pub fn new(side: &Side, fixed: &[Column], arm: &Arm, alpha: f64, seed: u64) -> Self {
         let rows = &side.rows;
-        let torque = arm.all_torque(rows);
-        let torque: Vec<Vec<f64>> = (0..rows.dof())
-            .map(|joint| torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec))
-            .collect();
+        let torque = torques(arm, rows);
         let source = Source { rows, torque: &side.torque, fixed, arm: &torque };
         let joints: Vec<usize> = (0..rows.dof()).filter(|&joint| rows.valid[joint].contains(&true)).collect();
         let tested = joints.len() as f64;
@@ -100,8 +98,15 @@ impl ResidualMap {
     }
 }
 
-fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
-    let raw = Raw::new(source, joint);
+/// Torque of an arm on every joint over rows, `[joint][row]`, N m.
+pub(super) fn torques(arm: &Arm, rows: &Rows) -> Vec<Vec<f64>> {
+    let torque = arm.all_torque(rows);
+    let part = |joint| torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
+    (0..rows.dof()).map(part).collect()
+}
+
+/// The regression made white with the first-order correlation that its own fit leaves, the fit, and that correlation.
+pub(super) fn coloured_fit(raw: &Raw) -> (Design, Fit, f64) {
     let mut rho = 0.0;
     let mut design = raw.design(rho);
     let mut fitted = fit(&design);
@@ -114,6 +119,12 @@ fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
         design = raw.design(rho);
         fitted = fit(&design);
     }
+    (design, fitted, rho)
+}
+
+fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
+    let raw = Raw::new(source, joint);
+    let (design, fitted, rho) = coloured_fit(&raw);
     let p = p_values(&design, &fitted, seed, joint);
     let all = coloured((&design.y - &fitted.residual).as_slice(), &design, rho);
     // Parts that cancel each other count for what they add to the sum: the shares of the sum's square add up to it.
@@ -126,7 +137,10 @@ fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
         .iter()
         .zip(&fitted.parts)
         .zip(p)
-        .map(|(((kind, _), part), p)| Part { follows: *kind, rms: size(part), p, family_wise_p: p, significant: false })
+        .filter_map(|(((kind, _), part), p)| {
+            let follows = (*kind)?;
+            Some(Part { follows, rms: size(part), p, family_wise_p: p, significant: false })
+        })
         .collect();
     parts.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     let rows = source.rows;

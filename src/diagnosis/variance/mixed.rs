@@ -1,7 +1,9 @@
 //! Restricted maximum likelihood of the strengths of random effects.
 
 use super::design::Design;
+use super::kinds::Kind;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::ops::Range;
 
 /// Rounds of the fixed point; strengths that matter settle within half as many.
 const ROUNDS: usize = 40;
@@ -22,12 +24,14 @@ pub(super) struct Fit {
     pub parts: Vec<DVector<f64>>,
     /// Degrees of freedom that the random effects take.
     pub freedom: f64,
+    /// Logarithm of the restricted likelihood, but for what no strength changes.
+    pub log_likelihood: f64,
 }
 
 /// The posterior of the random effects under given strengths: `A = Z'Z / noise + diag(1 / s^2)`, factored.
 pub(super) struct Posterior {
-    /// Their matrix.
-    pub z: DMatrix<f64>,
+    /// Columns of the design that are present.
+    pub columns: Vec<usize>,
     /// The factor of A.
     pub factor: Cholesky<f64, Dyn>,
 }
@@ -46,75 +50,110 @@ impl Posterior {
         if columns.is_empty() {
             return None;
         }
-        let z = design.z.select_columns(&columns);
-        let a = z.tr_mul(&z) / noise + DMatrix::from_diagonal(&DVector::from_vec(prior));
-        Some(Posterior { factor: a.cholesky()?, z })
+        let mut a = design.gram.select_rows(&columns).select_columns(&columns) / noise;
+        prior.into_iter().enumerate().for_each(|(k, precision)| a[(k, k)] += precision);
+        Some(Posterior { factor: a.cholesky()?, columns })
     }
 
     /// Means of the random effects, given the torque.
-    pub fn mean(&self, y: &DVector<f64>, noise: f64) -> DVector<f64> {
-        self.factor.solve(&(self.z.tr_mul(y) / noise))
+    fn mean(&self, design: &Design, noise: f64) -> DVector<f64> {
+        self.factor.solve(&(design.right.select_rows(&self.columns) / noise))
     }
 
     /// What is outside the reach of the random effects, shrunk as they are: `(I - Z A^-1 Z' / noise) columns`.
-    pub fn residual_of(&self, columns: &DMatrix<f64>, noise: f64) -> DMatrix<f64> {
-        columns - &self.z * self.factor.solve(&(self.z.tr_mul(columns) / noise))
+    pub fn residual_of(&self, design: &Design, columns: &DMatrix<f64>, noise: f64) -> DMatrix<f64> {
+        let z = design.z.select_columns(&self.columns);
+        columns - &z * self.factor.solve(&(z.tr_mul(columns) / noise))
+    }
+
+    /// Logarithm of the determinant of A.
+    fn log_determinant(&self) -> f64 {
+        2.0 * self.factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
     }
 }
 
 /// Fits strengths and noise.
 pub(super) fn fit(design: &Design) -> Fit {
-    let (rows, count) = (design.y.len(), design.kinds.len());
+    let rows = design.y.len();
     let free = (rows.saturating_sub(design.rank)).max(1) as f64;
-    let mut noise = (design.y.norm_squared() / free).max(f64::MIN_POSITIVE);
-    let mut fit = Fit {
-        strengths: vec![0.1 * noise; count],
-        noise,
-        residual: design.y.clone(),
-        parts: vec![DVector::zeros(rows); count],
-        freedom: 0.0,
-    };
+    let square = design.y.norm_squared();
+    let mut noise = (square / free).max(f64::MIN_POSITIVE);
+    // A kind without functions, as of other joints where there are none, stays absent.
+    let start = |(_, range): &(Option<Kind>, Range<usize>)| if range.is_empty() { 0.0 } else { 0.1 * noise };
+    let mut strengths: Vec<f64> = design.kinds.iter().map(start).collect();
     for _ in 0..ROUNDS {
-        let Some(posterior) = Posterior::new(design, &fit.strengths, noise) else {
-            fit.strengths.fill(0.0);
-            fit.parts.iter_mut().for_each(|part| part.fill(0.0));
-            (fit.residual, fit.freedom, noise) = (design.y.clone(), 0.0, design.y.norm_squared() / free);
+        let Some(posterior) = Posterior::new(design, &strengths, noise) else {
+            strengths.fill(0.0);
+            noise = (square / free).max(f64::MIN_POSITIVE);
             break;
         };
-        let mean = posterior.mean(&design.y, noise);
+        let mean = posterior.mean(design, noise);
         let covariance = posterior.factor.inverse();
-        fit.residual = &design.y - &posterior.z * &mean;
-        fit.freedom = 0.0;
+        let mut taken = 0.0;
         let mut place = 0;
-        for (k, (_, range)) in design.kinds.iter().enumerate() {
-            let strength = fit.strengths[k];
-            if strength <= ABSENT * noise {
-                fit.strengths[k] = 0.0;
-                fit.parts[k].fill(0.0);
+        for ((_, range), strength) in design.kinds.iter().zip(&mut strengths) {
+            if *strength <= ABSENT * noise {
+                *strength = 0.0;
                 continue;
             }
             let own = place..place + range.len();
             place = own.end;
-            let effects = mean.rows(own.start, own.len());
+            let size = mean.rows(own.start, own.len()).norm_squared();
             let spread: f64 = own.clone().map(|i| covariance[(i, i)]).sum();
-            let freedom = (own.len() as f64 - spread / strength).max(0.0);
-            fit.freedom += freedom;
-            fit.parts[k] = posterior.z.columns(own.start, own.len()) * effects;
+            let freedom = (own.len() as f64 - spread / *strength).max(0.0);
+            taken += freedom;
             // The update of expectation maximisation: slower than MacKay's near the end, but it cannot overshoot from far away.
-            let em = (effects.norm_squared() + spread) / own.len() as f64;
-            let fixed_point = if freedom > 1e-3 { effects.norm_squared() / freedom } else { 0.0 };
-            fit.strengths[k] = if fixed_point < em { fixed_point } else { (em * fixed_point).sqrt() };
+            let em = (size + spread) / own.len() as f64;
+            let fixed_point = if freedom > 1e-3 { size / freedom } else { 0.0 };
+            *strength = if fixed_point < em { fixed_point } else { (em * fixed_point).sqrt() };
         }
-        noise = (fit.residual.norm_squared() / (free - fit.freedom).max(1.0)).max(f64::MIN_POSITIVE);
+        let gram = design.gram.select_rows(&posterior.columns).select_columns(&posterior.columns);
+        let right = design.right.select_rows(&posterior.columns);
+        let left = square - 2.0 * mean.dot(&right) + mean.dot(&(gram * &mean));
+        noise = (left / (free - taken).max(1.0)).max(f64::MIN_POSITIVE);
     }
-    fit.noise = noise;
+    settled(design, strengths, noise)
+}
+
+/// The fit under strengths and noise that are settled.
+fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
+    let (rows, square) = (design.y.len(), design.y.norm_squared());
+    let free = (rows.saturating_sub(design.rank)).max(1) as f64;
+    let mut fit = Fit {
+        residual: design.y.clone(),
+        parts: vec![DVector::zeros(rows); strengths.len()],
+        freedom: 0.0,
+        log_likelihood: -0.5 * (free * noise.ln() + square / noise),
+        strengths,
+        noise,
+    };
+    let Some(posterior) = Posterior::new(design, &fit.strengths, noise) else { return fit };
+    let mean = posterior.mean(design, noise);
+    let covariance = posterior.factor.inverse();
+    let mut place = 0;
+    let mut log_prior = 0.0;
+    for (k, (_, range)) in design.kinds.iter().enumerate() {
+        let strength = fit.strengths[k];
+        if strength <= ABSENT * noise {
+            continue;
+        }
+        let own = place..place + range.len();
+        place = own.end;
+        let spread: f64 = own.clone().map(|i| covariance[(i, i)]).sum();
+        fit.freedom += (own.len() as f64 - spread / strength).max(0.0);
+        fit.parts[k] = design.z.columns(range.start, range.len()) * mean.rows(own.start, own.len());
+        fit.residual -= &fit.parts[k];
+        log_prior += own.len() as f64 * strength.ln();
+    }
+    // The marginal covariance of the torque is V = noise I + sum s^2 Z Z': log |V| = rows log noise + log |A| + sum log s^2.
+    let along = mean.dot(&design.right.select_rows(&posterior.columns)) / noise;
+    fit.log_likelihood = -0.5 * (free * noise.ln() + posterior.log_determinant() + log_prior + square / noise - along);
     fit
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::diagnosis::variance::kinds::Kind;
     use crate::random::stream;
     use rand_distr::{Distribution, StandardNormal};
 
@@ -129,10 +168,13 @@ pub(super) mod tests {
         let effects = DVector::from_fn(each, |_, _| normal());
         let mut part = z.columns(0, each) * effects;
         part *= size / (part.norm_squared() / rows as f64).sqrt();
+        let y = part + DVector::from_fn(rows, |_, _| normal());
         Design {
-            y: part + DVector::from_fn(rows, |_, _| normal()),
+            gram: z.tr_mul(&z),
+            right: z.tr_mul(&y),
+            y,
             z,
-            kinds: vec![(Kind::Position, 0..each), (Kind::Speed, each..2 * each)],
+            kinds: vec![(Some(Kind::Position), 0..each), (Some(Kind::Speed), each..2 * each)],
             rank: 0,
             runs: std::iter::once(0..rows).collect(),
             time: (0..rows).collect(),
@@ -158,5 +200,34 @@ pub(super) mod tests {
             fit.parts.iter().all(|part| (part.norm_squared() / 600.0).sqrt() < 0.2)
         };
         assert!((0..10).filter(|&seed| small(seed)).count() >= 9);
+    }
+
+    #[test]
+    fn a_kind_without_functions_is_absent() {
+        let mut design = one_kind_of_two(1.0, 2);
+        design.kinds.push((None, 12..12));
+        let fit = fit(&design);
+        assert!(fit.strengths[2] == 0.0 && fit.log_likelihood.is_finite(), "{fit:?}");
+    }
+
+    /// The density of a multivariate normal with the marginal covariance, worked out row by row.
+    #[test]
+    fn the_likelihood_is_that_of_the_marginal_covariance() {
+        let mut design = one_kind_of_two(1.0, 3);
+        let keep: Vec<usize> = (0..60).collect();
+        design.z = design.z.select_rows(&keep);
+        design.y = design.y.select_rows(&keep);
+        (design.gram, design.right) = (design.z.tr_mul(&design.z), design.z.tr_mul(&design.y));
+        let (strengths, noise) = (vec![0.7, 0.2], 1.3);
+        let mut covariance = DMatrix::identity(60, 60) * noise;
+        for ((_, range), strength) in design.kinds.iter().zip(&strengths) {
+            let z = design.z.columns(range.start, range.len());
+            covariance += z * z.transpose() * *strength;
+        }
+        let factor = covariance.cholesky().unwrap();
+        let log_determinant = 2.0 * factor.l().diagonal().iter().map(|x: &f64| x.ln()).sum::<f64>();
+        let expected = -0.5 * (log_determinant + design.y.dot(&factor.solve(&design.y)));
+        let found = settled(&design, strengths, noise).log_likelihood;
+        assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
     }
 }

@@ -11,11 +11,13 @@
 
 mod design;
 mod kinds;
+mod laws;
 mod lines;
 mod map;
 mod mixed;
 mod sign_flips;
 
 pub use kinds::Kind;
+pub use laws::gain_beside_generic_functions;
 pub use lines::Line;
 pub use map::{JointMap, Part, ResidualMap};

@@ -40,7 +40,9 @@ pub(super) fn p_values(design: &Design, fit: &Fit, seed: u64, joint: usize) -> V
             let own = design.z.columns(columns.start, columns.len()).into_owned();
             let y = DMatrix::from_columns(std::slice::from_ref(&design.y));
             let (own, residual) = match Posterior::new(design, &strengths, fit.noise) {
-                Some(posterior) => (posterior.residual_of(&own, fit.noise), posterior.residual_of(&y, fit.noise)),
+                Some(posterior) => {
+                    (posterior.residual_of(design, &own, fit.noise), posterior.residual_of(design, &y, fit.noise))
+                }
                 None => (own, y),
             };
             let observed = own.tr_mul(&residual).norm_squared();

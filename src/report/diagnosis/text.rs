@@ -2,8 +2,8 @@
 
 use crate::diagnosis::notices::{effort, extrapolation, mixed_rates, remedy, sampling, with_unit};
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, NOT_SIZED, NamedParameter,
-    Play, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NOT_SIZED,
+    NamedParameter, Play, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
 };
 use crate::report::console::{by_joint, significant, table};
 use crate::robot::Robot;
@@ -53,6 +53,7 @@ pub(crate) fn lines(
         let open = if told.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", told.explanation));
     }
+    lines.extend(smaller(robot, diagnosis));
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
@@ -167,6 +168,37 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         effort(&robot.joints[joint], after[joint]),
         effort(&robot.joints[joint], diagnosis.errors.noise_floor[joint])
     )
+}
+
+/// "and 3 smaller effects, together 0.3 N m on joint_2 at most: diagnosis.json lists them"
+fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let count = diagnosis.minor.len();
+    let all: Vec<f64> = (0..robot.dof())
+        .map(|joint| diagnosis.minor.iter().map(|minor| minor.size[joint].powi(2)).sum::<f64>().sqrt())
+        .collect();
+    let joint = (0..all.len()).max_by(|&a, &b| all[a].total_cmp(&all[b])).filter(|_| count > 0)?;
+    let effects = if count == 1 { "effect that does" } else { "effects that do" };
+    let names: Vec<String> = diagnosis
+        .minor
+        .iter()
+        .take(MENTIONED)
+        .map(|minor| {
+            let family = minor.found.member.candidate.family();
+            format!("{} {}", place(robot, family), minor.failed.gate.reason())
+        })
+        .collect();
+    let size = effort(&robot.joints[joint], all[joint]);
+    Some(format!(
+        "- And {count} smaller {effects} not count, together {size} on {}: {} (diagnosis.json lists all).",
+        robot.joints[joint].name,
+        names.join("; ")
+    ))
+}
+
+/// The joint on which a smaller effect is largest over all joints, and its size there.
+pub(crate) fn largest(minor: &Minor) -> (usize, f64) {
+    let sizes = minor.size.iter().copied().enumerate();
+    sizes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
 }
 
 /// What shows a gear's play.

@@ -87,7 +87,7 @@ pub(crate) struct Answer {
     /// Their standard deviations; None where the logs do not tell them.
     pub std: Vec<Option<f64>>,
     /// Probability of as good a best candidate without any effect.
-    pub family_wise_p: f64,
+    pub family_wise_p: Option<f64>,
 }
 
 impl Row {
@@ -193,7 +193,7 @@ fn answers(run: &BlindRun) -> Vec<Answer> {
                 names: families.map(named).collect(),
                 parameters: found.member.placed.parameters.clone(),
                 std: found.member.std.iter().map(|std| std.is_finite().then_some(*std)).collect(),
-                family_wise_p: found.family_wise_p,
+                family_wise_p: Some(found.family_wise_p),
             }
         })
         .collect();
@@ -203,7 +203,7 @@ fn answers(run: &BlindRun) -> Vec<Answer> {
             names: vec![ALL_INERTIAS.to_owned()],
             parameters: Vec::new(),
             std: Vec::new(),
-            family_wise_p: 0.0,
+            family_wise_p: None,
         });
     }
     answers

@@ -4,7 +4,7 @@ use super::words::{NORMAL_95, named, probability, sentence, spaced};
 use crate::diagnosis::{Diagnosis, Found, NOT_SIZED};
 use crate::effects::{About, Role};
 use crate::report::console::significant;
-use crate::report::diagnosis::impacts;
+use crate::report::diagnosis::{impacts, largest};
 use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 
@@ -17,7 +17,7 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
                 robot.joints[left.joint].name.clone(),
                 format!("{:.0} %", 100.0 * left.share),
                 left.structure.to_owned(),
-                probability(left.family_wise_p.log10()),
+                left.family_wise_p.map_or_else(|| "-".into(), |p| probability(p.log10())),
             ]
         });
         let left: Vec<Vec<String>> = left.collect();
@@ -69,6 +69,29 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         blocks.extend(confusions(robot, found, about));
     }
     Section::new("Findings", blocks)
+}
+
+/// Effects found that do not matter, where there are any.
+pub(super) fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<Section> {
+    let rows: Vec<Vec<String>> = diagnosis
+        .minor
+        .iter()
+        .map(|minor| {
+            let candidate = &minor.found.member.candidate;
+            let (joint, size) = largest(minor);
+            vec![
+                named(robot, candidate.family()),
+                format!("{} {} on {}", significant(size), robot.joints[joint].effort_unit(), robot.joints[joint].name),
+                minor.failed.gate.reason().to_owned(),
+                format!("{} (threshold {})", significant(minor.failed.value), significant(minor.failed.threshold)),
+            ]
+        })
+        .collect();
+    let text = "Effects that pass the tests of the search and are not reported as findings: they are not in the extended model.";
+    (!rows.is_empty()).then(|| {
+        let table = Block::table(["effect", "size", "why", "value"], rows);
+        Section::new("Smaller effects", vec![Block::text(text), table])
+    })
 }
 
 /// What else explains the same, or is easily taken for it.

@@ -2,6 +2,7 @@
 
 mod candidates;
 mod findings;
+mod residual_map;
 mod words;
 
 use words::{NORMAL_95, named, sentence};
@@ -47,7 +48,9 @@ pub(crate) fn page(
         contenders.push(contender("with the findings", Color::Orange));
     }
     let mut sections = vec![how_far(robot, diagnosis, resimulation)];
+    sections.push(residual_map::section(robot, diagnosis));
     sections.push(findings::section(robot, diagnosis));
+    sections.extend(findings::smaller(robot, diagnosis));
     sections.extend(evidence::sections(&joints, &contenders, ROW_S));
     sections.push(candidates::ranked(robot, diagnosis));
     sections.push(candidates::not_found(robot, diagnosis));

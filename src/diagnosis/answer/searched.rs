@@ -1,0 +1,49 @@
+//! The search with its result reduced to what matters, and what is left unexplained then.
+
+use crate::diagnosis::Options;
+use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
+use crate::diagnosis::model::Session;
+use crate::diagnosis::relevance::{Minor, eliminate, with_scatter};
+use crate::diagnosis::search::{Selection, select};
+use crate::error::Result;
+
+/// What was found in some logs.
+#[derive(Debug)]
+pub(super) struct Searched {
+    /// The effects that matter, in the model.
+    pub selection: Selection,
+    /// Smaller ones, not in the model.
+    pub minor: Vec<Minor>,
+    /// Structure that no effect explains.
+    pub unexplained: Vec<Unexplained>,
+}
+
+/// Searches for effects and takes out those that do not matter.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn found_that_matter(
+    session: &mut Session,
+    options: &Options,
+    progress: &mut dyn FnMut(usize),
+) -> Result<(Selection, Vec<Minor>)> {
+    let mut selection = select(session, options, progress)?;
+    let minor = eliminate(session, &mut selection.found, &selection.whitener, &options.criteria)?;
+    if !minor.is_empty() {
+        selection.settle(session)?;
+    }
+    with_scatter(session, &mut selection.found, &selection.whitener)?;
+    Ok((selection, minor))
+}
+
+impl Searched {
+    /// Searches the logs of `session`.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Self> {
+        let (selection, minor) = found_that_matter(session, options, progress)?;
+        let unexplained = unexplained(session, &selection, options.alpha)?;
+        Ok(Searched { selection, minor, unexplained })
+    }
+}

@@ -1,0 +1,107 @@
+//! Thresholds that decide what is reported, each with its reason, and what a gate says of a finding.
+
+use serde::Serialize;
+
+/// Thresholds that decide which effects found are reported as findings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Criteria {
+    /// Least size of a finding over the torque of a joint, both root mean square: below 2 % no simulation is better for it.
+    pub share_of_torque: f64,
+    /// The same over the excess of the baseline's residual over the noise: a tenth of what is missing matters however small
+    /// that is.
+    pub share_of_excess: f64,
+    /// Highest p-value of the strength of a finding by its scatter between blocks of the training logs (two-sided t test):
+    /// the p-value of the search takes the noise for known, this one does not.
+    pub strength_p: f64,
+    /// One-sided level at which a held-out residual that grows with a finding contradicts it, shared among the held-out logs, or
+    /// the joints.
+    pub contradicted_p: f64,
+    /// Factor by which no joint's held-out residual may grow with a finding.
+    pub worse: f64,
+    /// Least gain of the logarithm of the restricted likelihood by a law beside generic functions of all kinds: 3 are odds of
+    /// 20 to 1.
+    pub beyond_structure: f64,
+}
+
+impl Default for Criteria {
+    fn default() -> Self {
+        Criteria {
+            share_of_torque: 0.02,
+            share_of_excess: 0.1,
+            strength_p: 0.01,
+            contradicted_p: 0.05,
+            worse: 1.05,
+            beyond_structure: 3.0,
+        }
+    }
+}
+
+/// A gate that a finding must pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gate {
+    /// Its size matters: over the smaller of both least sizes.
+    Size,
+    /// Its strength differs from zero: p-value by its scatter between blocks.
+    Strength,
+    /// No held-out log contradicts it: standard deviations by which the residual of the worst one grows.
+    HeldOutLogs,
+    /// No joint is predicted worse: factor on the residual of the one that is worst.
+    EveryJoint,
+    /// It explains more than generic functions do: gain of the logarithm of the restricted likelihood.
+    BeyondStructure,
+}
+
+impl Gate {
+    /// Why a finding that fails is not reported, as the end of a sentence that begins with it.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Gate::Size => "is too small to matter",
+            Gate::Strength => "does not differ significantly from zero by its scatter between blocks",
+            Gate::HeldOutLogs => "is contradicted by a held-out log",
+            Gate::EveryJoint => "makes a joint's held-out prediction worse",
+            Gate::BeyondStructure => "explains no more than generic functions do",
+        }
+    }
+}
+
+/// What a gate says of a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Judgement {
+    /// The gate.
+    pub gate: Gate,
+    /// The value that decides.
+    pub value: f64,
+    /// The threshold that it is compared with.
+    pub threshold: f64,
+    /// Whether the finding passes.
+    pub passed: bool,
+}
+
+impl Judgement {
+    /// Passed where the value is at least the threshold.
+    pub fn at_least(gate: Gate, value: f64, threshold: f64) -> Self {
+        Judgement { gate, value, threshold, passed: value >= threshold }
+    }
+
+    /// Passed where the value is at most the threshold.
+    pub fn at_most(gate: Gate, value: f64, threshold: f64) -> Self {
+        Judgement { gate, value, threshold, passed: value <= threshold }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_side_of_a_threshold() {
+        let least = Criteria::default().beyond_structure;
+        assert!(Judgement::at_least(Gate::BeyondStructure, least, least).passed);
+        assert!(!Judgement::at_least(Gate::BeyondStructure, least - 1e-9, least).passed);
+        let most = Criteria::default().worse;
+        assert!(Judgement::at_most(Gate::EveryJoint, most, most).passed);
+        assert!(!Judgement::at_most(Gate::EveryJoint, most + 1e-9, most).passed);
+        assert!(!Judgement::at_most(Gate::Strength, f64::NAN, 0.01).passed);
+    }
+}

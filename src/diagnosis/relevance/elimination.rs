@@ -1,0 +1,96 @@
+//! Backward elimination of findings that do not matter.
+
+use super::fit::HeldFit;
+use super::gates::{Judge, Judged};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::model::{Member, Session, is_level, linear, shapes};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::search::{Found, members};
+use crate::error::Result;
+use rayon::prelude::*;
+
+/// A finding that is not reported as one.
+#[derive(Debug, Clone)]
+pub struct Minor {
+    /// What was found.
+    pub found: Found,
+    /// The gate that it failed.
+    pub failed: Judgement,
+    /// Its size on every joint: root of the difference of the training logs' mean squares with and without it, N m (N).
+    pub size: Vec<f64>,
+}
+
+/// Takes the findings that do not matter out of `found`, and returns them.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn eliminate(
+    session: &Session,
+    found: &mut Vec<Found>,
+    whitener: &Whitener,
+    criteria: &Criteria,
+) -> Result<Vec<Minor>> {
+    if found.is_empty() {
+        return Ok(Vec::new());
+    }
+    let members = members(found);
+    let judge = Judge::new(session, &members, whitener, criteria)?;
+    let mut kept: Vec<usize> = (0..members.len()).collect();
+    let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
+    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, criteria) {
+        let member = kept.remove(index);
+        tracing::debug!(family = ?members[member].candidate.family(), ?failed, "does not matter");
+        out.push((member, failed, size));
+    }
+    let minor = out.into_iter().map(|(member, failed, size)| Minor { found: found[member].clone(), failed, size });
+    let minor = minor.collect();
+    let mut member = 0;
+    found.retain(|_| {
+        member += 1;
+        kept.contains(&(member - 1))
+    });
+    Ok(minor)
+}
+
+/// Gives all findings standard deviations that hold their scatter between blocks of the training logs.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub fn with_scatter(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<()> {
+    let fit = HeldFit::new(session, &members(found), whitener)?;
+    if let Some(scatters) = fit.scatters(&(0..found.len()).collect::<Vec<usize>>()) {
+        found.iter_mut().zip(&scatters).for_each(|(found, scatter)| widen(&mut found.member, scatter));
+    }
+    Ok(())
+}
+
+/// The finding to take out next: its place among those kept, the gate it fails and its size.
+fn least_that_fails(judge: &Judge, kept: &[usize], criteria: &Criteria) -> Option<(usize, Judgement, Vec<f64>)> {
+    let mut judged = judge.of(kept);
+    let failing = judged.iter().filter_map(|one| Some((one, one.failed()?)));
+    if let Some((one, failed)) = failing.min_by(|(a, _), (b, _)| a.relative_size.total_cmp(&b.relative_size)) {
+        return Some((one.index, failed, one.size.clone()));
+    }
+    let beyond: Vec<Judgement> = judged.par_iter().map(|one| judge.beyond_structure(kept, one.index)).collect();
+    let place = (0..judged.len())
+        .filter(|&place| !beyond[place].passed)
+        .min_by(|&a, &b| beyond[a].value.total_cmp(&beyond[b].value));
+    if let Some(place) = place {
+        let Judged { index, size, .. } = judged.swap_remove(place);
+        return Some((index, beyond[place], size));
+    }
+    let (joint, factor) = judge.worse_than_baseline(kept)?;
+    let index = judge.without_which_best(kept, joint)?;
+    let one = judged.into_iter().find(|one| one.index == index)?;
+    Some((index, Judgement::at_most(Gate::EveryJoint, factor, criteria.worse), one.size))
+}
+
+/// Makes the standard deviations of a member at least those of its scatter between blocks, in the order of its columns.
+fn widen(member: &mut Member, scatter: &[f64]) {
+    let effect = member.placed.effect;
+    let places = linear(effect).into_iter().chain(shapes(effect));
+    // A level is no factor of a column: its deviation comes from the rows at it.
+    for (index, &std) in places.zip(scatter).filter(|_| !is_level(effect)) {
+        member.std[index] = member.std[index].max(std);
+    }
+}

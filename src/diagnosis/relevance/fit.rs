@@ -1,0 +1,93 @@
+//! The model with all effects found, its columns held, so that any of them can be left out and the rest fitted again at once.
+
+use super::blocks::{BlockProducts, Estimates};
+use crate::diagnosis::model::{Member, Session, Side, linear};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, combined};
+use crate::error::Result;
+use std::ops::Range;
+
+/// Columns of a model along the training and the held-out logs.
+#[derive(Debug)]
+pub(super) struct HeldFit<'a> {
+    session: &'a Session<'a>,
+    /// Columns along the training logs: baseline, every member's, and last every member's torque as found.
+    train: Vec<Column>,
+    /// The same along the held-out logs.
+    test: Vec<Column>,
+    /// Number of baseline columns.
+    baseline: usize,
+    /// Columns of each member; empty where it is held.
+    own: Vec<Range<usize>>,
+    products: BlockProducts,
+}
+
+impl<'a> HeldFit<'a> {
+    /// The model with `members` under the noise of `whitener`.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
+        let baseline = session.train.baseline.len();
+        let mut own = Vec::new();
+        let mut place = baseline;
+        for member in members {
+            own.push(place..place + member.columns());
+            place += member.columns();
+        }
+        let with_torques = |side: &Side| -> Result<Vec<Column>> {
+            let mut columns = session.all_columns(side, members)?;
+            for (member, own) in members.iter().zip(&own) {
+                let linear = own.start..own.start + linear(member.placed.effect).len().min(own.len());
+                columns.push(combined(&columns[linear], &member.factors));
+            }
+            Ok(columns)
+        };
+        let (train, test) = (with_torques(&session.train)?, with_torques(&session.test)?);
+        let white = whitener.apply_all(&train);
+        let products =
+            BlockProducts::new(&session.train.rows, whitener, &white, &whitener.apply(&session.train.torque));
+        Ok(HeldFit { session, train, test, baseline, own, products })
+    }
+
+    /// Places of the baseline's columns and of those of the members at `kept`.
+    fn places(&self, kept: &[usize]) -> Vec<usize> {
+        (0..self.baseline).chain(kept.iter().flat_map(|&member| self.own[member].clone())).collect()
+    }
+
+    /// Residuals along the training and the held-out logs of the model with the members at `kept`.
+    pub fn residuals(&self, kept: &[usize]) -> [Column; 2] {
+        let places = self.places(kept);
+        let Estimates { values, .. } = self.products.estimates(&places, false);
+        [(&self.session.train, &self.train), (&self.session.test, &self.test)].map(|(side, columns)| {
+            let mut residual = side.torque.clone();
+            places.iter().zip(values.iter()).for_each(|(&place, value)| residual.add(-value, &columns[place]));
+            residual
+        })
+    }
+
+    /// Standard deviations by the scatter between blocks of the factors of each member at `kept`, in the order of its columns; None where
+    /// there are too few blocks.
+    pub fn scatters(&self, kept: &[usize]) -> Option<Vec<Vec<f64>>> {
+        let estimates = self.products.estimates(&self.places(kept), true);
+        let mut place = self.baseline;
+        kept.iter()
+            .map(|&member| {
+                let own = place..place + self.own[member].len();
+                place = own.end;
+                own.map(|place| Some(estimates.scatter(place)?.0)).collect()
+            })
+            .collect()
+    }
+
+    /// Strength of the member at `kept[index]` in units of what was found, with its standard deviation by the scatter between blocks and
+    /// the degrees of freedom of that: its shapes are held, all else in the model is free. None where there are too few blocks.
+    pub fn strength(&self, kept: &[usize], index: usize) -> Option<[f64; 3]> {
+        let others: Vec<usize> = kept.iter().copied().filter(|&member| member != kept[index]).collect();
+        let mut places = self.places(&others);
+        places.push(self.train.len() - self.own.len() + kept[index]);
+        let estimates = self.products.estimates(&places, true);
+        let (std, freedom) = estimates.scatter(places.len() - 1)?;
+        Some([estimates.values[places.len() - 1], std, freedom])
+    }
+}

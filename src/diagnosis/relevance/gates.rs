@@ -1,0 +1,191 @@
+//! The gates that a finding must pass to be reported.
+
+use super::fit::HeldFit;
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::evidence::Gains;
+use crate::diagnosis::model::{Member, Session, linear};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, rms};
+use crate::diagnosis::variance::gain_beside_generic_functions;
+use crate::error::Result;
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// What the gates judge by.
+#[derive(Debug)]
+pub(super) struct Judge<'a> {
+    session: &'a Session<'a>,
+    members: &'a [Member],
+    criteria: &'a Criteria,
+    fit: HeldFit<'a>,
+    /// The noise on the held-out logs.
+    unseen: Whitener,
+    /// Least size of a finding on each joint, N m.
+    least: Vec<f64>,
+    /// Residual of the baseline on the held-out logs.
+    baseline: Column,
+    /// All logs, with the columns of the model along them.
+    all_logs: Session<'a>,
+    all_columns: Vec<Column>,
+}
+
+/// A finding with its judgements.
+#[derive(Debug)]
+pub(super) struct Judged {
+    /// Its place among those kept.
+    pub index: usize,
+    /// Size on every joint: root of the difference of the mean squares with and without it, N m.
+    pub size: Vec<f64>,
+    /// The largest of these over the least size that matters.
+    pub relative_size: f64,
+    /// The gates, the first that fails first.
+    pub judgements: Vec<Judgement>,
+}
+
+impl Judged {
+    /// The first gate that fails.
+    pub fn failed(&self) -> Option<Judgement> {
+        self.judgements.iter().copied().find(|judgement| !judgement.passed)
+    }
+}
+
+impl<'a> Judge<'a> {
+    /// Of `members` in the model of `session` under the noise of `whitener`.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn new(
+        session: &'a Session<'a>,
+        members: &'a [Member],
+        whitener: &Whitener,
+        criteria: &'a Criteria,
+    ) -> Result<Self> {
+        let fit = HeldFit::new(session, members, whitener)?;
+        let rows = &session.train.rows;
+        let [trained, baseline] = fit.residuals(&[]);
+        let torque = rms(&rows.valid, &Column::new(rows.torque.iter().cloned()));
+        let least = rms(&rows.valid, &trained).into_iter().zip(whitener.noise_std()).zip(torque).map(
+            |((residual, noise), torque)| {
+                let excess = (residual * residual - noise * noise).max(0.0).sqrt();
+                (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess)
+            },
+        );
+        let (least, unseen) = (least.collect(), whitener.on(&session.test.rows));
+        let all_logs = session.over_all_logs();
+        let all_columns = all_logs.all_columns(&all_logs.train, members)?;
+        Ok(Judge { session, members, criteria, fit, unseen, least, baseline, all_logs, all_columns })
+    }
+
+    /// Judges every member at `kept` but those that are held, which do not rest on residuals.
+    pub fn of(&self, kept: &[usize]) -> Vec<Judged> {
+        let with = self.fit.residuals(kept);
+        let judged = (0..kept.len()).into_par_iter().filter(|&index| !self.members[kept[index]].held);
+        judged.map(|index| self.judged(kept, index, &with)).collect()
+    }
+
+    fn judged(&self, kept: &[usize], index: usize, with: &[Column; 2]) -> Judged {
+        let member = &self.members[kept[index]];
+        let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
+        let without = self.fit.residuals(&others);
+        let valid = &self.session.train.rows.valid;
+        let [after, before] = [&with[0], &without[0]].map(|residual| rms(valid, residual));
+        let size: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b * b - a * a).max(0.0).sqrt()).collect();
+        let joints = member.candidate.joints();
+        let relative = |&joint: &usize| match size[joint] {
+            0.0 => 0.0,
+            size => size / self.least[joint],
+        };
+        let relative_size = joints.iter().map(relative).fold(0.0, f64::max);
+        let mut judgements = vec![Judgement::at_least(Gate::Size, relative_size, 1.0)];
+        if let Some([strength, std, freedom]) = self.fit.strength(kept, index) {
+            let p = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf((strength / std).abs()));
+            judgements.push(Judgement::at_most(Gate::Strength, p, self.criteria.strength_p));
+        }
+        // What happened in one training log shows in no other.
+        if member.candidate.log.is_none() {
+            judgements.push(self.on_held_out_logs(&joints, [&without[1], &with[1]]));
+            judgements.push(self.on_every_joint([&without[1], &with[1]]));
+        }
+        Judged { index, size, relative_size, judgements }
+    }
+
+    /// Growth of the residual of the held-out log that agrees least, on `joints` together.
+    fn on_held_out_logs(&self, joints: &[usize], [before, after]: [&Column; 2]) -> Judgement {
+        let starts = &self.session.test.rows.starts;
+        let growths = starts.windows(2).map(|ends| {
+            let [before, after] = [before, after].map(|residual| residual.within(ends[0]..ends[1]));
+            Gains::new(&self.unseen, &before, &after, joints, self.session.test.rows.len()).growth()
+        });
+        let worst = growths.fold(f64::NEG_INFINITY, f64::max);
+        Judgement::at_most(Gate::HeldOutLogs, worst, self.contradicted(starts.len() - 1))
+    }
+
+    /// The largest factor on the residual of a joint of those that surely grow.
+    pub fn on_every_joint(&self, [before, after]: [&Column; 2]) -> Judgement {
+        let worse = self.worse_joints([before, after]).into_iter().map(|(_, factor)| factor);
+        Judgement::at_most(Gate::EveryJoint, worse.fold(1.0, f64::max), self.criteria.worse)
+    }
+
+    /// Joints whose held-out residual surely grows from `before` to `after`, with the factor.
+    fn worse_joints(&self, [before, after]: [&Column; 2]) -> Vec<(usize, f64)> {
+        let rows = &self.session.test.rows;
+        let [old, new] = [before, after].map(|residual| rms(&rows.valid, residual));
+        let surely = self.contradicted(old.len());
+        let grows = |&joint: &usize| {
+            new[joint] > old[joint] && Gains::new(&self.unseen, before, after, &[joint], rows.len()).growth() > surely
+        };
+        (0..old.len()).filter(grows).map(|joint| (joint, new[joint] / old[joint])).collect()
+    }
+
+    /// The joint that the model with the members at `kept` predicts worst over the baseline, if it is predicted worse.
+    pub fn worse_than_baseline(&self, kept: &[usize]) -> Option<(usize, f64)> {
+        let [_, after] = self.fit.residuals(kept);
+        let worse = self.worse_joints([&self.baseline, &after]).into_iter();
+        worse.filter(|(_, factor)| *factor > self.criteria.worse).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Of the members at `kept` the place of that without which `joint` is predicted best.
+    pub fn without_which_best(&self, kept: &[usize], joint: usize) -> Option<usize> {
+        let left = |index: &usize| {
+            let mut others = kept.to_vec();
+            others.remove(*index);
+            rms(&self.session.test.rows.valid, &self.fit.residuals(&others)[1])[joint]
+        };
+        let removable = (0..kept.len()).filter(|&index| !self.members[kept[index]].held);
+        let removable: Vec<(usize, f64)> = removable.map(|index| (index, left(&index))).collect();
+        removable.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+    }
+
+    /// Standard deviations of growth beyond which one of `count` contradicts.
+    fn contradicted(&self, count: usize) -> f64 {
+        Normal::standard().inverse_cdf(1.0 - self.criteria.contradicted_p / count.max(1) as f64)
+    }
+
+    /// What the member at `kept[index]` explains beside generic functions, with the others in the model; passed where the rows of that
+    /// comparison are too long for its law.
+    pub fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
+        let (member, threshold) = (&self.members[kept[index]], self.criteria.beyond_structure);
+        let baseline = self.session.train.baseline.len();
+        let (mut fixed, mut law) = (self.all_columns[..baseline].to_vec(), Vec::new());
+        let mut place = baseline;
+        for (other, member) in self.members.iter().enumerate() {
+            let own = &self.all_columns[place..place + member.columns()];
+            place += member.columns();
+            if other == kept[index] {
+                law.extend_from_slice(&own[..linear(member.placed.effect).len().min(own.len())]);
+            } else if kept.contains(&other) {
+                fixed.extend_from_slice(own);
+            }
+        }
+        let Session { train, arm, .. } = &self.all_logs;
+        let gains = member
+            .candidate
+            .joints()
+            .into_iter()
+            .map(|joint| gain_beside_generic_functions(train, arm, &fixed, &law, joint));
+        match gains.sum::<Option<f64>>() {
+            Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold),
+            None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What a law of the library explains beside generic functions of all kinds.
+
+use super::design::{Raw, Source};
+use super::map::{coloured_fit, torques};
+use super::mixed::fit;
+use crate::diagnosis::model::{Arm, Side};
+use crate::diagnosis::regression::Column;
+
+/// Least share of a law's square that must be left in means over the rows of the mixed model for these to judge it.
+const KEPT: f64 = 0.5;
+
+/// Gain of the logarithm of the restricted likelihood on one joint by the columns of a law as a random effect of their own, all other
+/// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that
+/// explains a part of what generic functions explain as well does not. None where the rows are too long for the law.
+pub fn gain_beside_generic_functions(
+    side: &Side,
+    arm: &Arm,
+    fixed: &[Column],
+    law: &[Column],
+    joint: usize,
+) -> Option<f64> {
+    let torque = torques(arm, &side.rows);
+    let source = Source { rows: &side.rows, torque: &side.torque, fixed, arm: &torque };
+    let (raw, kept) = Raw::new(&source, joint).with_law(&source, law, joint);
+    if kept < KEPT {
+        return None;
+    }
+    let (_, with, rho) = coloured_fit(&raw);
+    let without = fit(&raw.design(rho).without_law());
+    tracing::debug!(
+        joint,
+        rho,
+        with = with.log_likelihood,
+        without = without.log_likelihood,
+        "law beside generic functions"
+    );
+    Some((with.log_likelihood - without.log_likelihood).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::design::Design;
+    use super::super::mixed::tests::one_kind_of_two;
+    use super::*;
+    use nalgebra::DVector;
+
+    /// What the law `effects` of the functions of the first kind gains, hidden with this size in noise of deviation one, where the
+    /// functions follow another law of size `other`.
+    fn gain(size: f64, other: f64, seed: u64) -> f64 {
+        let mut design = one_kind_of_two(other, seed);
+        let along = |effects: [f64; 6], design: &Design| {
+            let column = design.z.columns(0, 6) * DVector::from_row_slice(&effects);
+            &column / (column.norm_squared() / column.len() as f64).sqrt()
+        };
+        let law = along([1.0, -0.5, 0.3, 0.8, -0.2, 0.6], &design);
+        design.y += &law * size;
+        let place = design.z.ncols();
+        design.z = design.z.insert_column(place, 0.0);
+        design.z.set_column(place, &law);
+        design.kinds.push((None, place..place + 1));
+        design.gram = design.z.tr_mul(&design.z);
+        design.right = design.z.tr_mul(&design.y);
+        let with = fit(&design).log_likelihood;
+        with - fit(&design.without_law()).log_likelihood
+    }
+
+    #[test]
+    fn a_law_replaces_the_functions_that_follow_it() {
+        assert!((0..5).all(|seed| gain(2.0, 0.0, seed) > 3.0));
+    }
+
+    #[test]
+    fn a_law_that_is_not_there_gains_nothing() {
+        // Neither in noise nor where functions of its own kind follow another law.
+        for other in [0.0, 2.0] {
+            let gains: Vec<f64> = (0..10).map(|seed| gain(0.0, other, seed)).collect();
+            assert!(gains.iter().filter(|gain| **gain > 3.0).count() <= 1, "{gains:?}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! What is found and does not matter is listed, not reported.
+
+use super::{SETUP, logs, with};
+use serde_json::Value;
+use tauscope::diagnosis::{Conclusion, Criteria, Diagnosis, Gate, Options};
+use tauscope::effects::{Placed, find};
+use tauscope::recording::Recording;
+
+/// An offset of this many N m on a joint.
+fn offset(joint: usize, torque: f64) -> Placed {
+    let mut placed = Placed::typical(find("torque_offset").unwrap(), joint);
+    placed.parameters[0] = torque;
+    placed
+}
+
+fn concluded(logs: &[Recording], criteria: Criteria) -> (Conclusion, Value) {
+    let (test, train) = logs.split_last().unwrap();
+    let candidates = ["torque_offset", "stribeck_friction"].map(str::to_owned).to_vec();
+    let options = Options { candidates, criteria, ..Options::default() };
+    let answer = Diagnosis::of(&SETUP.known).train(train).test([test]).options(options).run().unwrap();
+    let json = serde_json::from_str(&answer.to_json()).unwrap();
+    (answer.into_conclusion().unwrap(), json)
+}
+
+#[test]
+fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
+    // 0.3 N m on a joint of 50 N m of torque is seen within 20 s, and no tenth of the Stribeck friction beside it.
+    let mut stribeck = Placed::typical(find("stribeck_friction").unwrap(), 1);
+    stribeck.parameters[0] = 20.0;
+    let logs = logs(&with(&[stribeck, offset(1, 0.6)]), 61, 3);
+    let (conclusion, json) = concluded(&logs, Criteria::default());
+    let found = &conclusion.diagnosis.found;
+    assert!(found.iter().all(|one| one.member.placed.effect.about().name == "stribeck_friction"), "{found:?}");
+    let [minor] = &conclusion.diagnosis.minor[..] else { panic!("{:?}", conclusion.diagnosis.minor) };
+    assert_eq!(minor.failed.gate, Gate::Size);
+    assert!(minor.failed.value < 1.0 && (minor.size[1] - 0.6).abs() < 0.3, "{minor:?}");
+    assert_eq!(json["smaller_findings"][0]["effect"], "torque_offset");
+    assert_eq!(json["smaller_findings"][0]["failed"]["gate"], "size");
+    assert_eq!(json["criteria"]["share_of_torque"], 0.02);
+
+    // Whoever asks for it gets it as a finding.
+    let all = Criteria { share_of_torque: 0.001, ..Criteria::default() };
+    let (conclusion, _) = concluded(&logs, all);
+    assert_eq!(conclusion.diagnosis.found.len(), 2, "{:?}", conclusion.diagnosis.minor);
+}
+
+#[test]
+fn a_small_effect_that_is_all_there_is_is_a_finding() {
+    let logs = logs(&with(&[offset(1, 0.6)]), 62, 3);
+    let (conclusion, _) = concluded(&logs, Criteria::default());
+    let [found] = &conclusion.diagnosis.found[..] else { panic!("{:?}", conclusion.diagnosis.minor) };
+    let (value, std) = (found.member.placed.parameters[0], found.member.std[0]);
+    assert!((value - 0.6).abs() < 4.0 * std && std < 0.2, "{value} +- {std}");
+}

@@ -11,6 +11,8 @@ mod inspect;
 mod library;
 mod options;
 mod reports;
+#[path = "../schema/mod.rs"]
+mod schema;
 mod studies;
 #[cfg(unix)]
 mod terminal;

@@ -14,7 +14,7 @@ use crate::simulation::Truth;
 use std::time::Instant;
 
 /// Which signals an identification sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Variant {
     /// The exact signals: what perfect sensors would give.
@@ -23,7 +23,7 @@ pub enum Variant {
     Raw,
     /// Measured signals through Savitzky-Golay.
     SavitzkyGolay,
-    /// Measured signals as is usual in the field: positions through a zero-phase Butterworth low-pass, central differences, parallel filter
+    /// Measured signals by common practice: positions through a zero-phase Butterworth low-pass, central differences, parallel filter
     /// and decimation.
     Butterworth,
 }

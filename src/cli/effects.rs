@@ -11,8 +11,9 @@ pub(super) const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
 
 /// Arguments of `tauscope effects`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope effects stribeck_friction")]
 pub(super) struct Arguments {
-    /// Tell all about one effect, instead of listing them all.
+    /// Effect to describe. Default: all are listed.
     name: Option<String>,
 }
 

@@ -54,7 +54,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let (usual, missing) = compared(identified(Variant::Butterworth));
     let ways = Compared { raw: &raw, smoothed: &smoothed, usual: usual.as_ref(), missing: missing.as_deref() };
     let plain = &smoothed.fitted;
-    stages.begin("finding bodies that can exist");
+    stages.begin("finding consistent parameters");
     let bodies = consistent(&model, logs, preparation, plain)?;
     let identified = bodies.robot(&robot);
 

@@ -21,6 +21,7 @@ struct Simulated<'a> {
 
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope simulate scenarios/effects/stribeck_friction.toml --out logs")]
 pub(super) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]

@@ -23,7 +23,7 @@ use crate::simulation::engine::EngineKind;
 use clap::ArgGroup;
 use std::path::PathBuf;
 
-/// What the written scenario says of itself.
+/// Header of the written scenario.
 const EXTENDED_NOTE: &str = "\
 # The model of the arm as `tauscope diagnose` found it. Bodies, rotors and friction of the drives are in extended.urdf, what the
 # arm does beyond is in the [[effect]] tables.

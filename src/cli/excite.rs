@@ -180,7 +180,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Writes beside the file and renames, so that there is a whole motion at any time.
+    /// Writes to another file and renames it, so that the motion is whole at any time.
     fn write(&self, motion: &Motion) -> Result<()> {
         let robot = self.problem.envelope.robot();
         let file = MotionFile { robot: robot.name.clone(), joints: robot.joint_names(), motion: motion.clone() };

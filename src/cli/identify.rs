@@ -58,7 +58,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", help_heading = "Smoothing")]
     decimation: Option<usize>,
     /// Leave out samples of a joint slower than this, rad/s or m/s, and those that the smoothing mixes with them. Default: samples
-    /// whose direction the noise of the joint's own velocity leaves uncertain.
+    /// whose direction is uncertain under the noise of the joint's own velocity.
     #[arg(long, value_name = "RAD_S", help_heading = "Smoothing")]
     band: Option<f64>,
 }

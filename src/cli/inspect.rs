@@ -117,7 +117,7 @@ fn correct(
     Ok(Some(folder.finish()?.join(corrected::FILE)))
 }
 
-/// Writes the usable rows to `path`, whole or not at all, and says so.
+/// Writes the usable rows to `path`, whole or not at all, and returns a line on it.
 fn convert(path: &Path, log: &Path, sieved: &Sieved) -> Result<String> {
     let failed = |source| Error::io(path, "write the converted log", source);
     if let (Ok(one), Ok(other)) = (path.canonicalize(), log.canonicalize())

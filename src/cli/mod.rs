@@ -85,7 +85,7 @@ enum Command {
     Effects(effects::Arguments),
 }
 
-/// Parses the command line and does what it says.
+/// Parses the command line and runs the command.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     log_warnings(&cli.global);

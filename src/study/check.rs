@@ -92,7 +92,7 @@ pub(crate) struct Metric {
     pub spread: f64,
     /// Difference of the means over its standard error; None where there is no spread, as of diagnoses.
     pub deviations: Option<f64>,
-    /// What to make of it.
+    /// Verdict.
     pub verdict: Verdict,
 }
 
@@ -154,7 +154,7 @@ impl Baseline {
     /// Reads a baseline.
     ///
     /// # Errors
-    /// If there is none (it says how to make one), or it is not well formed.
+    /// If there is none (the error names the option that makes one), or it is not well formed.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| Error::io(path, "read the baseline (--update makes one)", source))?;

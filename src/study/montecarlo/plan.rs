@@ -21,7 +21,7 @@ pub struct Overrides {
     pub estimators: Option<Vec<String>>,
     /// Savitzky-Golay windows, 0 for none.
     pub windows: Option<Vec<usize>>,
-    /// Smooth by common practice too, whether or not the scenario says so.
+    /// Smooth by common practice too, whether or not the scenario asks for it.
     pub butterworth: bool,
     /// Noise levels.
     pub noise: Option<Vec<NoiseLevel>>,
@@ -101,7 +101,7 @@ impl Plan {
         (chunk * size) as u32..end as u32
     }
 
-    /// What tells this study from others: two folders whose identities agree hold trials of one study.
+    /// Identity of this study: two folders whose identities agree hold trials of one study.
     ///
     /// # Errors
     /// If a file the scenario refers to cannot be read any more.
@@ -123,7 +123,7 @@ impl Plan {
     }
 }
 
-/// Identity of a study, kept beside its trials as `study.json`.
+/// Identity of a study, kept with its trials as `study.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct Identity {
     /// Name of the scenario.

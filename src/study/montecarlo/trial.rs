@@ -13,7 +13,7 @@ use crate::random;
 use crate::recording::Recording;
 use crate::scenario::{NoiseLevel, Setup, drawable, misjudged, sensed, simulate_with};
 use crate::simulation::Truth;
-use crate::study::closed_loop::{Beside, ClosedLoop};
+use crate::study::closed_loop::{Alongside, ClosedLoop};
 use crate::study::score::parameter_distance;
 use crate::study::testbed::{Variant, smoothing};
 use chacha20::ChaCha8Rng;
@@ -169,8 +169,8 @@ impl Study {
                 let started = Instant::now();
                 let outcome = match &made {
                     Ok((prepared, regression)) => {
-                        let beside = Beside { arm, prepared };
-                        let data = Data { rows: regression, names: &names, start, simulated: Some(&beside) };
+                        let simulated = Alongside { arm, prepared };
+                        let data = Data { rows: regression, names: &names, start, simulated: Some(&simulated) };
                         estimator.estimate(&data).map_err(|problem| problem.to_string())
                     }
                     Err(problem) => Err(problem.to_string()),

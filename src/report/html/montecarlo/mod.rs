@@ -89,7 +89,7 @@ fn lead(summary: &Summary, best: &[&Cell]) -> Vec<String> {
         all => format!(", one part of a study of {all}"),
     };
     let mut lead = vec![format!(
-        "{} trials{part}: each draws its noise (and what else the scenario says) anew, and every estimator sees the same \
+        "{} trials{part}: each draws new noise (and what else the scenario draws), and every estimator gets the same \
          draws. {} base parameters of {} joints. d_beta is the mean distance from the true parameters, 0 at best and 2 at \
          worst.",
         summary.trials,

@@ -2,6 +2,7 @@
 
 mod arms;
 mod cases;
+mod console;
 mod diagnose;
 mod disk;
 mod effects;

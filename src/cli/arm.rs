@@ -1,4 +1,4 @@
-//! Options that say which arm logs are of, shared by all commands that read logs.
+//! Options that say which arm the logs belong to, shared by all commands that read logs.
 
 use super::gravity;
 use crate::dataset::Dataset;
@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Arm")]
 pub(super) struct ArmArguments {
-    /// File of the arm, URDF or MJCF. Default: that of the dataset or of the scenario.
+    /// Robot file, URDF or MJCF. Default: that of the dataset or of the scenario.
     #[arg(long, value_name = "URDF")]
     pub robot: Option<PathBuf>,
-    /// Joints under study, with commas between; all others are held. Default: those that the logs name, less those that stand
+    /// Joints under study, comma-separated; all others are held. Default: those that the logs name, without those that stand
     /// still in all of them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub joints: Vec<String>,
-    /// Link at the end of the arm: the joints between the base and it are under study.
+    /// Link at the end of the arm: the joints between the base and this link are under study.
     #[arg(long, value_name = "LINK", conflicts_with = "joints")]
     pub tip: Option<String>,
     /// Gravity in the base frame, m/s2. Default: that of the dataset, else 9.81 along -z.

@@ -21,39 +21,47 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Arguments of `tauscope blind`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope blind --effect stribeck_friction:joint_2 --runs 5 --severity 2")]
 pub(super) struct Arguments {
-    /// Scenario whose arm, limits and sensors are used beside arms drawn at random.
-    #[arg(long, value_name = "SCENARIO", default_value = "scenarios/irb1600.toml")]
+    /// Scenario whose arm, limits and sensors are used, in addition to arms drawn at random.
+    #[arg(long, help_heading = "Study", value_name = "SCENARIO", default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
-    /// The whole study (hours) in place of a first look (minutes).
-    #[arg(long)]
+    /// Make the whole study (hours) in place of a short one (minutes).
+    #[arg(long, help_heading = "Study")]
     full: bool,
-    /// Runs of these classes only.
-    #[arg(long, value_enum, value_delimiter = ',')]
+    /// Make runs of these classes only. Default: all.
+    #[arg(long, help_heading = "Study", value_enum, value_delimiter = ',')]
     class: Vec<Class>,
     /// Repeat one run of the study, by its number, and show it; with --out, its logs and the arm are written too.
-    #[arg(long, value_name = "N", conflicts_with_all = ["class", "resume"])]
+    #[arg(long, help_heading = "Study", value_name = "N", conflicts_with_all = ["class", "resume"])]
     run: Option<usize>,
     /// Continue a study that was stopped.
-    #[arg(long)]
+    #[arg(long, help_heading = "Study")]
     resume: bool,
-    /// Runs made at a time; as many as there are processors where absent.
-    #[arg(long, value_name = "N")]
+    /// Parallel runs. Default: the number of processors.
+    #[arg(long, help_heading = "Study", value_name = "N")]
     jobs: Option<std::num::NonZeroUsize>,
     /// In place of the study: hide this effect, `NAME` or `NAME:JOINT` or `none` or `any`, in the scenario's own arm.
-    #[arg(long, value_name = "EFFECT", conflicts_with_all = ["full", "class"])]
+    #[arg(long, help_heading = "One effect", value_name = "EFFECT", conflicts_with_all = ["full", "class"])]
     effect: Option<String>,
-    /// Runs with --effect.
-    #[arg(long, default_value_t = 10, requires = "effect")]
+    /// Number of runs with --effect.
+    #[arg(long, help_heading = "One effect", default_value_t = 10, requires = "effect")]
     runs: u64,
-    /// Size of --effect: what it adds beyond the baseline over the torque noise, both root mean square.
-    #[arg(long, default_value_t = 1.0, requires = "effect")]
+    /// Size of --effect: root mean square of the torque that it adds beyond the baseline, over that of the torque noise.
+    #[arg(long, help_heading = "One effect", default_value_t = 1.0, requires = "effect")]
     severity: f64,
-    /// Correlation times of the torque noise with --effect, s, taken in turn.
-    #[arg(long, value_name = "S", value_delimiter = ',', default_value = "0,0.13,0.5", requires = "effect")]
+    /// Correlation times of the torque noise with --effect, s, comma-separated, taken in turn.
+    #[arg(
+        long,
+        help_heading = "One effect",
+        value_name = "S",
+        value_delimiter = ',',
+        default_value = "0,0.13,0.5",
+        requires = "effect"
+    )]
     correlation: Vec<f64>,
-    /// With --effect: whether the URDF's inertias are believed, or re-identified.
-    #[arg(long, value_enum, default_value = "nominal", requires = "effect")]
+    /// With --effect: estimate inertias (structure), or take them from the URDF (nominal).
+    #[arg(long, help_heading = "One effect", value_enum, default_value = "nominal", requires = "effect")]
     trust: Trust,
 }
 

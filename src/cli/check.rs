@@ -1,4 +1,4 @@
-//! `tauscope check`: whether identification has got worse than a baseline.
+//! `tauscope check`: whether identification is worse than a baseline.
 
 use super::{DONE, FAILED, Global, print, progress};
 use crate::error::{Error, Result};
@@ -13,21 +13,22 @@ const REPORT_SCHEMA: &str = "tauscope.check/1";
 
 /// Arguments of `tauscope check`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope check scenarios/irb1600.toml --baseline results/baseline/irb1600.json")]
 pub(super) struct Arguments {
     /// Scenario file.
     scenario: PathBuf,
     /// Baseline to compare with.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Baseline")]
     baseline: PathBuf,
-    /// Write the baseline anew instead of comparing.
-    #[arg(long)]
+    /// Write a new baseline instead of comparing.
+    #[arg(long, help_heading = "Baseline")]
     update: bool,
-    /// Trials; those of the baseline where absent, 16 for a new one.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    /// Number of trials. Default: that of the baseline, 16 for a new one.
+    #[arg(long, value_name = "N", help_heading = "Trials", value_parser = clap::value_parser!(u32).range(2..))]
     trials: Option<u32>,
-    /// Blind diagnoses; those of the baseline where absent, none for a new one. Fewer than five can never show that
-    /// diagnosis has got worse beyond chance.
-    #[arg(long, value_name = "N")]
+    /// Number of blind diagnoses; fewer than five can never show a significant worsening. Default: that of the baseline, 0 for a
+    /// new one.
+    #[arg(long, value_name = "N", help_heading = "Trials")]
     diagnoses: Option<usize>,
 }
 

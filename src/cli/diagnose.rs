@@ -1,9 +1,10 @@
-//! `tauscope diagnose`: name what the model of an arm misses, from logs. The work is [`Diagnosis::of`]'s; here are the files.
+//! `tauscope diagnose`: what the model of an arm misses, from logs. [`Diagnosis::of`] does the work; this file reads and writes.
 
 use super::arm::ArmArguments;
+use super::logs::LogArguments;
 use super::{DONE, Global, corrected, print, progress};
 use crate::dataset::arm::LoggedArm;
-use crate::dataset::{self, Dataset, Named};
+use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
     Answer, Conclusion, Criteria, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_SCENARIO, EXTENDED_URDF, Options, Outcome,
     Progress,
@@ -20,9 +21,10 @@ use crate::report::viewer;
 use crate::robot::{self, Robot};
 use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
+use clap::ArgGroup;
 use std::path::PathBuf;
 
-/// What the written scenario says of itself.
+/// Header of the written scenario.
 const EXTENDED_NOTE: &str = "\
 # The model of the arm as `tauscope diagnose` found it. Bodies, rotors and friction of the drives are in extended.urdf, what the
 # arm does beyond is in the [[effect]] tables.
@@ -34,57 +36,52 @@ const LEAST_ROUNDS: usize = 2;
 
 /// Arguments of `tauscope diagnose`.
 #[derive(Debug, clap::Args)]
+#[command(
+    group = ArgGroup::new("identified from").args(["train", "dataset"]).required(true),
+    mut_arg("test", |test| test.help("Held-out log of a different motion. Repeatable. Default: the last 30 % of each training log")),
+    after_help = "Example:\n  tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv --out results/arm"
+)]
 pub(super) struct Arguments {
     #[command(flatten)]
-    arm: ArmArguments,
-    /// Training log, to identify from; repeat for more.
-    #[arg(long, value_name = "LOG", required_unless_present = "dataset")]
-    train: Vec<PathBuf>,
-    /// Held-out log of a different motion; repeat for more. Default: the last 30 % of each training log.
-    #[arg(long, value_name = "LOG")]
-    test: Vec<PathBuf>,
-    /// Description of logs: columns, units, motors, payload, mounting, which of them train and which are held out.
-    #[arg(long, value_name = "TOML", conflicts_with_all = ["train", "test"])]
-    dataset: Option<PathBuf>,
-    /// Log from before a change; repeat for more. The question is then what changed since: a payload, wear, a new hose.
-    #[arg(long, value_name = "LOG")]
+    logs: LogArguments,
+    /// Reference log: one from before a change. The question is then what changed: a payload, wear, a new hose. Repeatable.
+    #[arg(long, value_name = "LOG", help_heading = "Logs")]
     reference: Vec<PathBuf>,
-    /// The simulation as it stands: its arm, friction, gravity and effects are known, and what else is missing is asked.
-    #[arg(long, value_name = "SCENARIO")]
+    #[command(flatten)]
+    arm: ArmArguments,
+    /// Simulation of the arm: its bodies, friction, gravity and effects are known, and are part of the baseline.
+    #[arg(long, value_name = "SCENARIO", help_heading = "Model")]
     scenario: Option<PathBuf>,
     /// Estimate the inertias (structure), or take them from the URDF (nominal).
-    #[arg(long, value_enum, default_value = "structure")]
+    #[arg(long, value_enum, default_value = "structure", help_heading = "Model")]
     trust: Trust,
     /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct.
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, help_heading = "Search")]
     alpha: f64,
-    /// Most effects that are reported.
-    #[arg(long, default_value = "12", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Largest number of effects that are reported.
+    #[arg(long, default_value = "12", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Search")]
     max_findings: u16,
-    /// Effects to look for, with commas between, or repeated. Default: all of the library.
-    #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
+    /// Effects to test, comma-separated or repeated. Default: all of the library.
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',', help_heading = "Search")]
     candidates: Vec<String>,
     /// Least size of a finding, % of a joint's torque rms; a tenth of what the joint misses counts too.
     #[arg(long, value_name = "PERCENT", default_value_t = 2.0)]
     least_share: f64,
     /// Skip the simulation of the extended model along the held-out motions.
-    #[arg(long)]
+    #[arg(long, help_heading = "Simulation")]
     no_resimulation: bool,
     /// Forward dynamics of that simulation: rapier, or the project's own, the same to rounding.
-    #[arg(long, value_enum, default_value = "rapier")]
+    #[arg(long, value_enum, default_value = "rapier", help_heading = "Simulation")]
     engine: EngineKind,
 }
 
 /// Diagnoses and writes the results folder.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let options = arguments.options(global)?;
-    let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
+    let dataset = arguments.logs.described()?;
     let Simulation { arm, mut robot, scenario } = simulation(arguments, dataset.as_ref())?;
-    let bar = progress::bar(global, "looking at the logs", LEAST_ROUNDS + 1);
-    let [train, test] = match &dataset {
-        Some(dataset) => dataset.sieved(&robot)?,
-        None => [dataset::read_all(&arguments.train, &robot)?, dataset::read_all(&arguments.test, &robot)?],
-    };
+    let bar = progress::bar(global, "examining the logs", LEAST_ROUNDS + 1);
+    let [train, test] = arguments.logs.read(dataset.as_ref(), &robot)?;
     let mut logs = [train, test, dataset::read_all(&arguments.reference, &robot)?];
     if let Some(mut arm) = arm {
         arm.settle(dataset.as_ref(), &mut logs)?;
@@ -123,8 +120,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     bar.finish_and_clear();
 
     if let Some(verdict) = &answer.description {
-        let named =
-            Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        let named = arguments.logs.named(arguments.arm.robot.clone());
         let units = UnitChanges::default();
         corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, &verdict.description, units)?;
     }
@@ -162,7 +158,7 @@ impl Arguments {
 
     /// Where training, test and reference logs are given.
     fn labels(&self) -> [String; 3] {
-        let [train, test] = match &self.dataset {
+        let [train, test] = match &self.logs.dataset {
             Some(path) => ["train", "test"].map(|key| format!("{}: {key}", path.display())),
             None => ["--train", "--test"].map(str::to_owned),
         };
@@ -210,10 +206,8 @@ struct Simulation {
 fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simulation> {
     let known = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
     if let Some(file) = arguments.arm.file(dataset) {
-        let described = dataset.map(Dataset::files).unwrap_or_default();
-        let logs =
-            [&arguments.train, &arguments.test, &arguments.reference].into_iter().flatten().cloned().chain(described);
-        let arm = arguments.arm.open(&file, arguments.trust, dataset, &logs.collect::<Vec<_>>())?;
+        let logs = [arguments.logs.files(dataset), arguments.reference.clone()].concat();
+        let arm = arguments.arm.open(&file, arguments.trust, dataset, &logs)?;
         let robot = arm.robot.clone();
         return Ok(Simulation { arm: Some(arm), robot, scenario: known.map(|known| known.scenario) });
     }

@@ -11,8 +11,9 @@ pub(super) const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
 
 /// Arguments of `tauscope effects`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope effects stribeck_friction")]
 pub(super) struct Arguments {
-    /// Tell all about one effect, instead of listing them all.
+    /// Effect to describe. Default: all are listed.
     name: Option<String>,
 }
 
@@ -22,7 +23,7 @@ struct Catalogue {
     effects: Vec<Entry>,
 }
 
-/// One effect: what the catalogue says of it, and its parameters.
+/// One effect: its entry in the catalogue, and its parameters.
 #[derive(Serialize)]
 struct Entry {
     #[serde(flatten)]
@@ -47,7 +48,7 @@ fn list() -> String {
         let about = effect.about();
         table.add_row([about.name, &word(about.site), place(about.scope), about.equation]);
     }
-    format!("{table}\n\n`tauscope effects NAME` tells all about one of them.")
+    format!("{table}\n\n`tauscope effects NAME` describes one of them.")
 }
 
 /// Everything about one effect.
@@ -68,7 +69,7 @@ fn describe(effect: &dyn Effect) -> String {
     for column in parameters.column_iter_mut().skip(4) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let mut rivals = table(&["easily taken for", "how to tell"]);
+    let mut rivals = table(&["similar to", "how to separate"]);
     for rival in about.rivals {
         rivals.add_row([rival.name, rival.how_to_tell]);
     }

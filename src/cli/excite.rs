@@ -28,39 +28,42 @@ const SPEED_PROBES: u64 = 200;
 
 /// Arguments of `tauscope excite`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  tauscope excite scenarios/irb1600.toml --duration 20 --budget-s 60 --out motion.toml"
+)]
 pub(super) struct Arguments {
     /// Scenario file: arm, limits, torque noise, rate of the log.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
-    /// Parametrisation.
-    #[arg(long, default_value = "freudenstein", value_parser = PossibleValuesParser::new(Motion::KINDS))]
+    /// Parametrisation of the motion.
+    #[arg(long, help_heading = "Motion", default_value = "freudenstein", value_parser = PossibleValuesParser::new(Motion::KINDS))]
     kind: String,
-    /// Length, s; above 10 s put together from blocks of about 10 s where the parametrisation allows.
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    /// Length, s; above 10 s the motion is joined from blocks of about 10 s where the parametrisation allows.
+    #[arg(long, help_heading = "Motion", value_name = "S", default_value_t = 10.0)]
     duration: f64,
-    /// Moves (segments, harmonics, control points) of each joint [default: the usual number for the length].
-    #[arg(long, value_name = "N")]
+    /// Moves (segments, harmonics, control points) of each joint. Default: the usual number for the length.
+    #[arg(long, help_heading = "Motion", value_name = "N")]
     moves: Option<usize>,
-    /// What to minimise.
-    #[arg(long, default_value = "compromise", value_parser = PossibleValuesParser::new(Criterion::NAMES))]
+    /// Criterion to minimise.
+    #[arg(long, help_heading = "Search", default_value = "compromise", value_parser = PossibleValuesParser::new(Criterion::NAMES))]
     criterion: String,
-    /// Weight of ln kappa beside D in the compromise.
-    #[arg(long, value_name = "W", default_value_t = KAPPA_WEIGHT)]
+    /// Weight of ln kappa in the compromise D + W ln kappa.
+    #[arg(long, help_heading = "Search", value_name = "W", default_value_t = KAPPA_WEIGHT)]
     kappa_weight: f64,
-    /// Evaluations in all; the search then repeats to the byte [default: 30000, or what fits into --budget-s].
-    #[arg(long, value_name = "N")]
+    /// Total number of evaluations; makes the search reproducible to the byte. Default: 30000, or what fits into --budget-s.
+    #[arg(long, help_heading = "Search", value_name = "N")]
     evaluations: Option<usize>,
-    /// Stop after this time and keep the best so far, s.
-    #[arg(long, value_name = "S")]
+    /// Stop after this time and keep the best motion so far, s.
+    #[arg(long, help_heading = "Search", value_name = "S")]
     budget_s: Option<f64>,
     /// Independent starts that share the evaluations.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, help_heading = "Search", value_name = "N", default_value_t = 1)]
     starts: usize,
-    /// Rate of the grid the search evaluates on, Hz.
-    #[arg(long, value_name = "HZ", default_value_t = 50.0)]
+    /// Rate of the grid on which the search evaluates, Hz.
+    #[arg(long, help_heading = "Search", value_name = "HZ", default_value_t = 50.0)]
     grid_hz: f64,
-    /// Compare all parametrisations at this length, instead of writing a motion.
-    #[arg(long)]
+    /// Compare all parametrisations at this length instead of writing a motion.
+    #[arg(long, help_heading = "Output")]
     compare: bool,
 }
 
@@ -177,7 +180,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Writes beside the file and renames, so that there is a whole motion at any time.
+    /// Writes to another file and renames it, so that the motion is whole at any time.
     fn write(&self, motion: &Motion) -> Result<()> {
         let robot = self.problem.envelope.robot();
         let file = MotionFile { robot: robot.name.clone(), joints: robot.joint_names(), motion: motion.clone() };

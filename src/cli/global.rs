@@ -12,17 +12,18 @@ pub const BAD_INPUT: u8 = 2;
 
 /// Options of every command.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "General")]
 pub struct Global {
     /// Print the result as JSON on standard output instead of tables.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Seed that replaces the scenario's; every random number comes from it.
+    /// Seed of every random number. Default: that of the scenario, 0 without one.
     #[arg(long, global = true, value_name = "N")]
     pub seed: Option<u64>,
-    /// Folder for the results, instead of `results/NAME` of the scenario.
+    /// Folder for the results. Default: `results/NAME`.
     #[arg(long, global = true, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// No progress bar and no tables: errors only.
+    /// Print errors only: no progress bar, no tables.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }

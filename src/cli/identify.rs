@@ -1,9 +1,10 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
 use super::arm::ArmArguments;
+use super::logs::LogArguments;
 use super::{DONE, Global, corrected, print, progress};
 use crate::dataset::arm::LoggedArm;
-use crate::dataset::{self, Dataset, Logs, Named};
+use crate::dataset::{self, Dataset, Logs};
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
 use crate::identification::consistent;
@@ -27,46 +28,42 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope identify`.
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  tauscope identify --robot arm.urdf --train monday.csv --test tuesday.csv --effect stribeck_friction:joint_2"
+)]
 pub(super) struct Arguments {
     #[command(flatten)]
+    logs: LogArguments,
+    #[command(flatten)]
     arm: ArmArguments,
-    /// Log to identify from; repeat for more. Without any, the scenario's two motions are simulated.
-    #[arg(long, value_name = "LOG")]
-    train: Vec<PathBuf>,
-    /// Log of another motion to judge the fit by; repeat for more.
-    #[arg(long, value_name = "LOG")]
-    test: Vec<PathBuf>,
-    /// Description of logs: columns, units, motors, payload, mounting, which of them train and which are held out.
-    #[arg(long, value_name = "TOML", conflicts_with_all = ["train", "test"])]
-    dataset: Option<PathBuf>,
-    /// Scenario whose arm, sensors and identification settings are used.
-    #[arg(long, value_name = "SCENARIO")]
+    /// Scenario whose arm, sensors and identification settings are used. Without logs its two motions are simulated.
+    #[arg(long, value_name = "SCENARIO", help_heading = "Model")]
     scenario: Option<PathBuf>,
-    /// Effect to fit beside the arm's parameters, `NAME` or `NAME:JOINT`; without a joint, on every joint. Repeat for more.
-    #[arg(long, value_name = "EFFECT")]
+    /// Effect to fit together with the arm's parameters, `NAME` or `NAME:JOINT`; without a joint, on every joint. Repeatable.
+    #[arg(long, value_name = "EFFECT", help_heading = "Model")]
     effect: Vec<String>,
-    /// Whether the URDF's inertias are believed, or re-identified.
-    #[arg(long, value_enum, default_value = "structure")]
+    /// Estimate the inertias (structure), or take them from the URDF (nominal).
+    #[arg(long, value_enum, default_value = "structure", help_heading = "Model")]
     trust: Trust,
-    /// Savitzky-Golay window, samples, odd; that of the scenario, or a tenth of a second.
-    #[arg(long, value_name = "SAMPLES")]
+    /// Savitzky-Golay window, samples, odd. Default: that of the scenario, else 0.12 s.
+    #[arg(long, value_name = "SAMPLES", help_heading = "Smoothing")]
     window: Option<usize>,
-    /// Savitzky-Golay polynomial order.
-    #[arg(long)]
+    /// Savitzky-Golay polynomial order. Default: that of the scenario, else 6.
+    #[arg(long, value_name = "N", help_heading = "Smoothing")]
     order: Option<usize>,
-    /// Zero-phase low-pass at this cut-off instead of Savitzky-Golay, Hz.
-    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order"])]
+    /// Zero-phase low-pass with this cut-off in place of Savitzky-Golay, Hz.
+    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order"], help_heading = "Smoothing")]
     low_pass_hz: Option<f64>,
-    /// Use every n-th sample after smoothing.
-    #[arg(long)]
+    /// Keep every N-th sample after smoothing. Default: that of the scenario, else a twelfth of the window.
+    #[arg(long, value_name = "N", help_heading = "Smoothing")]
     decimation: Option<usize>,
-    /// Leave out samples of a joint slower than this, rad/s or m/s, and what the smoothing mixes with them; where absent, only
-    /// those whose direction the noise of the joint's own velocity leaves uncertain.
-    #[arg(long, value_name = "RAD_S")]
+    /// Leave out samples of a joint slower than this, rad/s or m/s, and those that the smoothing mixes with them. Default: samples
+    /// whose direction is uncertain under the noise of the joint's own velocity.
+    #[arg(long, value_name = "RAD_S", help_heading = "Smoothing")]
     band: Option<f64>,
 }
 
-/// Time that reading logs, a fit without and one with effects, and the simulation take, beside each other.
+/// Relative times of reading logs, a fit without effects, one with effects, and the simulation.
 const READING: u64 = 2;
 const FIT: u64 = 4;
 const WITH_EFFECTS: u64 = 16;
@@ -75,9 +72,9 @@ const SIMULATING: u64 = 1;
 /// Fits and writes the results folder.
 pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
-    let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
+    let dataset = arguments.logs.described()?;
     let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;
-    let simulates = dataset.is_none() && arguments.train.is_empty() && setup.is_some();
+    let simulates = dataset.is_none() && arguments.logs.train.is_empty() && setup.is_some();
     let reading = if simulates { 0 } else { READING };
     let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
     place(&arguments.effect, arm.robot(), None)?;
@@ -93,8 +90,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
     if let Some(description) = &correction {
-        let named =
-            Named { robot: arguments.arm.robot.clone(), train: arguments.train.clone(), test: arguments.test.clone() };
+        let named = arguments.logs.named(arguments.arm.robot.clone());
         corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
     }
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
@@ -110,8 +106,8 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
     };
     notes.extend(report::undetermined(&plain));
-    stages.begin("finding bodies that can exist");
-    // Believed inertias are consistent already; with effects in the fit, the bodies are those of the fit without.
+    stages.begin("finding consistent parameters");
+    // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {
         Trust::Structure => Some(consistent::consistent(&model, logs, preparation, &plain)?),
         Trust::Nominal => None,
@@ -164,8 +160,7 @@ impl Subject {
 
 fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Subject> {
     if let Some(file) = arguments.arm.file(dataset) {
-        let described = dataset.map(Dataset::files).unwrap_or_default();
-        let logs: Vec<PathBuf> = arguments.train.iter().chain(&arguments.test).cloned().chain(described).collect();
+        let logs = arguments.logs.files(dataset);
         return Ok(Subject::Logged(Box::new(arguments.arm.open(&file, arguments.trust, dataset, &logs)?)));
     }
     let Some(setup) = setup else {
@@ -186,13 +181,8 @@ fn logs(
     arm: &mut Subject,
     global: &Global,
 ) -> Result<Logs> {
-    if dataset.is_some() || !arguments.train.is_empty() {
-        let mut logs = match dataset {
-            Some(dataset) => dataset.sieved(arm.robot())?,
-            None => {
-                [dataset::read_all(&arguments.train, arm.robot())?, dataset::read_all(&arguments.test, arm.robot())?]
-            }
-        };
+    if dataset.is_some() || !arguments.logs.train.is_empty() {
+        let mut logs = arguments.logs.read(dataset, arm.robot())?;
         if let Subject::Logged(arm) = arm {
             arm.settle(dataset, &mut logs)?;
         }
@@ -207,7 +197,7 @@ fn logs(
     Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() })
 }
 
-/// The effects asked for, on their joints; those of `model` that have no equation are passed over where no joint is named.
+/// The requested effects on their joints; joints of `model` without an equation are skipped where no joint is named.
 fn place(wanted: &[String], robot: &Robot, model: Option<&Model>) -> Result<Vec<Placed>> {
     let is_seen = |joint: &usize| model.is_none_or(|model| model.has_equation(*joint));
     let mut placed = Vec::new();
@@ -250,7 +240,7 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
     }
 }
 
-/// What logs go through where nothing else is asked for: Savitzky-Golay of order six over [`usual_window`].
+/// Default preparation of logs: Savitzky-Golay of order six over [`usual_window`].
 pub(super) fn usual_preparation(log: &Recording) -> Preparation {
     let window = usual_window(log.rate_hz());
     let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };

@@ -1,4 +1,4 @@
-//! `tauscope inspect`: what a log is worth.
+//! `tauscope inspect`: faults of measured logs.
 
 use super::arm::ArmArguments;
 use super::{DONE, Global, corrected, print, progress};
@@ -16,22 +16,23 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope inspect monday.csv tuesday.csv --robot arm.urdf")]
 pub(super) struct Arguments {
-    /// The log: .csv, .parquet, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are judged together.
+    /// Log: .csv, .parquet, .npz, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are examined together.
     #[arg(required = true)]
     log: Vec<PathBuf>,
     #[command(flatten)]
     arm: ArmArguments,
-    /// Description of the log: columns, units, motors, payload, mounting.
-    #[arg(long, value_name = "TOML")]
+    /// Dataset: a TOML file that describes the logs (columns, units, motors, payload, mounting).
+    #[arg(long, value_name = "TOML", help_heading = "Logs")]
     dataset: Option<PathBuf>,
-    /// Also write the rows that can be used to this file: .csv, .parquet, .mcap or .db3; with a dataset in its units and
+    /// Also write the usable rows of one log to this file: .csv, .parquet, .mcap or .db3; with a dataset in its units and
     /// order.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     convert: Option<PathBuf>,
 }
 
-/// Examines the log and prints what it finds; a log that cannot be used is an error behind the report.
+/// Examines the logs and prints the findings; a log that cannot be used is an error after the report.
 pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let file = arguments.arm.file(dataset.as_ref());
@@ -57,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         }
     };
     let sieved = arguments.log.iter().map(read).collect::<Result<Vec<Sieved>>>()?;
-    stages.begin("looking at the log");
+    stages.begin("examining the log");
     let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
     let converted = arguments.convert.as_ref().map(|path| convert(path, first, &sieved[0])).transpose()?;
     let corrected = match &robot {
@@ -87,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
 }
 
-/// Writes what was found wrong with the description, put right, where there is something; the path it is in.
+/// Writes the corrected description, if something is wrong with the given one; returns its path.
 fn correct(
     arguments: &Arguments,
     global: &Global,
@@ -96,7 +97,7 @@ fn correct(
     together: &Together,
 ) -> Result<Option<PathBuf>> {
     let verdict = together.verdict.as_ref();
-    // One recorder made all logs: what one shows and another denies is not put right for all.
+    // One recorder made all logs: a fault that one shows and another does not is not corrected for all.
     let units = together.reports[0].units;
     let shared = together.reports.iter().all(|report| {
         report.units.degrees == units.degrees && report.units.time_factor.is_some() == units.time_factor.is_some()
@@ -116,7 +117,7 @@ fn correct(
     Ok(Some(folder.finish()?.join(corrected::FILE)))
 }
 
-/// Writes the usable rows to `path`, whole or not at all, and says so.
+/// Writes the usable rows to `path`, whole or not at all, and returns a line on it.
 fn convert(path: &Path, log: &Path, sieved: &Sieved) -> Result<String> {
     let failed = |source| Error::io(path, "write the converted log", source);
     if let (Ok(one), Ok(other)) = (path.canonicalize(), log.canonicalize())

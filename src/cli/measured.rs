@@ -24,9 +24,9 @@ use std::path::Path;
 /// Identifies from the data set's training logs and writes its results folder.
 pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let dataset = Dataset::load(path)?;
-    let named = dataset.robot().ok_or_else(|| {
-        Error::input(path, None, "robot", "is missing: name the arm's URDF, which is looked for beside this file")
-    })?;
+    let named = dataset
+        .robot()
+        .ok_or_else(|| Error::input(path, None, "robot", "is missing: name the arm's URDF, relative to this file"))?;
     let mut arm = LoggedArm::open(&named, &Asked::default(), Trust::Structure, Some(&dataset), &dataset.files())?;
     let mut stages = progress::Stages::new(global, &[2, 4, 4, 4, 4, 1]);
     stages.begin("reading the logs");
@@ -54,7 +54,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let (usual, missing) = compared(identified(Variant::Butterworth));
     let ways = Compared { raw: &raw, smoothed: &smoothed, usual: usual.as_ref(), missing: missing.as_deref() };
     let plain = &smoothed.fitted;
-    stages.begin("finding bodies that can exist");
+    stages.begin("finding consistent parameters");
     let bodies = consistent(&model, logs, preparation, plain)?;
     let identified = bodies.robot(&robot);
 

@@ -12,6 +12,7 @@ mod gravity;
 mod identify;
 mod inspect;
 mod interrupt;
+mod logs;
 mod measured;
 mod montecarlo;
 mod paper;
@@ -30,9 +31,9 @@ use std::io::Write;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
-/// A physics-simulator-in-the-loop testbed for robot-arm identification.
+/// Says what the dynamic model of a robot arm misses, by how much, and what to do about it.
 #[derive(Debug, Parser)]
-#[command(name = "tauscope", version, about, long_about = LONG_ABOUT, max_term_width = 120)]
+#[command(name = "tauscope", version, about, long_about = LONG_ABOUT, after_help = EXAMPLE, max_term_width = 120)]
 struct Cli {
     #[command(flatten)]
     global: Global,
@@ -41,12 +42,18 @@ struct Cli {
 }
 
 const LONG_ABOUT: &str = "\
-A physics-simulator-in-the-loop testbed for robot-arm identification: simulates an arm in rapier along an excitation \
-motion, adds sensor noise, identifies its dynamic parameters and scores them against the truth.
+Says what the dynamic model of a robot arm misses, by how much, and what to do about it. `diagnose`, `inspect` and \
+`identify` work on logs of a real arm. `run` is the testbed: it simulates an arm in rapier along an excitation motion, \
+adds sensor noise, identifies the dynamic parameters and scores them against the truth. `blind`, `montecarlo` and \
+`check` measure the tool itself.
 
 Without a command it runs `tauscope run scenarios/irb1600.toml`.
 
 Exit codes: 0 done, 1 a check failed, 2 bad input or usage.";
+
+const EXAMPLE: &str = "\
+Example:
+  tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -54,31 +61,31 @@ enum Command {
     Run(run::Arguments),
     /// Fit an arm's parameters, and named effects, to logs.
     Identify(Box<identify::Arguments>),
-    /// Say what a measured log is worth: clock, bad rows, channels, units, signs, range, dead time.
+    /// Check measured logs for faults: clock, bad rows, channels, units, signs, range, dead time.
     Inspect(inspect::Arguments),
-    /// Reproduce and judge the paper's study: its 78-parameter model, tables and figures.
+    /// Reproduce the paper's study (78-parameter model, tables, figures) and compare it with the printed one.
     Paper(paper::Arguments),
     /// Simulate and measure a scenario, without identifying.
     Simulate(simulate::Arguments),
     /// Search for an excitation motion inside all limits; ctrl-C keeps the best so far.
     Excite(excite::Arguments),
-    /// Name what the model of an arm misses, from logs.
+    /// Say from logs what the model of an arm misses: effect, joint, size.
     Diagnose(diagnose::Arguments),
-    /// Hide effects in simulated arms and count how often the diagnosis names them.
+    /// Measure the diagnosis: hide effects in simulated arms and count how often they are named.
     Blind(blind::Arguments),
     /// Repeat the identification on many draws of noise, plants or motions, and compare estimators and smoothing.
     Montecarlo(Box<montecarlo::Arguments>),
-    /// Fail if identification has got worse than a baseline by more than chance.
+    /// Fail if identification is significantly worse than a stored baseline.
     Check(check::Arguments),
-    /// Show what a robot's file holds: joints under study, joints that follow or are held, notes.
+    /// Show what a robot file holds: joints under study, coupled and held joints, notes.
     Robot(robot::Arguments),
     /// Open the recording of a results folder in the rerun viewer.
     View(view::Arguments),
-    /// List the physical effects there are, or tell all about one.
+    /// List the physical effects of the library, or describe one.
     Effects(effects::Arguments),
 }
 
-/// Parses the command line and does what it says.
+/// Parses the command line and runs the command.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     log_warnings(&cli.global);
@@ -101,7 +108,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            // If nobody can be told, the exit code still says it.
+            // If standard error cannot be written, the exit code still reports the failure.
             let red = anstyle::AnsiColor::Red.on_default().bold();
             let _ = writeln!(anstream::stderr(), "{red}tauscope:{red:#} {error}");
             ExitCode::from(BAD_INPUT)

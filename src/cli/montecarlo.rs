@@ -16,44 +16,52 @@ const TRIAL_SCHEMA: &str = "tauscope.montecarlo.trial/1";
 /// Arguments of `tauscope montecarlo`.
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
+#[command(
+    after_help = "Example:\n  tauscope montecarlo scenarios/irb1600.toml --trials 100 --estimators ols,wls,iv --sg-windows 0,31,61 --butterworth"
+)]
 pub(super) struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
-    /// Trials, instead of the scenario's.
-    #[arg(long, value_name = "N")]
+    /// Number of trials. Default: that of the scenario.
+    #[arg(long, help_heading = "Study", value_name = "N")]
     trials: Option<usize>,
-    /// Estimators: ols, wls, irls, lm, tls, iv, didim.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    /// Estimators, comma-separated: ols, wls, irls, lm, tls, iv, didim. Default: those of the scenario.
+    #[arg(long, help_heading = "Study", value_name = "NAMES", value_delimiter = ',')]
     estimators: Option<Vec<String>>,
-    /// Savitzky-Golay windows in samples, 0 for no smoothing.
-    #[arg(long, value_name = "WINDOWS", value_delimiter = ',')]
+    /// Savitzky-Golay windows in samples, comma-separated, 0 for no smoothing. Default: those of the scenario, or none and its
+    /// window.
+    #[arg(long, help_heading = "Study", value_name = "WINDOWS", value_delimiter = ',')]
     sg_windows: Option<Vec<usize>>,
-    /// Noise levels: encoder noise in rad, or with torque noise in N m behind a colon, as in 1e-4:0.05.
-    #[arg(long, value_name = "LEVELS", value_delimiter = ',', value_parser = noise_level)]
+    /// Also smooth by common practice: zero-phase Butterworth, central differences, parallel filter and decimation.
+    #[arg(long, help_heading = "Study")]
+    butterworth: bool,
+    /// Noise levels, comma-separated: encoder noise in rad, or with torque noise in N m after a colon, as in 1e-4:0.05.
+    /// Default: those of the scenario.
+    #[arg(long, help_heading = "Study", value_name = "LEVELS", value_delimiter = ',', value_parser = noise_level)]
     noise_levels: Option<Vec<NoiseLevel>>,
-    /// Continue a study that was stopped; done at once if it is finished.
-    #[arg(long)]
+    /// Continue a study that was stopped.
+    #[arg(long, help_heading = "Array job")]
     resume: bool,
-    /// Compute part I of N only, from 0; in an array job of Slurm or Kubernetes this comes from the environment.
-    #[arg(long, value_name = "I/N")]
+    /// Compute part I of N only, counted from 0. Default: that of the environment in an array job of Slurm or Kubernetes, else all.
+    #[arg(long, help_heading = "Array job", value_name = "I/N")]
     shard: Option<Shard>,
-    /// Number of parts of the array job that this is one of, where the scheduler does not tell (Kubernetes; a Slurm task
-    /// that is submitted again alone). Parts are then numbered from 0.
-    #[arg(long, value_name = "N", conflicts_with = "shard")]
+    /// Number of parts of the array job, where the scheduler does not give it (Kubernetes; a Slurm task that is submitted again
+    /// alone). Parts are then numbered from 0.
+    #[arg(long, help_heading = "Array job", value_name = "N", conflicts_with = "shard")]
     shards: Option<usize>,
     /// Replay one trial and show it; nothing is written.
-    #[arg(long, value_name = "K", conflicts_with_all = ["resume", "shard", "shards"])]
+    #[arg(long, help_heading = "Study", value_name = "K", conflicts_with_all = ["resume", "shard", "shards"])]
     trial: Option<u32>,
 }
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
-    /// Put the parts of a study together, after checking that no trial is missing or double.
+    /// Join the parts of a study, after checking that no trial is missing or double.
     Merge {
-        /// Folders of the parts, or folders with parts in them.
+        /// Folders of the parts, or folders that contain them.
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
     },
@@ -73,6 +81,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         trials: arguments.trials,
         estimators: arguments.estimators.clone(),
         windows: arguments.sg_windows.clone(),
+        butterworth: arguments.butterworth,
         noise: arguments.noise_levels.clone(),
     };
     let plan = Plan::new(&setup, overrides)?;

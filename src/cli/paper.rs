@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope paper`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope paper scenarios/paper.toml --out results/paper")]
 pub(super) struct Arguments {
     /// Scenario file; its arm must have six joints.
     #[arg(default_value = "scenarios/paper.toml")]

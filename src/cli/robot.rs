@@ -1,4 +1,4 @@
-//! `tauscope robot`: what a file says of a robot, and which joints are under study.
+//! `tauscope robot`: what a robot file holds, and which joints are under study.
 
 use super::{DONE, Global, print};
 use crate::error::{Error, Result};
@@ -9,20 +9,21 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope robot`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope robot arm.urdf --tip tool0 --urdf reduced.urdf")]
 pub(super) struct Arguments {
-    /// The robot: URDF or MJCF.
+    /// Robot file, URDF or MJCF.
     file: PathBuf,
-    /// Joints under study, with commas between; all others are held. Default: all that move by themselves.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    /// Joints under study, comma-separated; all others are held. Default: all that move by themselves.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Joints")]
     joints: Vec<String>,
-    /// Link at the end of the arm: the joints between the base and it are under study.
-    #[arg(long, value_name = "LINK", conflicts_with = "joints")]
+    /// Link at the end of the arm: the joints between the base and this link are under study.
+    #[arg(long, value_name = "LINK", conflicts_with = "joints", help_heading = "Joints")]
     tip: Option<String>,
     /// Position of a joint that is held, rad or m; repeatable. Default: the middle of its range.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = position)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = position, help_heading = "Joints")]
     hold: Vec<(String, f64)>,
-    /// Also write the robot under study to this URDF, what is held welded.
-    #[arg(long, value_name = "FILE")]
+    /// Also write the robot under study to this URDF, with held joints fixed.
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     urdf: Option<PathBuf>,
 }
 

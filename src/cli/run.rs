@@ -11,12 +11,13 @@ use std::path::PathBuf;
 
 /// Arguments of `tauscope run`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope run scenarios/irb1600.toml --seed 7 --out results/seed_7")]
 pub(super) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
-    /// Description of measured logs to identify from and score by, in place of a simulation.
-    #[arg(long, value_name = "TOML", conflicts_with = "scenario")]
+    /// Dataset: a TOML file that describes measured logs to identify from and to score on, in place of a simulation.
+    #[arg(long, value_name = "TOML", conflicts_with = "scenario", help_heading = "Logs")]
     dataset: Option<PathBuf>,
 }
 

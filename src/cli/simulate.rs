@@ -21,6 +21,7 @@ struct Simulated<'a> {
 
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope simulate scenarios/effects/stribeck_friction.toml --out logs")]
 pub(super) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
@@ -33,12 +34,12 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     write_recordings(&folder, &setup, &runs)?;
     viewer::add(&folder, || viewer::scenario::film(&setup, &runs, None))?;
     let path = folder.finish()?;
-    let told = Simulated { scenario: &setup.scenario.name, folder: &path };
-    print::result(global, SCHEMA, &told, || format!("{}Recordings in {}", notes(&setup), path.display()))?;
+    let simulated = Simulated { scenario: &setup.scenario.name, folder: &path };
+    print::result(global, SCHEMA, &simulated, || format!("{}Recordings in {}", notes(&setup), path.display()))?;
     Ok(DONE)
 }
 
-/// What was read otherwise than the robot's file has it, and which joints are held, a line each.
+/// What was read differently from the robot file, and which joints are held, a line each.
 pub(super) fn notes(setup: &Setup) -> String {
     setup.known.notes.iter().map(|note| format!("{note}\n")).collect()
 }

@@ -9,6 +9,7 @@ use std::process::Command;
 
 /// Arguments of `tauscope view`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  tauscope view results/irb1600")]
 pub(super) struct Arguments {
     /// Results folder, or an .rrd file.
     #[arg(value_name = "DIR")]

@@ -28,7 +28,7 @@ const RANDOM_MOVES_PER_SECOND: f64 = 0.6;
 pub(crate) struct Row {
     /// Which motion.
     pub name: String,
-    /// Parameters that can be told apart.
+    /// Parameters that can be separated.
     pub rank: usize,
     /// Condition number.
     pub condition_number: f64,
@@ -88,7 +88,7 @@ pub(crate) struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// Draws the held-out motions and those the median random motion is taken of, all as long as `request` says.
+    /// Draws the held-out motions and those the median random motion is taken of, all as long as in `request`.
     ///
     /// # Errors
     /// Names the limits that no motion can keep.
@@ -171,7 +171,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// One move per joint from zero to halfway to its upper limit, all with the same timing: the motion of the paper, whose
-/// (17) would even have it end where it starts. All joints move in proportion, so that parallel joints cannot be told apart.
+/// (17) would even have it end where it starts. All joints move in proportion, so that parallel joints cannot be separated.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SingleMove {
     moves: Vec<Move>,

@@ -21,7 +21,7 @@ use super::information::{Information, SINGULAR};
 use crate::error::{Error, Result};
 use crate::identification::spectrum::Spectrum;
 
-/// Weight of ln kappa beside D in the compromise, unless another is asked for.
+/// Default weight of ln kappa in the compromise.
 pub const KAPPA_WEIGHT: f64 = 0.15;
 
 /// Base parameters smaller than this share of the largest in the same unit count as this large in relative deviations.

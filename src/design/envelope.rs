@@ -174,7 +174,7 @@ impl Envelope {
     }
 
     /// Checks that `motion` keeps every limit in samples at [`CHECK_RATE_HZ`]; those of the joints at all times where the
-    /// motion's law tells.
+    /// motion's law gives.
     ///
     /// # Errors
     /// Names the limit passed, when and by how much.
@@ -329,12 +329,12 @@ mod tests {
     fn floor_and_column_are_kept_or_named() {
         let wide = envelope(WORKSPACE);
         let clearance = wide.check(&out_and_back(0, 1.0)).unwrap();
-        // Turning about the vertical axis leaves the forearm at z = 0.9615 m.
+        // Turning about the vertical axis keeps the forearm at z = 0.9615 m.
         assert!((clearance.floor_m.unwrap() - 0.9615).abs() < 1e-9, "{clearance:?}");
         // Leaning forward by 100 deg puts the outstretched arm through the floor.
         let message = wide.check(&out_and_back(1, 1.745)).unwrap_err().to_string();
         assert!(message.contains("floor_m") && message.contains("t = ") && message.contains("joint_6"), "{message}");
-        // Folding the forearm straight down beside a wide column runs into it.
+        // Folding the forearm straight down next to a wide column runs into it.
         let message = envelope(Workspace { column_radius_m: 0.6, column_top_m: 0.9, ..WORKSPACE })
             .check(&out_and_back(2, 0.9))
             .unwrap_err()

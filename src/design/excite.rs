@@ -56,7 +56,7 @@ pub(crate) struct Outcome {
     pub clearance: Clearance,
     /// Evaluations made.
     pub evaluations: usize,
-    /// Whether it was told to stop before its evaluations were used up.
+    /// Whether it was stopped before its evaluations were used up.
     pub stopped: bool,
 }
 
@@ -180,7 +180,7 @@ impl Session<'_, '_> {
         Ok(())
     }
 
-    /// Searches for block `k` beside the other blocks there are, counted `copies` times.
+    /// Searches for block `k`, given the other blocks, counted `copies` times.
     fn stage(&mut self, k: usize, copies: usize, evaluations: f64, from: Option<Vec<f64>>) -> Result<()> {
         if self.stopped {
             return Ok(());
@@ -284,7 +284,7 @@ fn nothing_found(least: Option<Violation>, evaluations: usize) -> Error {
     let Some(Violation { torque, floor, column }) = least.filter(|violation| !violation.is_none()) else {
         return Error::request(
             "motion",
-            format!("none of {evaluations} candidates tells the parameters apart; lengthen it or ask for more moves"),
+            format!("none of {evaluations} candidates separates the parameters; take a longer motion or more moves"),
         );
     };
     let most = torque.max(floor).max(column);

@@ -1,4 +1,4 @@
-//! What a torque log along a motion tells about the base parameters: their information matrix.
+//! Information that a torque log along a motion holds on the base parameters: their information matrix.
 //!
 //! A log has one row per joint and sample, tau = y beta + noise, with white noise of a known standard deviation sigma per
 //! joint. The information matrix is G = sum y' y / sigma^2 over all rows; its inverse is the covariance of the
@@ -55,7 +55,7 @@ impl Information {
         self.matrix.nrows()
     }
 
-    /// What both logs together tell.
+    /// Information of both logs together.
     pub fn joined(mut self, other: &Information) -> Information {
         self.matrix += &other.matrix;
         self.rows += other.rows;
@@ -76,7 +76,7 @@ impl Information {
         Spectrum::of(&unit)
     }
 
-    /// Number of base parameters, or combinations of them, that the rows tell apart.
+    /// Number of base parameters, or combinations of them, that the rows separate.
     pub fn rank(&self) -> usize {
         let spectrum = self.normalised_spectrum();
         let [_, largest] = spectrum.ends();
@@ -103,7 +103,7 @@ impl Information {
         self.factor().map_or(f64::INFINITY, |factor| (factor.solve(&other.matrix).trace() / other.rows).sqrt())
     }
 
-    /// Cholesky factor of G; none when a pivot says that G is singular to rounding.
+    /// Cholesky factor of G; none when a pivot shows that G is singular to rounding.
     fn factor(&self) -> Option<Cholesky<f64, Dyn>> {
         let factor = Cholesky::new(self.matrix.clone())?;
         let pivots = factor.l_dirty().diagonal();
@@ -171,7 +171,7 @@ impl Experiment {
         self.rate_hz
     }
 
-    /// What the log along `motion` tells, from samples at `grid_hz`.
+    /// Information of the log along `motion`, from samples at `grid_hz`.
     pub fn information(&self, motion: &dyn Reference, grid_hz: f64) -> Information {
         self.run(motion, grid_hz, None)
     }

@@ -1,9 +1,9 @@
-//! Experiment design: which motion tells most about the parameters of an arm, inside all of its limits; problem (16)-(17)
+//! Experiment design: which motion holds most information on the parameters of an arm, inside all of its limits; problem (16)-(17)
 //! of the paper behind [`crate::excitation::freudenstein`].
 //!
 //! | file | what |
 //! |---|---|
-//! | [`information`] | what a torque log along a motion tells: the information matrix of the base parameters |
+//! | [`information`] | information of a torque log along a motion: the information matrix of the base parameters |
 //! | [`criterion`] | one number from it: condition number, D, Hadamard's ratio, worst standard deviation |
 //! | [`envelope`] | limits beyond the joints' own: torque, floor, the column around the base |
 //! | [`problem`] | criterion and limits together, as a function of a motion |

@@ -75,7 +75,7 @@ pub(crate) struct Found {
     pub least_violation: Option<Violation>,
     /// Evaluations made.
     pub evaluations: usize,
-    /// Whether the search was told to stop before its evaluations were used up.
+    /// Whether the search was stopped before its evaluations were used up.
     pub stopped: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The information matrix and the criteria against the stacked regressor, and what they say of known motions.
+//! The information matrix and the criteria against the stacked regressor, and their values on known motions.
 
 use super::comparison::SingleMove;
 use super::criterion::{self, Criterion};

@@ -41,7 +41,7 @@ pub use criteria::{Criteria, Gate, Judgement};
 pub use evidence::Ranked;
 pub use lack_of_fit::LOGS_DISAGREE;
 pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};
-pub use model::{Family, Session, Side, is_candidate, is_level, places};
+pub use model::{DataSet, Family, Session, is_candidate, is_level, places};
 pub use noise::Whitener;
 pub use regression::{Column, Projection, rms};
 pub use relevance::Minor;

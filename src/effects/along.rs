@@ -67,7 +67,7 @@ pub fn direction(velocity: f64, width: f64) -> f64 {
     }
 }
 
-/// Torque, `[joint][time]`, that each placed effect adds along a motion: what its law says at the joints, and what the
+/// Torque, `[joint][time]`, that each placed effect adds along a motion: its law at the joints, and what the
 /// bodies it alters need more. Effects in gears and sensors add nothing here.
 pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
     let dof = along.robot.dof();

@@ -1,4 +1,4 @@
-//! Base tilt: the base does not stand as the model says, so gravity points elsewhere.
+//! Base tilt: the base does not stand as in the model, so gravity points elsewhere.
 
 use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::Robot;
@@ -11,7 +11,7 @@ pub struct BaseTilt;
 static ABOUT: About = About {
     name: "base_tilt",
     equation: "g_base = (Ry(pitch) Rx(roll))' g",
-    explanation: "The floor or pedestal is not level, or the arm is mounted at an angle that nobody told the model.",
+    explanation: "The floor or pedestal is not level, or the arm is mounted at an angle that the model does not have.",
     reference: "Siciliano, Sciavicco, Villani and Oriolo (2009), Robotics: Modelling, Planning and Control, Springer, \
                 chapter 7 (gravity in the dynamic model)",
     rivals: &[

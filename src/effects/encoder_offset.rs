@@ -9,14 +9,14 @@ pub struct EncoderOffset;
 static ABOUT: About = About {
     name: "encoder_offset",
     equation: "q_logged = q + d",
-    explanation: "The joint's zero is not where the encoder says, as after a motor was changed without calibration: \
+    explanation: "The joint's zero is not where the encoder reads zero, as after a motor was changed without calibration: \
                   gravity pulls from another angle than the model thinks.",
     reference: "Hollerbach, Khalil and Gautier (2008), Model identification, chapter 14 of the Springer Handbook of \
                 Robotics",
     rivals: &[
         Rival {
             name: "payload",
-            how_to_tell: "of the last joint it cannot be told from a load on the flange by torque; of other joints it turns \
+            how_to_tell: "on the last joint torque cannot separate it from a load on the flange; of other joints it turns \
                           all that hangs on the joint",
         },
         Rival {

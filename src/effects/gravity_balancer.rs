@@ -4,19 +4,19 @@
 //! is l = sqrt(a^2 + b^2 - 2 a b cos(q - phi)), shortest at q = phi, and its pull F0 + k (l - l0). The motor must add
 //! the pull times dl/dq = a b sin(q - phi) / l. (A strut that pushes has a negative F0 and its angle half a turn away.)
 //!
-//! Torque cannot tell all of a, b, F0, l0, k and phi: only four numbers of them enter. With s = sqrt(a^2 + b^2), the length
+//! Torque does not determine all of a, b, F0, l0, k and phi: only four numbers of them enter. With s = sqrt(a^2 + b^2), the length
 //! at which both radii are at right angles, geometry g = 2 a b / s^2, r = l/s = sqrt(1 - g cos(q - phi)), and r0 =
 //! sqrt(1 - g), which is r at the shortest,
 //!
 //! tau = (M + K (r - r0)) g sin(q - phi) / (2 r),
 //!
 //! where M = s (F0 + k (s r0 - l0)) is the moment of the pull at the shortest length, and K = k s^2 that of the stiffness.
-//! M and K enter linearly. The part K g sin(q - phi) / 2 is the torque of a weight, so that only the bend of 1/r tells a
+//! M and K enter linearly. The part K g sin(q - phi) / 2 is the torque of a weight, so that only the curvature of 1/r separates a
 //! balancer from gravity.
 //!
 //! The bounds are those of any strut: one that pulls does so at its shortest too (M >= 0), and more the longer it is
 //! (K >= 0); from end to end it no more than triples its length, (1 + g)/(1 - g) <= 9. Without them a motion over a small
-//! range is fitted best by struts that hardly have a length and jerk through it, and says nothing of other poses. A strut
+//! range is fitted best by struts that hardly have a length and jerk through it, and does not hold in other poses. A strut
 //! that pushes from half a turn away is nearly one that pulls.
 
 use super::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
@@ -28,7 +28,7 @@ pub struct GravityBalancer;
 static ABOUT: About = About {
     name: "gravity_balancer",
     equation: "tau = (M + K (r - r0)) g sin(q - phi) / (2 r), r = sqrt(1 - g cos(q - phi)), r0 = sqrt(1 - g)",
-    explanation: "A spring or gas strut beside the lower arm carries part of its weight; the motor works with it or against \
+    explanation: "A spring or gas strut along the lower arm carries part of its weight; the motor works with it or against \
                   it.",
     reference: "Klimchik, Wu, Dumas, Caro, Furet, Pashkevich (2013), Modelling of the gravity compensators in robotic \
                 manufacturing cells, IFAC Conference on Manufacturing Modelling, Management and Control, arXiv:1311.6674",

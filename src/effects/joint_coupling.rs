@@ -27,7 +27,7 @@ static ABOUT: About = About {
         Rival { name: "rotor_inertia", how_to_tell: "a rotor loads its own joint only" },
         Rival {
             name: "viscous_friction",
-            how_to_tell: "if both axes always move together in proportion, nothing tells them apart: move them one by one",
+            how_to_tell: "if both axes always move together in proportion, nothing separates them: move them one by one",
         },
     ],
     site: Site::Joint,

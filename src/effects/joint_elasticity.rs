@@ -9,7 +9,7 @@ pub struct JointElasticity;
 static ABOUT: About = About {
     name: "joint_elasticity",
     equation: "tau_gear = (q_motor - q_link) / compliance",
-    explanation: "Gears and shafts wind up under load, so the link is not where the motor's encoder says and swings behind it.",
+    explanation: "Gears and shafts wind up under load, so the link is not where the motor's encoder reads and oscillates behind it.",
     reference: "Spong (1987), Modeling and control of elastic joint robots, ASME Journal of Dynamic Systems, \
                 Measurement, and Control 109(4)",
     rivals: &[

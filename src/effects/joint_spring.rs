@@ -21,7 +21,7 @@ static ABOUT: About = About {
         },
         Rival {
             name: "gravity_balancer",
-            how_to_tell: "a strut's torque bends like a sine over the position; a short range of motion does not tell them apart",
+            how_to_tell: "a strut's torque bends like a sine over the position; a short range of motion does not separate them",
         },
         Rival {
             name: "torque_gain",

@@ -1,4 +1,4 @@
-//! Link inertia error: one link's inertial parameters are not what the model says.
+//! Link inertia error: one link's inertial parameters are not those of the model.
 
 use super::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Robot};
@@ -23,7 +23,7 @@ static ABOUT: About = About {
         },
         Rival {
             name: "torque_gain",
-            how_to_tell: "a gain scales one joint's friction too and leaves the other joints alone (overlap .85 to .93)",
+            how_to_tell: "a gain scales one joint's friction too and does not act on other joints (overlap .85 to .93)",
         },
     ],
     site: Site::Body,

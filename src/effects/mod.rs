@@ -140,7 +140,7 @@ pub struct Parameter {
     pub typical: f64,
 }
 
-/// What the catalogue says of an effect.
+/// Entry of an effect in the catalogue.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct About {
     /// Its name in scenarios, results and tests; also its file's.
@@ -151,7 +151,7 @@ pub struct About {
     pub explanation: &'static str,
     /// The paper or book the law comes from.
     pub reference: &'static str,
-    /// Effects it is easily taken for, each with how to tell them apart.
+    /// Similar effects, each with how to separate them.
     pub rivals: &'static [Rival],
     /// Where it acts.
     pub site: Site,
@@ -179,7 +179,7 @@ pub enum Nature {
     OfSpeed,
     /// Friction that shows after reversals alone.
     AfterReversals,
-    /// A gear with play: its impacts tell.
+    /// A gear with backlash: its impacts show it.
     Play,
     /// It looks like play of the same gear, but for the impacts.
     LikePlay,
@@ -199,7 +199,7 @@ pub enum Nature {
 pub enum Hidden {
     /// Nothing but by chance.
     No,
-    /// A part, as of what a sensor reads wrong: a test tells how much is left.
+    /// A part, as of a sensor's error: a test shows how much remains.
     InPart,
     /// All of it.
     Wholly,
@@ -210,7 +210,7 @@ pub enum Hidden {
 pub struct Rival {
     /// The other effect.
     pub name: &'static str,
-    /// What tells them apart.
+    /// What separates them.
     pub how_to_tell: &'static str,
 }
 
@@ -242,7 +242,7 @@ pub struct Instant<'a> {
 /// `p` holds its parameters in the order of [`Effect::parameters`]; `joint` is where it is placed (the first of a pair;
 /// zero for the whole arm).
 pub trait Effect: Sync {
-    /// What the catalogue says of it.
+    /// Its entry in the catalogue.
     fn about(&self) -> &'static About;
 
     /// Its parameters.
@@ -274,7 +274,7 @@ pub trait Effect: Sync {
         0
     }
 
-    /// Carries the memory over `dt` seconds during which the arm is as `x` says on average.
+    /// Carries the memory over `dt` seconds during which the arm is as `x` on average.
     fn advance(&self, p: &[f64], joint: usize, x: &Instant, dt: f64, memory: &mut [f64]) {
         let _ = (p, joint, x, dt, memory);
     }

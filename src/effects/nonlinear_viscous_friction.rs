@@ -19,7 +19,7 @@ static ABOUT: About = About {
     rivals: &[
         Rival {
             name: "viscous_friction",
-            how_to_tell: "the same at alpha = 1; only a bend of friction over speed tells them apart: use the whole speed range",
+            how_to_tell: "the same at alpha = 1; only curvature of friction over speed separates them: use the whole speed range",
         },
         Rival {
             name: "stribeck_friction",

@@ -22,7 +22,7 @@ static ABOUT: About = About {
         },
         Rival {
             name: "encoder_offset",
-            how_to_tell: "an offset of the last joint cannot be told from it by torque; take the tool off and compare",
+            how_to_tell: "torque cannot separate it from an offset of the last joint; take the tool off and compare",
         },
         Rival {
             name: "external_contact",

@@ -16,7 +16,7 @@ static ABOUT: About = About {
         Rival {
             name: "friction_asymmetry",
             how_to_tell: "identical to one-sided Coulomb friction while the joint moves; only a joint at rest without load, \
-                          or another drive on the same joint, tells them apart",
+                          or another drive on the same joint, separates them",
         },
         Rival { name: "gravity_balancer", how_to_tell: "an offset does not change with position" },
         Rival {

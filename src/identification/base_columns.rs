@@ -95,7 +95,7 @@ impl BaseColumns {
 
     /// Writes all columns over a range of samples into `table`, `[column][sample of the range]`: inertial columns along
     /// `link`, those of rotors and friction along `motor`. `width` is the velocity over which the sign in dry friction is
-    /// smoothed, rad/s. What the caller's places hold afterwards is not said.
+    /// smoothed, rad/s. What the caller's places hold afterwards is unspecified.
     ///
     /// # Panics
     /// If the motions do not fit the chain, or the table has another size.

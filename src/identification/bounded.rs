@@ -1,5 +1,5 @@
 //! Linear least squares with bounds, by an active set (Lawson and Hanson 1974, chapter 23; Stark and Parker 1995): solve
-//! for what is free, hold what leaves its bounds there, let go what pulls back inside.
+//! for what is free, hold at its bound what leaves it, release what the gradient pulls back inside.
 
 use super::scaled_normal::ScaledNormal;
 use crate::error::Result;
@@ -26,7 +26,7 @@ pub(super) type Held = Vec<(usize, f64)>;
 /// or stay at a bound, with their values.
 ///
 /// # Errors
-/// Names the parameters that the motion cannot tell apart.
+/// Names the parameters that the motion does not separate.
 pub(super) fn solve(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,
@@ -39,7 +39,7 @@ pub(super) fn solve(
     let mut x = free(normal, right, &held, names)?;
     for _ in 0..=TURNS * bounds.len() {
         let over = |bound: &Bound| (bound.lower - x[bound.parameter]).max(x[bound.parameter] - bound.upper);
-        // In units of what the data can tell of each.
+        // In units of the precision of each.
         let weight = |bound: &Bound| normal[(bound.parameter, bound.parameter)].sqrt();
         let worst = bounds
             .iter()

@@ -1,4 +1,4 @@
-//! Which joints have an equation: those whose torque is logged, and that surely move for long enough to tell their friction.
+//! Which joints have an equation: those whose torque is logged, and that surely move for long enough to determine their friction.
 //!
 //! A joint without one moves like the others in theirs; what only its own equation would show is no parameter.
 
@@ -30,12 +30,12 @@ pub fn with_torque<'a>(joints: usize, logs: impl Iterator<Item = &'a Recording> 
     (0..joints).map(|joint| logs.clone().all(|log| is_logged(log, joint))).collect()
 }
 
-/// What is said of a joint whose torque some log does not hold.
+/// The note on a joint whose torque some log does not hold.
 pub fn no_torque() -> String {
     "its torque is not logged; it moves with the others, and its own friction and rotor stay as described".to_owned()
 }
 
-/// The joints of `robot` with an equation in the logs. Where no joint has one all keep theirs, and the fit says what is wrong.
+/// The joints of `robot` with an equation in the logs. Where no joint has one all keep theirs, and the fit reports what is wrong.
 ///
 /// # Errors
 /// If a log is too short for its preparation.
@@ -102,7 +102,7 @@ const SLOW_HZ: f64 = 50.0;
 /// counted.
 const SAMPLES_IN_A_SWING: f64 = 12.0;
 
-/// Fewest rows of a joint that tell anything of its friction, a moment's motion.
+/// Fewest rows of a joint that determine its friction, a moment's motion.
 const FEWEST: usize = 30;
 
 /// Parameters of a drive: rotor inertia, viscous and Coulomb friction.

@@ -18,7 +18,7 @@ pub struct Logs<'a> {
     pub test: &'a [&'a Recording],
 }
 
-/// A fit and what it leaves on both kinds of logs, root mean square of the residual per joint in N m.
+/// A fit with its residual on training and held-out logs, root mean square per joint in N m.
 #[derive(Debug, Clone)]
 pub struct Fitted {
     /// Parameters with their covariance.
@@ -53,7 +53,7 @@ pub struct Rows {
 /// Fits the arm and `placed` effects to the training logs.
 ///
 /// # Errors
-/// If a log is too short, or the motion cannot tell the parameters apart (named).
+/// If a log is too short, or the motion does not separate the parameters (named).
 pub fn fit_effects(
     model: &Model,
     trust: Trust,
@@ -72,7 +72,7 @@ pub fn fit_effects(
 }
 
 impl Fitted {
-    /// The arm with rotor inertia, viscous and Coulomb friction of every joint as fitted beside believed bodies; one that
+    /// The arm with rotor inertia, viscous and Coulomb friction of every joint as fitted with the bodies of the URDF; one that
     /// came out negative, which no drive has, is zero. What an effect stands for stays as it was.
     pub fn with_drives(&self, known: &Robot) -> Robot {
         let mut robot = known.clone();
@@ -89,7 +89,7 @@ impl Fitted {
     }
 }
 
-/// What a fit leaves of the logs of `model`: root mean square per joint, and row by row.
+/// The residual of a fit on the logs of `model`: root mean square per joint, and row by row.
 fn judged(mut model: EffectModel, fit: &EffectFit) -> Result<(Vec<f64>, Rows)> {
     let linear = &fit.estimate.beta;
     model.set_baseline(linear);

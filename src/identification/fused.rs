@@ -297,7 +297,7 @@ mod tests {
         }
     }
 
-    /// Two columns that differ by a part in ten million: the Gram matrix cannot tell them apart, the triangles can.
+    /// Two columns that differ by a part in ten million: the Gram matrix does not separate them, the triangles do.
     #[test]
     fn ill_conditioned_rows_go_by_triangles() {
         let (rows, small) = (2000, 3e-7);

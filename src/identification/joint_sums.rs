@@ -116,7 +116,7 @@ impl<'a> Sums<'a> {
     /// condition number is too high for that.
     ///
     /// # Errors
-    /// Names the parameters that the motion cannot tell apart.
+    /// Names the parameters that the motion does not separate.
     pub(super) fn solve(&self, sigma: &[f64], names: &[String]) -> Result<(DVector<f64>, ScaledNormal)> {
         let parameters = names.len();
         match ScaledNormal::new(&self.normal(sigma, parameters), names) {

@@ -108,7 +108,7 @@ pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
 /// The solution for given joint standard deviations.
 ///
 /// # Errors
-/// Names the parameters that the motion cannot tell apart.
+/// Names the parameters that the motion does not separate.
 pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
     Ok(sums(joints).solution(sigma, names)?.as_slice().to_vec())
 }

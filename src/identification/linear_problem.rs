@@ -47,7 +47,7 @@ impl<'a> LinearProblem<'a> {
     /// (J'WJ)^-1 of a right side.
     ///
     /// # Errors
-    /// Names the parameters that the motion cannot tell apart.
+    /// Names the parameters that the motion does not separate.
     pub(super) fn solve(&self, right: &DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
         Ok(ScaledNormal::new(&self.normal, names)?.solve(right))
     }

@@ -21,7 +21,7 @@ use std::ops::Range;
 const PROBES_PER_JOINT: usize = 40;
 
 /// Torque linear in standard parameters (13 per moving body and its joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
-/// can tell apart.
+/// can separate.
 #[derive(Debug, Clone)]
 pub struct Model {
     robot: Robot,
@@ -42,7 +42,7 @@ impl Model {
     /// their equations would show is no parameter.
     ///
     /// # Panics
-    /// If `equations` does not say it of every joint.
+    /// If `equations` does not have every joint.
     pub fn with_equations(robot: &Robot, equations: &[bool]) -> Self {
         assert_eq!(equations.len(), robot.dof(), "every joint has an equation or has none");
         let chain = Chain::new(robot);
@@ -267,7 +267,7 @@ fn standard_columns(
     table
 }
 
-/// Regressor rows of all standard parameters at random noise-free states, for joints with an equation: what can be told apart
+/// Regressor rows of all standard parameters at random noise-free states, for joints with an equation: what is separable
 /// by any motion.
 fn probe(chain: &Chain, equations: &[bool]) -> DMatrix<f64> {
     let dof = chain.dof();

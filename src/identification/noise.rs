@@ -51,7 +51,7 @@ impl AutoregressiveNoise {
         self.innovation_std.powi(2) / ((1.0 - cos).powi(2) + sin.powi(2))
     }
 
-    /// Standard deviation of the noise itself: the response to a unit of what is new, summed in squares.
+    /// Standard deviation of the noise itself: the impulse response to an innovation, summed in squares.
     pub fn std(&self) -> f64 {
         const MEMORY: usize = 2000;
         let mut response = vec![1.0];
@@ -62,7 +62,7 @@ impl AutoregressiveNoise {
         self.innovation_std * response.iter().map(|x: &f64| x * x).sum::<f64>().sqrt()
     }
 
-    /// A stretch of this noise.
+    /// Samples of this noise.
     pub fn simulate(&self, samples: usize, source: &mut impl Rng) -> Vec<f64> {
         simulate_together(std::slice::from_ref(self), samples, source).pop().unwrap_or_default()
     }
@@ -74,7 +74,7 @@ impl AutoregressiveNoise {
     }
 }
 
-/// A stretch of each of several noises, one after the other from the same source.
+/// Samples of each of several noises, one after the other from the same source.
 pub(crate) fn simulate_together(
     noises: &[AutoregressiveNoise],
     samples: usize,

@@ -1,6 +1,6 @@
 //! Bodies of an arm's size: where the search for consistent parameters starts, and the units it takes them in.
 //!
-//! The URDF's bodies where it has some, balls where not. A URDF without inertials, or with placeholders, says nothing of how
+//! The URDF's bodies where it has some, balls where not. A URDF without inertials, or with placeholders, does not show how
 //! heavy the arm is; the identified parameters do: all bodies are then scaled until they make as much torque.
 
 use super::model::Model;

@@ -80,7 +80,7 @@ pub struct Prepared<'a> {
     weights: Vec<f64>,
 }
 
-/// Makes the measured signals of `recording` ready. `band` says below which speed a joint's direction is not certain.
+/// Makes the measured signals of `recording` ready. `band` is the speed below which a joint's direction is not certain.
 ///
 /// # Errors
 /// If the log is too short for the filter or the window is impossible.

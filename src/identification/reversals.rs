@@ -2,7 +2,7 @@
 //! velocity near zero can get wrong.
 //!
 //! The sign column goes through the filter of the torque, so a row near a reversal is as good as any other as long as the
-//! moment of the reversal is known. It is known to where the velocity leaves its own noise.
+//! moment of the reversal is known. It is known to where the velocity exceeds its own noise.
 
 use crate::error::Result;
 use crate::signal::Filter;
@@ -30,14 +30,14 @@ const DEVIATIONS: f64 = 3.0;
 /// and stiction gives its friction, not Coulomb's law. A quick reversal passes through.
 const STANDING: f64 = 0.05;
 
-/// Share of the largest position that rounding leaves in positions without noise.
+/// Share of the largest position that is rounding in positions without noise.
 const ROUNDING: f64 = 1e-12;
 
 /// The fast speed is the one that so large a share of the samples stay below; single spikes do not count.
 const FAST: f64 = 0.95;
 
 /// Part of the filter's weight in a row that may lie on uncertain samples. The crossing of zero is known to a sixth of the time
-/// within the band or so, which leaves an error of a hundredth or two in the filtered sign.
+/// within the band or so, which gives an error of a hundredth or two in the filtered sign.
 const MOST_UNCERTAIN: f64 = 0.05;
 
 /// Samples after which the response to an impulse has died away.
@@ -110,11 +110,11 @@ impl Slow {
     pub fn moving(&self, velocity: &[f64], length: usize) -> Vec<bool> {
         let mut moving: Vec<bool> = velocity.iter().map(|v| v.abs() > self.uncertain).collect();
         let mut start = 0;
-        for stretch in velocity.chunk_by(|a, b| (a.abs() > self.standing) == (b.abs() > self.standing)) {
-            if stretch[0].abs() <= self.standing && stretch.len() >= length {
-                moving[start..start + stretch.len()].fill(false);
+        for run in velocity.chunk_by(|a, b| (a.abs() > self.standing) == (b.abs() > self.standing)) {
+            if run[0].abs() <= self.standing && run.len() >= length {
+                moving[start..start + run.len()].fill(false);
             }
-            start += stretch.len();
+            start += run.len();
         }
         moving
     }

@@ -1,4 +1,4 @@
-//! The normal equations of a regression with every column at unit length: what can be told apart, and the solution.
+//! The normal equations of a regression with every column at unit length: which parameters are separable, and the solution.
 
 use super::spectrum::Spectrum;
 use crate::error::{Error, Result};
@@ -47,7 +47,7 @@ impl ScaledNormal {
     /// From the triangle R of the weighted rows, R'R = X'WX, which knows small singular values to more digits.
     ///
     /// # Errors
-    /// Names the parameters that the motion cannot tell apart.
+    /// Names the parameters that the motion does not separate.
     pub(super) fn from_triangle(triangle: &DMatrix<f64>, names: &[String]) -> Result<Self> {
         let squares = DVector::from_iterator(names.len(), triangle.column_iter().map(|column| column.norm_squared()));
         let scale = unit_scale(squares, names)?;
@@ -93,7 +93,7 @@ fn unit_scale(squares: DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
     Err(Error::request(listed(&still), "the motion does not excite this at all; move that joint"))
 }
 
-/// The error that the parameters of a `weakest` direction cannot be told apart.
+/// The error that the parameters of a `weakest` direction are not separable.
 fn tied(weakest: &[f64], names: &[String]) -> Error {
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by(|&a, &b| weakest[b].abs().total_cmp(&weakest[a].abs()));
@@ -104,6 +104,6 @@ fn tied(weakest: &[f64], names: &[String]) -> Error {
         .collect();
     Error::request(
         listed(&tied),
-        "the motion cannot tell these parameters apart; use a richer motion (each joint with durations of its own)",
+        "the motion does not separate these parameters; use a richer motion (each joint with durations of its own)",
     )
 }

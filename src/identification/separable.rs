@@ -55,7 +55,7 @@ pub struct EffectFit {
 /// Fits all parameters of a model with effects; the effects in `model` hold the result afterwards.
 ///
 /// # Errors
-/// If the logs cannot tell the parameters apart or are too short.
+/// If the logs do not separate the parameters or are too short.
 pub(crate) fn fit(model: &mut EffectModel) -> Result<EffectFit> {
     let nonlinear = model.nonlinear();
     if model.placed().is_empty() {
@@ -162,7 +162,7 @@ fn choose_starts(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) ->
         for candidate in combinations(&grids) {
             model.set(&group, &candidate);
             model.set_baseline(&arm);
-            // A shape at which the data cannot tell the amplitudes apart is no start.
+            // A shape at which the data do not separate the amplitudes is no start.
             let Ok(solved) = solve_linear(model, sigma) else { continue };
             let chi2 = weighted_sum(&solved, sigma);
             if chi2 < best.0 {

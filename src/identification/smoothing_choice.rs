@@ -1,5 +1,5 @@
 //! How smooth measured signals should be, from the signals themselves: the Savitzky-Golay window by the noise of the positions, and
-//! the low-pass that is usual in the field by the frequencies of the motion.
+//! common practice's low-pass by the frequencies of the motion.
 
 use super::prepare::{self, LOW_PASS_ORDER, Smoothing};
 use crate::error::{Error, Result};
@@ -15,7 +15,7 @@ const TORQUE_OVER_MOTION: f64 = 2.0;
 /// has its own bandwidth.
 const SLOWEST_HZ: f64 = 1.0;
 
-/// Rows of all logs that decimation leaves at least: from fewer the noise of a joint with some tens of parameters is not estimated.
+/// Rows of all logs that decimation keeps at least: from fewer the noise of a joint with some tens of parameters is not estimated.
 const LEAST_ROWS: usize = 200;
 
 /// Share of half the rate of the rows that the low-pass of torque and columns lets through, so that decimation folds nothing back.
@@ -38,7 +38,7 @@ const LONGEST_OVER_USUAL: usize = 2;
 /// Shortest window where nothing is chosen, samples: one of order six smooths from here on.
 const SHORTEST_USUAL: usize = 9;
 
-/// Samples below which the window is not chosen by the noise: there are too few windows in the log to tell bias from noise.
+/// Samples below which the window is not chosen by the noise: there are too few windows in the log to separate bias from noise.
 const SAMPLES_TO_CHOOSE: usize = 500;
 
 /// The window, in samples, of 0.12 s.
@@ -75,7 +75,7 @@ pub fn savitzky_golay(logs: &[&Recording]) -> Result<Smoothing> {
     Ok(Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation: (window / 12).max(1) })
 }
 
-/// The smoothing that is usual in the field: a zero-phase Butterworth low-pass of fourth order for the positions (filtfilt), cut off at
+/// Common practice: a zero-phase Butterworth low-pass of fourth order for the positions (filtfilt), cut off at
 /// eight times the highest frequency of the motion, central differences for velocity and acceleration, and for torque and columns a
 /// low-pass of the same kind at twice that frequency, after which every n-th row is kept (parallel filter and decimation).
 ///

@@ -10,14 +10,14 @@ use nalgebra::DMatrix;
 /// Places at which eigenvalues are counted at once, so that one division does not wait for another.
 const PLACES: usize = 8;
 
-/// Passes after which an interval is as small as rounding leaves it: (1 + PLACES)^17 > 2^53.
+/// Passes after which an interval is as small as rounding allows: (1 + PLACES)^17 > 2^53.
 const PASSES: usize = 17;
 
 /// The tridiagonal form of a symmetric matrix.
 #[derive(Debug, Clone)]
 pub struct Spectrum {
     diagonal: Vec<f64>,
-    /// Squares of the entries beside the diagonal; the first is zero.
+    /// Squares of the entries next to the diagonal; the first is zero.
     squares: Vec<f64>,
     /// The smallest size of a pivot, in place of zero.
     tiny: f64,
@@ -45,12 +45,12 @@ impl Spectrum {
                 (rows[r * stride + c], rows[c * stride + r]) = (matrix[(r, c)], matrix[(r, c)]);
             }
         }
-        let (diagonal, beside) = lanes.run(Reduction { rows: &mut rows, size, stride });
-        let reach = |k: usize| beside[k].abs() + beside.get(k + 1).map_or(0.0, |next| next.abs());
+        let (diagonal, off_diagonal) = lanes.run(Reduction { rows: &mut rows, size, stride });
+        let reach = |k: usize| off_diagonal[k].abs() + off_diagonal.get(k + 1).map_or(0.0, |next| next.abs());
         let bounds = diagonal.iter().enumerate().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (k, d)| {
             [low.min(d - reach(k)), high.max(d + reach(k))]
         });
-        let squares: Vec<f64> = beside.iter().map(|e| e * e).collect();
+        let squares: Vec<f64> = off_diagonal.iter().map(|e| e * e).collect();
         let tiny = f64::MIN_POSITIVE * squares.iter().fold(1.0, |most: f64, e| most.max(*e));
         Spectrum { diagonal, squares, tiny, bounds }
     }
@@ -126,24 +126,24 @@ impl Kernel for Reduction<'_> {
     #[inline(always)]
     fn run<L: Lane>(self) -> Self::Output {
         let Reduction { rows, size, stride } = self;
-        let (mut diagonal, mut beside) = (vec![0.0; size], vec![0.0; size]);
+        let (mut diagonal, mut off_diagonal) = (vec![0.0; size], vec![0.0; size]);
         let (mut v, mut p) = (Aligned::zeros(stride), Aligned::zeros(stride));
         for k in 0..size {
             diagonal[k] = rows[k * stride + k];
             if k + 1 == size {
                 break;
             }
-            // The reflection along v = x - alpha e_1 turns what is left of row k, x, into alpha e_1.
+            // The reflection along v = x - alpha e_1 turns the rest of row k, x, into alpha e_1.
             v[..=k].fill(0.0);
             v[k + 1..].copy_from_slice(&rows[k * stride + k + 1..][..stride - k - 1]);
             let below: f64 = v[k + 2..].iter().map(|x| x * x).sum();
             let first = v[k + 1];
             if below == 0.0 {
-                beside[k + 1] = first;
+                off_diagonal[k + 1] = first;
                 continue;
             }
             let alpha = -(first * first + below).sqrt().copysign(first);
-            beside[k + 1] = alpha;
+            off_diagonal[k + 1] = alpha;
             v[k + 1] = first - alpha;
             let beta = 1.0 / (alpha * alpha - first * alpha);
             // Everything before this column is done with; lanes start where one of them does.
@@ -166,7 +166,7 @@ impl Kernel for Reduction<'_> {
                 }
             }
         }
-        (diagonal, beside)
+        (diagonal, off_diagonal)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Parameters that logs cannot tell from others: by the digits of the sums or under the noise of the torque.
+//! Parameters that logs do not separate from others: by the digits of the sums or under the noise of the torque.
 //!
 //! Geometry that is written with few digits makes columns that are nearly, not quite, combinations of others, and a motion
 //! that leaves a joint almost at rest does the same. The part of such a column that is orthogonal to the others is below the noise: its
@@ -12,11 +12,11 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// ten thousand times what rounding of the sums leaves.
 const RESOLVED: f64 = 1e-6;
 
-/// Rounds of weighing the joints by what the fit leaves on them.
+/// Rounds of weighting the joints by the residual of the fit.
 const ROUNDS: usize = 2;
 
 /// A parameter whose standard deviation alone makes as much torque as the whole log holds, times this, is not determined:
-/// the log says less of it than that it cannot make more torque than there is.
+/// the log gives no better bound than the torque that it holds.
 const WHOLE_TORQUE: f64 = 1.0;
 
 /// The first `count` parameters that the rows cannot determine, with the value at which to hold them: that of `described`,
@@ -60,7 +60,7 @@ pub fn undetermined(joints: &[JointRegression], described: &[f64], units: &[&str
     (0..count).filter(|k| !kept.contains(k)).map(held).collect()
 }
 
-/// Standard deviations from zero at which a parameter tells how large those of its unit are.
+/// Standard deviations from zero at which a parameter gives the size of those of its unit.
 const SURE: f64 = 3.0;
 
 fn positive(value: f64) -> f64 {

@@ -17,7 +17,7 @@ use crate::study::testbed;
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
-/// Every n-th sample of a log decides on the rank: neighbours say nearly the same.
+/// Every n-th sample of a log decides on the rank: neighbours are nearly the same.
 const RANK_STRIDE: usize = 10;
 
 /// Values of lambda at which the search is started again, in units of the largest entry of diag(J'WJ).

@@ -13,7 +13,7 @@ pub(crate) enum Stage {
     Simulation,
     /// Sensors.
     Measurement,
-    /// Savitzky-Golay, and the plain differences beside it.
+    /// Savitzky-Golay, and plain differences.
     Smoothing,
     /// Regressors along the motion.
     Regression,
@@ -65,7 +65,7 @@ impl Stage {
                 "rapier forward dynamics with friction and an imperfect controller, training and held-out motion"
             }
             Stage::Measurement => "encoders and torque sensors with noise; velocity and acceleration by differences",
-            Stage::Smoothing => "position, velocity, acceleration through Savitzky-Golay; the raw signals beside them",
+            Stage::Smoothing => "position, velocity, acceleration through Savitzky-Golay; and the raw signals",
             Stage::Regression => {
                 "torque and regressor columns through the same filter, samples near reversals left out"
             }

@@ -22,7 +22,7 @@ const PROBES: usize = 200;
 /// One variant of the 78-parameter model.
 #[derive(Debug, Clone)]
 pub(crate) struct PlanarModel {
-    /// How far misprints are mended.
+    /// How far misprints are corrected.
     pub variant: equations::Variant,
     /// Rank and groups over random states: what any motion could show.
     pub structure: RankStructure,
@@ -83,7 +83,7 @@ pub(crate) struct PaperStudy {
     pub procedure: Procedure,
 }
 
-/// Runs the study on a scenario. `procedure` has the time it took to load `setup`; `progress` is told of every stage as
+/// Runs the study on a scenario. `procedure` has the time it took to load `setup`; `progress` hears of every stage as
 /// it begins, and in the simulation of the samples done.
 ///
 /// # Errors

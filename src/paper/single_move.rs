@@ -17,7 +17,7 @@ const REACH: f64 = 0.5;
 pub(crate) struct MotionRank {
     /// Length, s.
     pub duration_s: f64,
-    /// Base parameters that the motion can tell apart.
+    /// Base parameters that the motion can separate.
     pub rank: usize,
     /// Base parameters of the arm.
     pub of: usize,

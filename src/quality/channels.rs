@@ -197,7 +197,7 @@ pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
             .fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
         (level, count, first)
     };
-    // A sensor that never says zero does not rest at its extreme unless it is cut off there.
+    // A sensor that never reads zero does not rest at its extreme unless it is cut off there.
     let levels = if low == high { vec![] } else { vec![low, high] };
     levels.into_iter().filter(|level| *level != 0.0).map(at).filter(|(_, count, _)| *count >= CLIPPED).collect()
 }
@@ -248,7 +248,7 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     if !one_sided || size == 0.0 || resolution(tau) > MEETS * size {
         return None;
     }
-    let lowest = |stretch: &[f64]| stretch.iter().fold(f64::INFINITY, |least, value| least.min(value.abs()));
+    let lowest = |part: &[f64]| part.iter().fold(f64::INFINITY, |least, value| least.min(value.abs()));
     let away = |value: &f64| value.abs() > 2.0 * NEAR * size;
     let visits: Vec<f64> = tau.split(away).map(lowest).filter(|lowest| *lowest < VISITS * size).collect();
     let met = visits.iter().filter(|lowest| **lowest < MEETS * size).count();
@@ -261,7 +261,7 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     })
 }
 
-/// Joints whose torque lost its sign, as found: what such a torque says of signs and of gravity is not its own.
+/// Joints whose torque lost its sign, as found: such a torque gives no evidence on signs and gravity.
 pub fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
     let unsigned = || found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque);
     let of = |joint: &usize| unsigned().any(|f| f.place == view.place("tau", *joint) || f.place == all_torques(view));

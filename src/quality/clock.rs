@@ -4,7 +4,7 @@ use super::{Finding, Kind, Severity};
 use crate::recording::lenient::{Cause, Rejected, Sieved};
 use crate::recording::resample::{Clock, IRREGULAR};
 
-/// Fewer samples, or a shorter time, tell nothing about an arm.
+/// Fewer samples, or a shorter time, are too little to judge a log.
 const FEWEST: usize = 50;
 const SHORTEST_S: f64 = 0.5;
 
@@ -56,8 +56,8 @@ pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
         let share = rows.len() as f64 / all as f64;
         let (severity, advice) = match share {
             s if s > RESTARTED && kind == Kind::BackwardTime => (Severity::Fatal, cause_of_backward_time(&rows)),
-            s if s > 0.5 => (Severity::Fatal, "most of the log is lost; mend the export and try again"),
-            s if s > 0.01 => (Severity::Warning, "they are left out and bridged; mend the export if you can"),
+            s if s > 0.5 => (Severity::Fatal, "most of the log is lost; correct the export and try again"),
+            s if s > 0.01 => (Severity::Warning, "they are left out and bridged; correct the export if you can"),
             _ => (Severity::Note, "they are left out and bridged"),
         };
         let text = format!("{} of {all} rows {what} ({}: {}); {advice}", rows.len(), first.column, first.problem);
@@ -70,7 +70,7 @@ pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
     }
     if recording.samples() < FEWEST || recording.duration() < SHORTEST_S {
         let text = format!(
-            "{} samples over {:.3} s are too few to say anything; at least {FEWEST} and {SHORTEST_S} s are wanted",
+            "{} samples over {:.3} s are too few to judge; at least {FEWEST} and {SHORTEST_S} s are needed",
             recording.samples(),
             recording.duration()
         );

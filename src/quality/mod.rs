@@ -196,7 +196,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }
-    // Where something else is wrong, that is to be put right first.
+    // Where something else is wrong, that must be corrected first.
     let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
     if sound && descriptions::is_modelled(&all, robot) {
         let text = "the torques are those of a rigid-body model without friction: they come from the controller's own model or a \
@@ -232,8 +232,8 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let positions_doubtful = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
         findings.extend(about_motion);
         // Derivatives across a long gap are those of no motion.
-        let stretch = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
-        let view = stretch.as_ref().map_or(Ok(view), View::new)?;
+        let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
+        let view = longest.as_ref().map_or(Ok(view), View::new)?;
         let (about_velocity, factor) = velocity::findings(&view);
         findings.extend(about_velocity);
         units.time_factor = factor;
@@ -246,7 +246,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             findings.extend(found.into_iter().filter(|finding| finding.kind != Kind::DeadTime || !clock_is_wrong));
             condition_number = condition;
             let unsigned = channels::without_sign(&view, &findings);
-            let mut log = stretch.unwrap_or(even);
+            let mut log = longest.unwrap_or(even);
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
             comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
         }

@@ -33,7 +33,7 @@ pub struct JointSummary {
     pub torque_rms: f64,
     /// Part of the torque that the joint's own model leaves unexplained, root mean square over root mean square.
     pub unexplained: Option<f64>,
-    /// Time by which the torque comes behind the motion, s, where it can be told.
+    /// Time by which the torque lags the motion, s, where it can be estimated.
     pub dead_time_s: Option<f64>,
 }
 
@@ -80,7 +80,7 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
     let still = |s: &JointSummary| s.range[1] - s.range[0] < STILL || s.speed < 2.0 * BAND;
     if summaries.iter().all(still) && view.period > SLOW_CLOCK {
         let text = format!(
-            "samples are {:.3e} s apart, and nothing moves: is the time in ms, us or ns? Convert it to s, or say so in a dataset \
+            "samples are {:.3e} s apart, and nothing moves: is the time in ms, us or ns? Convert it to s, or give the unit in a dataset \
              ([units] time)",
             view.period
         );

@@ -1,7 +1,7 @@
-//! Torque against motion: what a joint's own model leaves, dead time, excitation.
+//! Torque against motion: the residual of a joint's own model, dead time, excitation.
 //!
 //! A linear model of every joint is fitted to its torque alone, so that a fault of one joint does not hide behind
-//! another. The lag with the smallest residual tells the dead time, where the arm is known: a model of a joint alone
+//! another. The lag with the smallest residual is the dead time, where the arm is known: a model of a joint alone
 //! would take the pull of the other joints for one. What is wrong with signs, columns, gravity or units is asked of all
 //! joints and logs together, in [`super::descriptions`].
 
@@ -22,7 +22,7 @@ const ROWS: usize = 4000;
 const REACH_S: f64 = 0.05;
 const DEAD_TIME_S: f64 = 0.0015;
 
-/// Mean square that a dead time must cost on a joint, over what is left without it: under slow noise the best lag is not zero
+/// Mean square that a dead time must cost on a joint, over the residual without it: under slow noise the best lag is not zero
 /// either.
 const DEAD_TIME_COSTS: f64 = 1.1;
 
@@ -32,10 +32,10 @@ const WEAK: f64 = 3e-5;
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
 
-/// Fewer rows than this many per column say nothing.
+/// Fewest rows per column.
 const ROWS_PER_COLUMN: usize = 4;
 
-/// Findings about torque, and the condition number where the arm is known. Fills in what the models of the joints tell.
+/// Findings about torque, and the condition number where the arm is known. Fills in the estimates of the joints' models.
 pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robot>) -> (Vec<Finding>, Option<f64>) {
     let reach = ((REACH_S / view.period) as usize).clamp(2, 60);
     let Some(last) = view.log.samples().checked_sub(2 * reach + 1) else { return (Vec::new(), None) };
@@ -64,7 +64,7 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     let condition = model.map(|model| condition_number(&model, &columns, rows.len()));
     if let Some(condition) = condition.filter(|c| *c > POOR) {
         let text = format!(
-            "the condition number of the base parameters is {condition:.0}: some of them cannot be told apart on this \
+            "the condition number of the base parameters is {condition:.0}: some of them are not separable on this \
              motion; move more joints faster and further"
         );
         out.push(Finding::new(Kind::PoorExcitation, Severity::Note, "motion", text));
@@ -110,7 +110,7 @@ impl JointFit {
         Some(JointFit { rows: kept.iter().map(|&row| rows[row]).collect(), basis })
     }
 
-    /// Part of a torque that the model leaves, `lag` samples later, root mean square over root mean square.
+    /// Residual share of a torque, `lag` samples later, root mean square over root mean square.
     fn unexplained(&self, tau: &[f64], lag: isize) -> f64 {
         let torque: Vec<f64> = self.rows.iter().map(|&row| tau[row.saturating_add_signed(lag)]).collect();
         length(&self.basis.residual(&torque)) / length(&torque).max(f64::MIN_POSITIVE)
@@ -134,7 +134,7 @@ impl JointFit {
 #[derive(Debug, Clone, Copy)]
 struct Lag {
     samples: f64,
-    /// Mean square that the model leaves without a lag over that with it.
+    /// Mean squared residual without a lag over that with it.
     cost: f64,
 }
 

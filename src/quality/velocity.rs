@@ -108,7 +108,7 @@ fn clock_factor(view: &View, logged: &Channels, moving: &[bool]) -> Option<f64> 
 
 fn clock_finding(factor: f64, joints: usize) -> Finding {
     let others = match joints {
-        1 => "; a velocity in another unit is the other cause, which a log of one joint cannot tell apart",
+        1 => "; a velocity in another unit is the other cause, which a log of one joint does not separate",
         _ => "; neither a unit nor a gear gives one factor to all joints",
     };
     let text = format!(

@@ -29,7 +29,7 @@ pub struct Layout {
     /// Nanoseconds of the second, where `time` is in whole seconds.
     nanoseconds: Option<usize>,
     time_factor: Option<f64>,
-    /// The name of the column of time leaves its unit open.
+    /// The name of the column of time does not give its unit.
     pub open_unit: bool,
     /// Time may be the index of the rows.
     pub time_is_index: bool,
@@ -230,7 +230,7 @@ impl Layout {
         self.nanoseconds
     }
 
-    /// Seconds per unit of time, where the column's name says it.
+    /// Seconds per unit of time, where the column's name gives it.
     pub fn time_factor(&self) -> Option<f64> {
         self.time_factor
     }
@@ -343,7 +343,7 @@ struct Clock {
     is_index: bool,
 }
 
-/// Turns columns found into one column per joint, or says what is missing.
+/// Turns columns found into one column per joint, or reports what is missing.
 struct Resolver<'a> {
     path: &'a Path,
     line: Option<usize>,

@@ -1,5 +1,5 @@
 //! Logs as controllers write them: rows that cannot be used are left out and reported, the others are kept, and what has
-//! one cause and one cure is mended.
+//! one cause and one cure is corrected.
 
 use super::Recording;
 use super::columns::{self, Demand, Layout};
@@ -45,7 +45,7 @@ pub struct Sieved {
     pub rejected: Vec<Rejected>,
     /// What the file has and the recording has not.
     pub notes: Vec<String>,
-    /// How the file was understood and what was mended.
+    /// How the file was understood and what was corrected.
     pub mended: Vec<String>,
     /// Joints whose position jumped by whole turns, which was undone: they may lie whole turns outside their limits.
     pub unwrapped: Vec<usize>,

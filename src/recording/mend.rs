@@ -66,7 +66,7 @@ pub fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     if most.is_empty() { Vec::new() } else { few }
 }
 
-/// Puts NaN in the place of torques that are the same in every row, unless all are; returns what to say about it.
+/// Puts NaN in the place of torques that are the same in every row, unless all are; returns a note on it.
 pub fn constant_torques(log: &mut Recording) -> Vec<String> {
     let constant = |joint: &usize| {
         let torque = log.tau.channel(*joint);
@@ -85,7 +85,7 @@ pub fn constant_torques(log: &mut Recording) -> Vec<String> {
     constant.iter().map(mend).collect()
 }
 
-/// Undoes jumps of positions by whole turns, in whatever unit they are; returns the joints and what to say about it.
+/// Undoes jumps of positions by whole turns, in whatever unit they are; returns the joints and a note.
 pub fn unwrap(log: &mut Recording) -> (Vec<usize>, Option<String>) {
     let mut joints = Vec::new();
     let mut names = Vec::new();

@@ -1,4 +1,4 @@
-//! Recordings: what the sensors of an arm said over time, from a file or from a simulation.
+//! Recordings: the sensor signals of an arm over time, from a file or from a simulation.
 
 #[cfg(feature = "bags")]
 mod bag;
@@ -43,11 +43,11 @@ pub struct Signals {
     pub tau: Channels,
 }
 
-/// A log: what the sensors say and, where it is known, the truth behind it. All tables have one channel per joint, in
+/// A log: sensor signals and, where it is known, the truth behind them. All tables have one channel per joint, in
 /// the order of `joints`, and one sample per entry of `time`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
-    /// Name of the robot; empty where the file does not tell.
+    /// Name of the robot; empty where the file does not have it.
     pub robot: String,
     /// Names of the joints from base to flange.
     pub joints: Vec<String>,
@@ -151,7 +151,7 @@ impl Recording {
     }
 }
 
-/// Reads a log; the extension of the name (`csv`, `parquet`; `mcap`, `db3` or the folder of a ROS 2 bag) tells the format.
+/// Reads a log; the extension of the name (`csv`, `parquet`; `mcap`, `db3` or the folder of a ROS 2 bag) gives the format.
 /// What was read but not used is logged as a warning; [`csv::read`] and [`parquet::read`] return it.
 ///
 /// With `joints` (the robot's joints in order) the log must have these joints; without, it names or numbers its own.
@@ -174,7 +174,7 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
     Ok(recording)
 }
 
-/// Writes a log in the format that the extension of the name tells: `csv`, `parquet`, `mcap` or `db3`. Returns what the
+/// Writes a log in the format of the name's extension: `csv`, `parquet`, `mcap` or `db3`. Returns what the
 /// format has no place for.
 ///
 /// # Errors
@@ -189,8 +189,8 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
                 true => csv::write(path, recording)?,
                 false => csv::write_named(path, recording)?,
             }
-            let told = !recording.provenance.is_empty() || !recording.robot.is_empty();
-            lost.extend(told.then_some("where the log comes from"));
+            let has_source = !recording.provenance.is_empty() || !recording.robot.is_empty();
+            lost.extend(has_source.then_some("where the log comes from"));
         }
         Some("parquet") => parquet::write(path, recording)?,
         #[cfg(feature = "bags")]
@@ -205,13 +205,13 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
     Ok(lost)
 }
 
-/// The name of a log must tell its format.
+/// The name of a log must give its format.
 fn unknown_format(path: &Path) -> Error {
     let bags = match cfg!(feature = "bags") {
         true => ".csv, .parquet, .mcap or .db3 (or is the folder of a ROS 2 bag)",
         false => ".csv or .parquet (this build reads no ROS 2 bags: build it with the feature `bags`)",
     };
-    Error::input(path, None, "extension", format!("the name of a log ends in {bags}, which tells how to read it"))
+    Error::input(path, None, "extension", format!("the name of a log must end in {bags}, which gives its format"))
 }
 
 /// Whether a channel holds numbers: one without is not a number at every sample.

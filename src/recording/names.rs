@@ -1,4 +1,4 @@
-//! What a column's name says: which quantity of which joint, or time. Programs that write logs have their own ways;
+//! The meaning of a column's name: which quantity of which joint, or time. Programs that write logs have their own ways;
 //! these are theirs.
 
 /// Index of position among the quantities.
@@ -96,16 +96,16 @@ pub const QUANTITIES: [Quantity; 4] = [
 /// Words for the current of a motor, which stands in for its torque.
 const CURRENT: [&str; 5] = ["current", "currents", "motor_current", "motor_currents", "amps"];
 
-/// Words around a quantity that say it was measured; nothing depends on them.
+/// Words around a quantity that mean it was measured; nothing depends on them.
 const MEASURED: [&str; 16] = [
     "actual", "act", "measured", "meas", "msr", "real", "sensor", "sensed", "joint", "joints", "jnt", "robot", "arm",
     "feedback", "raw", "true",
 ];
 
-/// Those of them that say where.
+/// Those of them that mean a place.
 const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
 
-/// Words that say a value was wanted, computed or is that of another thing, and not measured at a joint.
+/// Words that mean a value was wanted, computed or is that of another thing, and not measured at a joint.
 const WANTED: [&str; 19] = [
     "target",
     "desired",
@@ -309,7 +309,7 @@ fn words(name: &str) -> Vec<String> {
     out
 }
 
-/// The quantity that words stand for, and whether it is a current; words that say only that it was measured may stand around.
+/// The quantity that words stand for, and whether it is a current; words that mean only that it was measured may stand around.
 fn quantity(words: &[String]) -> Option<(usize, bool)> {
     let measured = |word: &&String| MEASURED.contains(&word.as_str());
     let lookup = |words: &[String]| {
@@ -353,7 +353,7 @@ fn without_unit(name: &str) -> (&str, Option<&str>) {
 pub struct Time {
     /// The lower, the better: the time of the message before that of the logger.
     pub rank: u8,
-    /// Seconds per unit, where the name says it.
+    /// Seconds per unit, where the name gives it.
     pub factor: Option<f64>,
     /// Whole seconds, or the nanoseconds behind them, of which the other is in a column of its own.
     pub part: Part,
@@ -378,7 +378,7 @@ const OF_LOGGER: u8 = 3;
 /// Rank of a first column without a name, in which programs for tables put the index of the rows.
 pub const INDEX: u8 = 9;
 
-/// What a column's name says about time.
+/// The meaning of a column's name as time.
 pub fn time(column: &str, place: usize) -> Option<Time> {
     let time = |rank, factor, part| Some(Time { rank, factor, part });
     if column.eq_ignore_ascii_case("t") || column.eq_ignore_ascii_case("time") {

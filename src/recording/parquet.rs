@@ -110,7 +110,7 @@ fn builder(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>> {
 }
 
 impl Table {
-    /// Reads what the file says about its columns, and how long its lists are.
+    /// Reads the file's metadata on its columns, and how long its lists are.
     pub fn open(path: &Path) -> Result<Table> {
         let builder = builder(path)?;
         let metadata = builder.metadata().file_metadata().key_value_metadata();
@@ -195,7 +195,7 @@ impl Table {
         Ok(columns)
     }
 
-    /// Adds what the file says about the recording.
+    /// Adds the file's metadata on the recording.
     pub fn describe(&self, recording: &mut Recording) {
         recording.robot = self.metadata.get(ROBOT).cloned().unwrap_or_default();
         recording.provenance = provenance(&self.metadata);

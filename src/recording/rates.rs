@@ -69,7 +69,7 @@ pub fn without_blanks(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec
             columns[column] = brought(&time, &columns[column], &kept);
         }
     }
-    let said = match of_torques {
+    let note = match of_torques {
         Some(torque) => format!(
             "of {count} rows {} hold positions and {} torques: they come from two sources at rates of their own; the log is taken \
              at the rows of the {}, and the other signals are brought to their times; log both in one loop if you can",
@@ -84,7 +84,7 @@ pub fn without_blanks(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec
         None => return None,
     };
     keep(&kept, columns, lines);
-    Some(said)
+    Some(note)
 }
 
 /// Of values that are repeated while the other signals go on, the rows of new ones are kept. Time is in seconds. Nothing is done

@@ -113,7 +113,7 @@ impl Source {
         }
     }
 
-    /// Adds what the file says about a recording.
+    /// Adds the file's metadata on a recording.
     pub fn describe(&self, recording: &mut Recording) {
         match self {
             Source::Parquet(table) => table.describe(recording),
@@ -258,7 +258,7 @@ fn matched(contents: Vec<Content>) -> Result<Joined> {
     Ok(out)
 }
 
-/// The rows of the first file with time, and what the others say at its times.
+/// The rows of the first file with time, and the values of the others at its times.
 fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<usize>]) -> Result<Joined> {
     let mut start = 0;
     let mut clocks: Vec<&[f64]> = Vec::new();

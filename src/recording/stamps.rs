@@ -37,7 +37,7 @@ const DIGITS: f64 = 50.0;
 /// What was done with the clock.
 #[derive(Debug, Default)]
 pub struct Clock {
-    /// How it was understood and mended.
+    /// How it was understood and corrected.
     pub mended: Vec<String>,
     /// Why the rows cannot be used, and what to do.
     pub spoilt: Option<String>,
@@ -64,7 +64,7 @@ pub fn clock(
         columns.push((0..rows).map(|row| row as f64 / rate).collect());
         header.push("t".to_owned());
         layout.set_time(columns.len() - 1);
-        clock.mended.push(format!("rows are taken at {rate} Hz, as the dataset says"));
+        clock.mended.push(format!("rows are taken at {rate} Hz, the rate of the dataset"));
         return Ok(clock);
     }
     let column = layout.time();
@@ -119,7 +119,7 @@ fn backward(time: &[f64]) -> f64 {
 }
 
 /// Stamps of which the second's fraction lost its leading zeros when it was put behind the point: 12.5000000 for 12 s and
-/// 5000000 ns. They are mended where time then goes on.
+/// 5000000 ns. They are corrected where time then increases.
 fn zeros_lost(cells: &[String], time: &mut [f64]) -> Option<String> {
     let parts: Option<Vec<(&str, &str)>> = cells.iter().map(|cell| cell.split_once('.')).collect();
     let parts = parts.filter(|parts| parts.len() == time.len())?;

@@ -115,7 +115,7 @@ impl Text {
     }
 
     fn reader(&self) -> ::csv::Reader<&[u8]> {
-        // Lengths of rows are checked here, to say more than the csv crate does.
+        // Lengths of rows are checked here, for a more precise error than that of the csv crate.
         ReaderBuilder::new()
             .delimiter(self.separator)
             .has_headers(false)

@@ -11,10 +11,10 @@ const UNITS: [(f64, f64, &str); 3] = [(1e11, 1e-3, "ms"), (1e14, 1e-6, "us"), (1
 /// Median step from which on a column called `t` or `time` is not in seconds, if the arm moves: a log at 1 Hz shows no dynamics.
 const NO_SECONDS: f64 = 1.0;
 
-/// The same of a column whose name leaves the unit open, as `timestamp` does: no convention makes it seconds.
+/// The same of a column whose name does not give the unit, as `timestamp` does: no convention makes it seconds.
 const NO_SECONDS_OPEN: f64 = 0.5;
 
-/// Fewer rows are no log whose steps speak against the name of their column.
+/// Fewest rows whose steps can contradict the name of their column.
 const FEWEST: usize = 20;
 
 /// Rates at which arms are logged, Hz.
@@ -32,7 +32,7 @@ const AGREES: f64 = 5.0;
 /// They confirm it where they agree up to this factor; beyond, the clock may count something else.
 const CONFIRMS: f64 = 1.25;
 
-/// Brings time to seconds, and says what was assumed. A unit that is not given is that of the column's name, or the one in which
+/// Converts time to seconds, and returns what was assumed. A unit that is not given is that of the column's name, or the one in which
 /// the numbers are a time from 1970, or steps of a log.
 pub fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>) -> Option<String> {
     let column = layout.time();
@@ -42,7 +42,7 @@ pub fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>)
     }
     let first = columns[column].iter().copied().find(|t| t.is_finite())?;
     let (factor, unit, doubt) = match layout.time_factor() {
-        Some(factor) => (factor, "the unit that its name says", None),
+        Some(factor) => (factor, "the unit of its name", None),
         None => of_numbers(columns, layout, first)?,
     };
     // Numbers from 1970 on have no digits for what is between two rows.
@@ -56,7 +56,7 @@ pub fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>)
         Some(_) => format!("time is in {unit}{from}"),
         None => {
             let doubt = doubt.unwrap_or_default();
-            format!("time is taken to be in {unit}{doubt}{from} (say otherwise with [units] time in a dataset)")
+            format!("time is taken to be in {unit}{doubt}{from} (set another with [units] time in a dataset)")
         }
     })
 }
@@ -79,8 +79,9 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
         return None;
     }
     let possible: Vec<_> = UNITS.into_iter().filter(|(_, factor, _)| rate_in(*factor, POSSIBLE_HZ)).collect();
-    let told = seconds_per_unit(columns, layout);
-    let within = |factor: f64, most: f64| told.is_some_and(|told| (1.0 / most..most).contains(&(told / factor)));
+    let implied = seconds_per_unit(columns, layout);
+    let within =
+        |factor: f64, most: f64| implied.is_some_and(|implied| (1.0 / most..most).contains(&(implied / factor)));
     let agrees = |factor: f64| within(factor, AGREES);
     let usual = |(_, factor, _): &&(f64, f64, &str)| rate_in(*factor, USUAL_HZ);
     let of_velocity = possible.iter().find(|(_, factor, _)| agrees(*factor));
@@ -123,7 +124,7 @@ fn moves(columns: &[Vec<f64>], layout: &Layout) -> bool {
     layout.positions().iter().any(changes)
 }
 
-/// Seconds per unit of time in which the positions change as the velocities say: sum of the sizes of the changes over the sum of
+/// Seconds per unit of time in which the positions change as the velocities imply: sum of the sizes of the changes over the sum of
 /// the sizes of velocity times step.
 fn seconds_per_unit(columns: &[Vec<f64>], layout: &Layout) -> Option<f64> {
     let time = &columns[layout.time()];

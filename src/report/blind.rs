@@ -1,4 +1,4 @@
-//! What blind runs tell: one line a run, a table of the classes, the confusion matrix.
+//! Results of blind runs: one line a run, a table of the classes, the confusion matrix.
 
 use super::{console, markdown};
 use crate::study::blind::row::{Answer, Row};
@@ -51,7 +51,7 @@ pub(crate) fn line(row: &Row) -> String {
 fn answer(answer: &Answer) -> String {
     let values = answer.parameters.iter().zip(&answer.std).map(|(value, std)| match std {
         Some(std) => format!(" {value:.3e}+-{std:.0e}"),
-        None => " not told".to_owned(),
+        None => " not estimated".to_owned(),
     });
     let taken_back = if answer.verdict == "unexplained" { " (tentative)" } else { "" };
     let p = answer.family_wise_p.map_or_else(String::new, |p| format!(" p {p:.0e}"));
@@ -112,7 +112,7 @@ const HEADER: [&str; 10] = [
     "as it should be",
     "the best of all tests",
     "through the encoders",
-    "a wrong firm name",
+    "a wrong name",
     "unexplained",
     "parameters within 3 std",
     "90 % of the gap closed",

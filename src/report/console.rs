@@ -19,7 +19,7 @@ pub(super) fn table(header: &[&str], rows: Vec<Vec<String>>) -> String {
     table.trim_fmt()
 }
 
-/// Torque errors of every joint from raw signals, from those that are smoothed as is usual, and from Savitzky-Golay.
+/// Torque errors of every joint from raw signals, from common practice's smoothing, and from Savitzky-Golay.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TorqueErrors<'a> {
     /// Signals as they are.
@@ -79,8 +79,8 @@ pub(super) fn smoothing(described: &Described) -> String {
     }
 }
 
-/// A line for every variant that smooths, which says how; the window of Savitzky-Golay may have been chosen `by_noise`, and the usual
-/// low-pass may be `missing` for a reason.
+/// A line for every variant that smooths, with its settings; the window of Savitzky-Golay may have been chosen `by_noise`, and common
+/// practice may be `missing` for a reason.
 pub(super) fn smoothings(described: &[Option<Described>], by_noise: bool, missing: Option<&str>) -> Vec<String> {
     let line = |one: &Described| match one {
         Described::SavitzkyGolay { .. } if by_noise => {
@@ -88,8 +88,7 @@ pub(super) fn smoothings(described: &[Option<Described>], by_noise: bool, missin
         }
         _ => smoothing(one),
     };
-    let missing =
-        missing.map(|problem| format!("Butterworth: left out, for nothing was identified with it ({problem})"));
+    let missing = missing.map(|problem| format!("Butterworth: left out, since the identification failed ({problem})"));
     described.iter().flatten().map(line).chain(missing).collect()
 }
 

@@ -20,9 +20,9 @@ pub struct FitResult {
     trust: Trust,
     /// What had to be done to the logs, and what looks wrong in them.
     notes: Vec<String>,
-    without_effects: Side,
+    without_effects: OneFit,
     #[serde(skip_serializing_if = "Option::is_none")]
-    with_effects: Option<Side>,
+    with_effects: Option<OneFit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistent: Option<Bodies>,
 }
@@ -68,7 +68,7 @@ struct Link {
 
 /// One fit.
 #[derive(Debug, Serialize)]
-struct Side {
+struct OneFit {
     condition_number: f64,
     rows: Vec<usize>,
     train_rms_nm: Vec<f64>,
@@ -94,7 +94,7 @@ struct Value {
     /// Whether the value is at a bound of what makes sense; it then has no standard deviation.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     at_bound: bool,
-    /// Whether the value is the description's because the logs do not tell it from others; it then has no standard deviation.
+    /// Whether the value is the description's because the logs do not separate it from others; it then has no standard deviation.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     undetermined: bool,
 }
@@ -107,8 +107,8 @@ pub fn result(robot: &Robot, trust: Trust, found: Found, notes: &[String]) -> Fi
         effort_units: robot.effort_units(),
         trust,
         notes: notes.to_vec(),
-        without_effects: side(robot, found.plain),
-        with_effects: found.extended.map(|fitted| side(robot, fitted)),
+        without_effects: one_fit(robot, found.plain),
+        with_effects: found.extended.map(|fitted| one_fit(robot, fitted)),
         consistent: found.consistent.map(|consistent| bodies(robot, consistent)),
     }
 }
@@ -139,7 +139,7 @@ fn bodies(robot: &Robot, consistent: &Consistent) -> Bodies {
     }
 }
 
-fn side(robot: &Robot, fitted: &Fitted) -> Side {
+fn one_fit(robot: &Robot, fitted: &Fitted) -> OneFit {
     let estimate = &fitted.fit.estimate;
     let (std, intervals) = (estimate.std(), estimate.intervals());
     let value = |index: usize, name: String, unit: String| Value {
@@ -164,7 +164,7 @@ fn side(robot: &Robot, fitted: &Fitted) -> Side {
             })
             .collect(),
     });
-    Side {
+    OneFit {
         condition_number: estimate.condition_number,
         rows: estimate.rows.clone(),
         train_rms_nm: fitted.train_rms.clone(),
@@ -192,7 +192,7 @@ pub fn undetermined(fitted: &Fitted) -> Option<String> {
     })
 }
 
-/// Tables for people: what is left per joint, and the effects' parameters.
+/// Tables for people: the residual of each joint, and the effects' parameters.
 pub fn tables(robot: &Robot, found: Found) -> String {
     let Found { plain, extended, consistent } = found;
     let (unit, names) = by_joint(robot);

@@ -1,4 +1,4 @@
-//! What a run tells: tables on the console and JSON files.
+//! Results of a run: tables on the console and JSON files.
 
 pub(crate) mod blind;
 pub(crate) mod console;

@@ -3,13 +3,14 @@
 use super::console::{significant, table};
 use crate::study::check::{Report, Verdict};
 use crate::study::montecarlo::{Cell, Found, Row, Summary, Timings};
+use crate::study::testbed::Variant;
 
 /// The table of a study, and the best window per noise level.
 pub(crate) fn summary(summary: &Summary, times: &Timings) -> String {
     let header = [
         "noise q, rad",
         "tau, N m",
-        "S-G window",
+        "smoothing",
         "estimator",
         "d_beta 5 %",
         "50 %",
@@ -41,8 +42,10 @@ pub(crate) fn summary(summary: &Summary, times: &Timings) -> String {
     );
     for cell in summary.cells.iter().filter(|cell| cell.failed > 0) {
         let why = cell.failure.as_deref().unwrap_or_default();
-        let (at, window, estimator) = (noise(cell.encoder_rad), window(cell.sg_window), &cell.estimator);
-        text += &format!("\n{estimator} at noise {at}, window {window}, failed {} times, first: {why}", cell.failed);
+        let (at, smoothed, estimator) =
+            (noise(cell.encoder_rad), smoothing(cell.signals, cell.sg_window), &cell.estimator);
+        text +=
+            &format!("\n{estimator} at noise {at}, smoothing {smoothed}, failed {} times, first: {why}", cell.failed);
     }
     if !summary.best_windows.is_empty() {
         let rows = summary
@@ -54,12 +57,12 @@ pub(crate) fn summary(summary: &Summary, times: &Timings) -> String {
                     noise(level.and_then(|cell| cell.encoder_rad)),
                     noise(level.and_then(|cell| cell.torque_nm)),
                     best.estimator.clone(),
-                    window(best.sg_window),
+                    smoothing(best.signals, best.sg_window),
                     significant(best.d_beta),
                 ]
             })
             .collect();
-        let header = ["noise q, rad", "tau, N m", "estimator", "best S-G window", "median d_beta"];
+        let header = ["noise q, rad", "tau, N m", "estimator", "best smoothing", "median d_beta"];
         text += &format!("\n\n{}", table(&header, rows));
     }
     text
@@ -72,7 +75,7 @@ fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
     vec![
         noise(cell.encoder_rad),
         noise(cell.torque_nm),
-        window(cell.sg_window),
+        smoothing(cell.signals, cell.sg_window),
         cell.estimator.clone(),
         number(cell.d_beta.map(|q| q.p05)),
         number(cell.d_beta.map(|q| q.p50)),
@@ -83,7 +86,7 @@ fn cell_row(cell: &Cell, times: &Timings) -> Vec<String> {
         percent(cell.coverage),
         torque.join(" "),
         cell.failed.to_string(),
-        times.mean(cell.sg_window, &cell.estimator).map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s)),
+        times.mean(cell.signals, cell.sg_window, &cell.estimator).map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s)),
     ]
 }
 
@@ -92,23 +95,27 @@ pub(super) fn noise(std: Option<f64>) -> String {
     std.map_or("scenario's".to_owned(), size)
 }
 
-/// A size that may be of any order, as short as it can be told.
+/// A size of any order, in its shortest form.
 pub(super) fn size(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// A smoothing window in a table.
-pub(super) fn window(window: u32) -> String {
-    if window == 0 { "none".to_owned() } else { window.to_string() }
+/// A smoothing in a table.
+pub(super) fn smoothing(signals: Variant, window: u32) -> String {
+    match signals {
+        Variant::SavitzkyGolay => format!("S-G {window}"),
+        Variant::Butterworth => "Butterworth".to_owned(),
+        Variant::Raw | Variant::Exact => "none".to_owned(),
+    }
 }
 
 /// One trial, replayed.
 pub(crate) fn trial(rows: &[Row]) -> String {
-    let header = ["noise level", "S-G window", "estimator", "d_beta", "coverage", "torque std / joint, N m"];
+    let header = ["noise level", "smoothing", "estimator", "d_beta", "coverage", "torque std / joint, N m"];
     let cells = rows
         .iter()
         .map(|row| {
-            let mut cells = vec![row.level.to_string(), window(row.window), row.estimator.clone()];
+            let mut cells = vec![row.level.to_string(), smoothing(row.signals, row.window), row.estimator.clone()];
             match &row.outcome {
                 Ok(Found { d_beta, coverage, torque_std, .. }) => {
                     let torque: Vec<String> = torque_std.iter().map(|&std| significant(std)).collect();
@@ -122,7 +129,7 @@ pub(crate) fn trial(rows: &[Row]) -> String {
     table(&header, cells)
 }
 
-/// What an accuracy check found: what got worse, or that nothing did.
+/// What an accuracy check found: the figures that are worse, or that none is.
 pub(crate) fn check(report: &Report) -> String {
     let worse: Vec<Vec<String>> = report
         .metrics
@@ -142,11 +149,11 @@ pub(crate) fn check(report: &Report) -> String {
     if worse.is_empty() {
         let better =
             if better > 0 { format!("; {better} are better: --update would keep that") } else { String::new() };
-        return format!("{}: none of {} figures has got worse{better}", report.scenario, report.metrics.len());
+        return format!("{}: none of {} figures is worse{better}", report.scenario, report.metrics.len());
     }
-    let header = ["what got worse", "baseline", "now", "spread over trials", "standard errors"];
+    let header = ["worse", "baseline", "now", "spread over trials", "standard errors"];
     format!(
-        "{}: {} of {} figures have got worse\n\n{}",
+        "{}: {} of {} figures are worse\n\n{}",
         report.scenario,
         worse.len(),
         report.metrics.len(),

@@ -14,6 +14,10 @@ pub struct MonteCarloSpec {
     pub estimators: Vec<String>,
     /// Savitzky-Golay windows in samples, 0 for no smoothing; empty for 0 and that of `[identification]`.
     pub sg_windows: Vec<usize>,
+    /// Whether signals are also smoothed by common practice: zero-phase Butterworth on positions, central differences, parallel
+    /// filter and decimation.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub butterworth: bool,
     /// Noise levels; empty for the scenario's own sensors.
     pub noise: Vec<NoiseLevel>,
     /// Without smoothing, every n-th row is used.
@@ -37,6 +41,7 @@ impl Default for MonteCarloSpec {
             trials: 1000,
             estimators: vec!["wls".to_owned()],
             sg_windows: Vec::new(),
+            butterworth: false,
             noise: Vec::new(),
             raw_decimation: 1,
             plant_error: 0.0,

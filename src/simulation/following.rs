@@ -1,5 +1,5 @@
 //! An arm in the simulator that follows a motion that was measured: its motor torque is that of forward dynamics, and can
-//! be set beside the measured torque.
+//! be compared with the measured torque.
 
 use super::controller::ComputedTorque;
 use super::engine::EngineKind;
@@ -31,7 +31,7 @@ pub struct Followed {
     pub q: Channels,
 }
 
-/// Lets `robot`, with `effects` beside the friction of its drives, follow `motion` (where the joints really were; the first
+/// Lets `robot`, with `effects` in addition to the friction of its drives, follow `motion` (where the joints really were; the first
 /// sample at `start`, `period` seconds apart) under computed torque of its own model with feedback. Rapier's own time step, if it is
 /// among the effects, takes rapier whatever the `engine`.
 ///
@@ -46,7 +46,7 @@ pub(crate) fn follow(
     period: f64,
 ) -> Result<Followed> {
     let mut robot = robot.clone();
-    // Whatever the description says of the drives: the motion was made.
+    // Whatever limits the description gives the drives: the motion was made.
     robot.joints.iter_mut().for_each(|joint| joint.limits.effort = f64::INFINITY);
     let (robot, dof) = (&robot, robot.dof());
     let reference = MeasuredMotion::new(motion, start, period);

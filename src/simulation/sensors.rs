@@ -19,7 +19,7 @@ pub struct JointSensors {
     pub torque_correlation_s: f64,
 }
 
-/// Position as the encoders of the joints tell it. `seed` and `run` choose the noise; every joint has a stream of its own.
+/// Position as the encoders of the joints measure it. `seed` and `run` choose the noise; every joint has a stream of its own.
 pub(crate) fn encoders(q: &Channels, sensors: &[JointSensors], seed: u64, run: u64) -> Channels {
     assert!(sensors.len() >= q.channels(), "every joint has its sensors");
     Channels::appended(q.channels(), q.samples(), |joint, out| {
@@ -85,7 +85,7 @@ fn correlated(memory: f64, mut normals: Normals) -> impl FnMut(&mut [f64]) {
     }
 }
 
-/// Velocity of one joint as its tachometer tells it.
+/// Velocity of one joint as its tachometer measures it.
 pub(crate) fn tachometer(qd: &[f64], noise_std: f64, seed: u64, run: u64, joint: usize) -> Vec<f64> {
     let mut out = Vec::with_capacity(qd.len());
     measure(qd, noise_std, white(normals(seed, "tachometer", run, joint)), 0.0, &mut out);

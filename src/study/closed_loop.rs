@@ -102,15 +102,15 @@ pub fn with_base_parameters(robot: &Robot, model: &Model, beta: &[f64]) -> Robot
     made
 }
 
-/// A [`ClosedLoop`] beside one measured log.
-pub struct Beside<'a> {
+/// A [`ClosedLoop`] with one measured log.
+pub struct Alongside<'a> {
     /// The simulated arm.
     pub arm: &'a ClosedLoop<'a>,
     /// The log, with its filter and torque.
     pub prepared: &'a Prepared<'a>,
 }
 
-impl SimulatedRows for Beside<'_> {
+impl SimulatedRows for Alongside<'_> {
     fn rows(&self, beta: &[f64]) -> Result<Vec<JointRegression>> {
         self.prepared.along(self.arm.motion(beta)?).regression(self.arm.model)
     }

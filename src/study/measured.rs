@@ -30,7 +30,7 @@ pub(crate) struct Scored {
 /// at which samples a joint moves, for all variants alike.
 ///
 /// # Errors
-/// If a log is too short, or the motion cannot tell the parameters apart (named).
+/// If a log is too short, or the motion does not separate the parameters (named).
 pub(crate) fn identify(
     model: &Model,
     logs: Logs,

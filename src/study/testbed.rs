@@ -14,7 +14,7 @@ use crate::simulation::Truth;
 use std::time::Instant;
 
 /// Which signals an identification sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Variant {
     /// The exact signals: what perfect sensors would give.
@@ -23,7 +23,7 @@ pub enum Variant {
     Raw,
     /// Measured signals through Savitzky-Golay.
     SavitzkyGolay,
-    /// Measured signals as is usual in the field: positions through a zero-phase Butterworth low-pass, central differences, parallel filter
+    /// Measured signals by common practice: positions through a zero-phase Butterworth low-pass, central differences, parallel filter
     /// and decimation.
     Butterworth,
 }
@@ -48,7 +48,7 @@ impl Variant {
 pub struct Run {
     /// What happened.
     pub truth: Truth,
-    /// What the sensors say.
+    /// Sensor signals.
     pub recording: Recording,
 }
 
@@ -140,7 +140,7 @@ impl Scored {
     }
 }
 
-/// How a variant smooths what was measured: as the scenario says, and where it leaves that open, as the noise and the motion of the log ask.
+/// How a variant smooths measured signals: by the scenario, and where that is open, by the noise and the motion of the log.
 ///
 /// # Errors
 /// If the choice is open and the log shows no motion or is too short.
@@ -168,7 +168,7 @@ fn smoothed<'a>(setup: &Setup, run: &'a Run, variant: Variant, smoothing: Smooth
     }
 }
 
-/// The signals of a run as a variant sees them that is chosen for that run.
+/// The signals of a run as a variant sees them, with the smoothing chosen for that run.
 ///
 /// # Errors
 /// Those of [`smoothing`], and if the log is too short for the filter.

@@ -1,6 +1,6 @@
 //! `diagnose` from outside: what it writes, how faults of the data stop it, and how it refuses what tells nothing.
 
-use super::{Case, assert_done, assert_refusal, text};
+use super::{Case, assert_done, assert_refusal, schema, text};
 use serde_json::Value;
 use std::process::Output;
 use std::sync::LazyLock;
@@ -21,9 +21,12 @@ fn diagnose(train: &str, more: &[&str]) -> Output {
     LOGS.tauscope(&[&first, more].concat())
 }
 
+/// What a diagnosis printed, which must follow the schema.
 fn json(output: &Output) -> Value {
     assert_done(output);
-    serde_json::from_slice(&output.stdout).unwrap()
+    let told = serde_json::from_slice(&output.stdout).unwrap();
+    schema::assert_valid(&told);
+    told
 }
 
 /// The training log with every row changed, as a file of this name. Columns are given by name.

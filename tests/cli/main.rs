@@ -2,6 +2,7 @@
 
 mod arms;
 mod cases;
+mod console;
 mod diagnose;
 mod disk;
 mod effects;
@@ -11,6 +12,8 @@ mod inspect;
 mod library;
 mod options;
 mod reports;
+#[path = "../schema/mod.rs"]
+mod schema;
 mod studies;
 #[cfg(unix)]
 mod terminal;

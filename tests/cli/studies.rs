@@ -108,8 +108,40 @@ fn a_worse_identification_fails_the_check() {
     let worse = case.tauscope(&check);
     let table = String::from_utf8_lossy(&worse.stdout);
     assert_eq!(code(&worse), 1, "{table}");
-    assert!(table.contains("have got worse") && table.contains("savitzky_golay: torque std of joint_2"), "{table}");
-    assert!(!table.contains("raw:"), "raw signals are as they were: {table}");
+    assert!(table.contains("figures are worse") && table.contains("savitzky_golay: torque std of joint_2"), "{table}");
+    assert!(!table.contains("raw:") && !table.contains("butterworth:"), "the others are as they were: {table}");
+
+    // The same of common practice, whose low-pass then takes the motion with the noise.
+    case.write("s.toml", &text.replace("smoothing_window = 31", "smoothing_window = 31\nlow_pass_hz = 0.5"));
+    let worse = case.tauscope(&check);
+    let table = String::from_utf8_lossy(&worse.stdout);
+    assert_eq!(code(&worse), 1, "{table}");
+    assert!(table.contains("butterworth: torque std of joint_2"), "{table}");
+    assert!(!table.contains("raw:") && !table.contains("savitzky_golay:"), "the others are as they were: {table}");
+}
+
+#[test]
+fn common_practice_is_a_smoothing_of_a_study() {
+    let case = case();
+    let study = ["montecarlo", "s.toml", "--trials", "3", "--sg-windows", "0,31", "--estimators", "wls"];
+    let with = case.tauscope(&[&study[..], &["--butterworth", "--json", "--out", "out"]].concat());
+    let summary: serde_json::Value = serde_json::from_slice(&with.stdout).unwrap();
+    let cells = summary["cells"].as_array().unwrap();
+    let signals: Vec<_> = cells.iter().map(|cell| (cell["signals"].as_str(), cell["sg_window"].as_u64())).collect();
+    let expected = [("raw", 0), ("savitzky_golay", 31), ("butterworth", 0)];
+    assert_eq!(signals, expected.map(|(signals, window)| (Some(signals), Some(window))));
+    let error = |cell: usize| cells[cell]["d_beta"]["p50"].as_f64().unwrap();
+    assert!(error(2) < error(0), "{summary}");
+    assert_eq!(summary["best_windows"].as_array().unwrap().len(), 1);
+
+    // The table names it, the scenario may ask for it, and without either it is not there.
+    let text = case.read("s.toml").replace("trials = 12", "trials = 12\nbutterworth = true");
+    let plain = case.tauscope(&[&study[..], &["--out", "plain"]].concat());
+    case.write("s.toml", &text);
+    let asked = case.tauscope(&[&study[..], &["--out", "asked"]].concat());
+    assert!(String::from_utf8_lossy(&asked.stdout).contains("Butterworth"), "{asked:?}");
+    assert!(!String::from_utf8_lossy(&plain.stdout).contains("Butterworth"), "{plain:?}");
+    assert!(case.read("out/report.html").contains("Butterworth"));
 }
 
 #[test]

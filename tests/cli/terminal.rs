@@ -47,7 +47,7 @@ fn a_diagnosis_shows_its_time_left_and_sets_off_the_verdict() {
     let command = "diagnose --robot arm.urdf --train logs/recording.csv --test logs/held_out.csv --candidates \
                    stribeck_friction --out out";
     let Some(shown) = on_terminal(&case, "", command) else { return };
-    for part in ["looking at the logs", " found, testing for the next", "simulating the extended model", " left"] {
+    for part in ["examining the logs", " found, testing for the next", "simulating the extended model", " left"] {
         assert!(shown.contains(part), "{part} is not in {shown}");
     }
     assert!(shown.contains("\u{1b}[1mVerdict:") && shown.contains("\u{1b}[2mResults in"), "{shown}");

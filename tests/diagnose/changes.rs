@@ -1,6 +1,6 @@
 //! What the simulation has already is not found again; what changed since reference logs is, and what did not is not.
 
-use super::{SETUP, logs, with};
+use super::{SETUP, answer, logs, with};
 use std::sync::LazyLock;
 use tauscope::diagnosis::{Conclusion, Diagnosis, Verdict};
 use tauscope::effects::{Placed, find};
@@ -23,7 +23,7 @@ fn diagnosed(before: &[Recording], present: Vec<Placed>, after: &[Recording]) ->
         ["payload", "link_inertia_error", "coulomb_friction", "viscous_friction", "rotor_inertia", "stribeck_friction"];
     let (test, train) = after.split_last().unwrap();
     let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).reference(before).present(present);
-    diagnosis.candidates(candidates).run().unwrap().into_conclusion().unwrap()
+    answer(diagnosis.candidates(candidates)).into_conclusion().unwrap()
 }
 
 fn names(conclusion: &Conclusion) -> Vec<(&'static str, usize)> {

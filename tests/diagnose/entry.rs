@@ -1,6 +1,6 @@
 //! The library's entry: what it refuses, and what it does about a wrong description.
 
-use super::{SETUP, logs};
+use super::{SETUP, answer, logs};
 use tauscope::diagnosis::{Consequence, Diagnosis, DiagnosisBuilder, Progress, Verdict};
 use tauscope::quality::Kind;
 use tauscope::recording::Recording;
@@ -42,12 +42,12 @@ fn a_wrong_sign_in_all_logs_is_corrected_or_stops() {
         sign.map(|fault| fault.consequence)
     };
 
-    let stopped = diagnosis().correct(false).run().unwrap();
+    let stopped = answer(diagnosis().correct(false));
     assert_eq!((stopped.verdict(), consequence(&stopped.faults)), (Verdict::NotTestable, Some(Consequence::Stops)));
     assert!(stopped.description.is_some() && stopped.logs.train[0].tau == flipped[0].tau);
 
     let mut progress = Vec::new();
-    let corrected = diagnosis().progress(|one| progress.push(one)).run().unwrap();
+    let corrected = answer(diagnosis().progress(|one| progress.push(one)));
     assert_eq!((corrected.verdict(), consequence(&corrected.faults)), (Verdict::None, Some(Consequence::Corrected)));
     let used = corrected.logs.train[0].tau.channel(2).iter();
     assert!(used.zip(flipped[0].tau.channel(2)).all(|(used, given)| *used == -given));

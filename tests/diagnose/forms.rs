@@ -1,6 +1,6 @@
 //! What books write in several forms, and what sampling does, are no second effect.
 
-use super::{SETUP, logs, with};
+use super::{SETUP, answer, logs, with};
 use tauscope::diagnosis::Diagnosis;
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
@@ -9,7 +9,7 @@ use tauscope::scenario::Setup;
 fn diagnosed(logs: &[Recording], candidates: &[&str]) -> Diagnosis {
     let (test, train) = logs.split_last().unwrap();
     let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).candidates(candidates.iter().copied());
-    diagnosis.run().unwrap().into_conclusion().unwrap().diagnosis
+    answer(diagnosis).into_conclusion().unwrap().diagnosis
 }
 
 fn families(diagnosis: &Diagnosis) -> Vec<(&'static str, usize)> {

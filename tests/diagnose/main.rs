@@ -8,10 +8,13 @@ mod faults;
 mod forms;
 mod map;
 mod relevance;
+#[path = "../schema/mod.rs"]
+mod schema;
 mod smoothing;
 mod structure;
 
 use std::sync::LazyLock;
+use tauscope::diagnosis::{Answer, DiagnosisBuilder};
 use tauscope::effects::Placed;
 use tauscope::excitation::random_sequence::random_sequence;
 use tauscope::recording::Recording;
@@ -24,6 +27,13 @@ const MOVES: usize = 7;
 /// The IRB 1600 of the main scenario.
 static SETUP: LazyLock<Setup> =
     LazyLock::new(|| Setup::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/irb1600.toml"), None).unwrap());
+
+/// The answer of a diagnosis; what it is as JSON must follow the schema.
+fn answer(diagnosis: DiagnosisBuilder) -> Answer {
+    let answer = diagnosis.run().unwrap();
+    schema::assert_valid(&serde_json::from_str(&answer.to_json()).unwrap());
+    answer
+}
 
 /// The same arm with effects at work.
 fn with(effects: &[Placed]) -> Setup {

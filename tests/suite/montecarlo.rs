@@ -20,6 +20,7 @@ fn study(trials: usize, estimators: &[&str], noise: &[f64]) -> Study {
         trials: Some(trials),
         estimators: Some(estimators.iter().map(|name| name.to_string()).collect()),
         windows: None,
+        butterworth: false,
         noise: Some(levels),
     };
     let plan = Plan::new(&setup, overrides).unwrap();

@@ -1,9 +1,9 @@
-//! Impacts in gears with play: torque that jumps right after the load of a gear has changed sign.
+//! Impacts in gears with backlash: torque that jumps right after the load of a gear has changed sign.
 //!
 //! Teeth meet within milliseconds, which means over 20 ms and columns of smooth positions do not hold, and no model predicts
-//! the phase of their ringing. *Where* the jumps are tells their cause all the same: what is new in the torque from sample
-//! to sample is ranked among all moments of the motion, and the ranks of those at which the load of one gear changes its
-//! sign are combined (Fisher 1925). Ranks ask nothing of the noise. Moments near reversals and standstill play no part: dry
+//! the phase of their ringing. *Where* the jumps are shows their cause all the same: the innovations of the torque from sample
+//! to sample are ranked among all moments of the motion, and the ranks of those at which the load of one gear changes its
+//! sign are combined (Fisher 1925). Ranks need no noise model. Moments near reversals and standstill are excluded: dry
 //! friction jumps there.
 
 use crate::channels::Channels;
@@ -20,7 +20,7 @@ const CUT: f64 = 4.0;
 const AFTER_S: f64 = 0.1;
 const BEFORE_S: f64 = 0.01;
 
-/// Length over which what is new is summed up, s.
+/// Length over which innovations are summed, s.
 const IMPACT_S: f64 = 0.01;
 
 /// Changes of sign closer than this are one, s.
@@ -52,7 +52,7 @@ const LONGEST_S: f64 = 0.15;
 const JUMP: f64 = 10.0;
 
 /// Share of the largest jump at which the teeth have met, how much earlier they touched than that shows, and how uncertain
-/// that is, s; beside half a sample.
+/// that is, s; in addition to half a sample.
 const MET: f64 = 0.1;
 const EARLIER_S: f64 = 1.5e-3;
 const UNCERTAIN_S: f64 = 1.5e-3;
@@ -64,11 +64,11 @@ struct Trace {
     log: usize,
     /// Time between samples, s.
     period: f64,
-    /// Squares of what is new in the torque in units of the noise, mean over the joints.
+    /// Squared innovations of the torque in units of the noise, mean over the joints.
     new: Vec<f64>,
     /// The largest of their sums over an impact's length, in the time after each sample.
     largest: Vec<f64>,
-    /// Samples that play a part.
+    /// Samples that are used.
     permitted: Vec<bool>,
     /// The values of `largest` where permitted, sorted.
     sorted: Vec<f64>,
@@ -76,7 +76,7 @@ struct Trace {
     slew: Vec<f64>,
     /// Torque that each gear carries, `[joint][time]`, N m.
     load: Channels,
-    /// What the model leaves of the torque, `[joint][time]`, N m.
+    /// Residual of the torque, `[joint][time]`, N m.
     left: Channels,
 }
 
@@ -98,13 +98,13 @@ pub struct Play {
 }
 
 impl Traces {
-    /// From the arm as found along logs; those from before a change play no part.
+    /// From the arm as found along logs; those from before a change are excluded.
     pub fn new(arm: &Arm, rows: &Rows) -> Self {
         Traces((rows.before..rows.logs.len()).filter_map(|log| Trace::new(arm, rows, log)).collect())
     }
 
     /// Logarithm of the probability of jumps as large after the changes of sign of a gear's load, were they anywhere. Windows
-    /// of the gears `without` play no part.
+    /// of the gears `without` are excluded.
     pub fn log_p(&self, joint: usize, without: &[usize]) -> f64 {
         let mut ranks = Vec::new();
         for trace in &self.0 {
@@ -130,7 +130,7 @@ impl Traces {
         self.0.iter().map(|trace| trace.changes(joint).iter().filter(|&&k| trace.rank(k).is_some()).count()).sum()
     }
 
-    /// Share of all that is new in the torque which follows the changes of sign beyond the noise: lower bound (84 %).
+    /// Share of the squared innovations that follows the changes of sign beyond the noise: lower bound (84 %).
     pub fn share(&self, joint: usize) -> f64 {
         let (mut beyond, mut all) = (Vec::new(), 0.0);
         for trace in &self.0 {
@@ -172,7 +172,7 @@ impl Traces {
         let middle = *gaps.get(gaps.len() / 2)?;
         let mut apart: Vec<f64> = gaps.iter().map(|gap| (gap[0] - middle[0]).abs()).collect();
         apart.sort_by(f64::total_cmp);
-        // Standard deviation of a median of so many, whose scatter the median deviation tells.
+        // Standard deviation of the median, with the scatter from the median absolute deviation.
         let scatter = 1.2533 * 1.4826 * apart[apart.len() / 2] / (gaps.len() as f64).sqrt();
         Some(Play { half_gap: middle[0], std: scatter.hypot(middle[1]), changes, impacts })
     }
@@ -212,7 +212,7 @@ impl Trace {
         Self::ranked(index, period, new, &permitted, [arm.load(&log.motion), left])
     }
 
-    /// From what is new in the torque of a log, with the samples that play a part; None where these are too few.
+    /// From the innovations of a log, with the samples that are used; None where these are too few.
     fn ranked(log: usize, period: f64, new: Vec<f64>, permitted: &[bool], [load, left]: [Channels; 2]) -> Option<Self> {
         let samples = |seconds| samples_in(seconds, period);
         let (count, window, length) = (new.len(), samples(AFTER_S + BEFORE_S), samples(IMPACT_S));
@@ -324,7 +324,7 @@ fn slew(load: &Channels, window: usize) -> Vec<f64> {
     sum.into_iter().map(f64::sqrt).collect()
 }
 
-/// What is new from sample to sample, in units of its noise; zero where it is not known.
+/// Innovations from sample to sample, in units of their noise; zero where they are not known.
 fn innovations(left: &[f64]) -> Vec<f64> {
     let known: Vec<bool> = left.iter().map(|value| value.is_finite()).collect();
     let middle = |mut values: Vec<f64>| -> f64 {

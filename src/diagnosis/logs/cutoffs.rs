@@ -14,7 +14,7 @@ pub const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20
 /// The widest of them, Hz.
 const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
 
-/// Lowest cut-off worth trying, of the one that leaves only white noise.
+/// Lowest cut-off worth trying, relative to the one above which there is only white noise.
 const LOWEST_SHARE: f64 = 0.25;
 
 /// Highest cut-off, and the edge above which positions hold nothing but noise anyway, as shares of the rate.
@@ -28,14 +28,14 @@ const FILTER_SHARE: f64 = 0.45;
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
 
-/// The same of a band that stands clear of that noise, and the stretches over half of which it must, s.
+/// The same of a band that stands clear of that noise, and the blocks over half of which it must, s.
 const CLEAR: f64 = 10.0;
 const CLEAR_OVER_S: f64 = 0.5;
 
 /// Points of integrals over frequency.
 pub(super) const POINTS: usize = 4000;
 
-/// Cut-offs worth trying up to the one that leaves only white noise, Hz: a lower one distorts the motion a little, and lets
+/// Cut-offs worth trying up to the one above which there is only white noise, Hz: a lower one distorts the motion a little, and lets
 /// less of the encoder's noise into the accelerations.
 pub fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
     let lowest = highest_hz * LOWEST_SHARE;
@@ -71,8 +71,8 @@ pub fn cutoff(recordings: &[&Recording]) -> Result<f64> {
 /// # Errors
 /// If there are too few samples for the filters.
 pub(super) fn clear_of_noise(q: &[f64], rate_hz: f64) -> Result<f64> {
-    let stretch = (CLEAR_OVER_S * rate_hz) as usize;
-    highest_band(q, rate_hz, |band, noise| typical_power(band, stretch) > CLEAR * noise)
+    let block = (CLEAR_OVER_S * rate_hz) as usize;
+    highest_band(q, rate_hz, |band, noise| typical_power(band, block) > CLEAR * noise)
 }
 
 fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
@@ -116,12 +116,10 @@ pub fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
     inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
 }
 
-/// Median over stretches of so many samples of their mean square.
-fn typical_power(signal: &[f64], stretch: usize) -> f64 {
-    let mut powers: Vec<f64> = signal
-        .chunks_exact(stretch.max(1))
-        .map(|part| part.iter().map(|x| x * x).sum::<f64>() / stretch as f64)
-        .collect();
+/// Median over blocks of so many samples of their mean square.
+fn typical_power(signal: &[f64], block: usize) -> f64 {
+    let mut powers: Vec<f64> =
+        signal.chunks_exact(block.max(1)).map(|part| part.iter().map(|x| x * x).sum::<f64>() / block as f64).collect();
     powers.sort_by(f64::total_cmp);
     powers.get(powers.len() / 2).copied().unwrap_or(0.0)
 }

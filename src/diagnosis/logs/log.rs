@@ -26,7 +26,7 @@ pub struct Log {
     pub time: Vec<f64>,
     /// The motion from smooth positions.
     pub motion: Motion,
-    /// The motion from positions smoothed no more than their noise asks, where `motion` is smoother.
+    /// The motion from positions smoothed no more than their noise requires, where `motion` is smoother.
     pub whole: Option<Motion>,
     /// Measured torque, `[joint][time]`; not a number where it must not be used.
     pub torque: Channels,
@@ -42,7 +42,7 @@ pub struct Log {
     pub noisy: Vec<bool>,
     /// Measured positions, rad or m.
     measured: Channels,
-    /// [`Log::clear`], once it has been asked for.
+    /// [`Log::clear`], once it has been computed.
     clear: OnceLock<Motion>,
 }
 

@@ -22,7 +22,7 @@ const REVERSAL_NEIGHBOURS: usize = 2;
 /// Length of the memory of the low-pass that torque went through before it was logged, in periods of its cut-off.
 const MEMORY_OF_LOGGER: f64 = 2.5;
 
-/// Stretch at an end that tells whether the arm moves there, s.
+/// Time at an end of a log that shows whether the arm moves there, s.
 const END_S: f64 = 0.1;
 
 /// Share of the band within which the direction is not certain of a motion that is hardly smoothed.
@@ -51,7 +51,7 @@ pub struct Rows {
     pub smear: Vec<usize>,
     /// The first so many logs are from before the change in question: what changed plays no part there.
     pub before: usize,
-    /// What smooth functions of each joint's motion can do, `[joint][column][row]`, once the noise has been asked for.
+    /// What smooth functions of each joint's motion can do, `[joint][column][row]`, once the noise has been computed.
     pub rich: OnceLock<Vec<Vec<Vec<f64>>>>,
 }
 
@@ -205,7 +205,7 @@ impl Rows {
             sizes.sort_by(|a, b| b.total_cmp(a));
             let limit = sizes.get((most * sizes.len() as f64) as usize).map_or(*bearable, |least| least.max(*bearable));
             tracing::debug!(joint, bearable, limit, "error of the smoothing");
-            // An error that is not a number says nothing.
+            // An error that is not a number is skipped.
             valid.iter_mut().zip(error).for_each(|(ok, error)| *ok &= error.is_nan() || error.abs() <= limit);
         }
     }
@@ -232,14 +232,14 @@ impl Rows {
 /// Whether all joints rest at the start and at the end of a log.
 fn rests(recording: &Recording) -> [bool; 2] {
     let samples = recording.samples();
-    let stretch = ((END_S * recording.rate_hz()) as usize).clamp(1, samples - 1);
+    let end = ((END_S * recording.rate_hz()) as usize).clamp(1, samples - 1);
     let moved = |from: usize| {
         (0..recording.joints()).any(|joint| {
             let q = recording.q.channel(joint);
-            (q[from + stretch] - q[from]).abs() > REVERSAL_BAND * END_S
+            (q[from + end] - q[from]).abs() > REVERSAL_BAND * END_S
         })
     };
-    [!moved(0), !moved(samples - 1 - stretch)]
+    [!moved(0), !moved(samples - 1 - end)]
 }
 
 /// Blocks of a joint away from the ends of the log and from reversals, of the motion and of the hardly smoothed one where there is

@@ -12,7 +12,7 @@ use crate::recording::{Recording, resample};
 use crate::robot::Robot;
 
 /// Time on either side of a clipped sample that is left out with it, s: noise hides there how much was cut off.
-const BESIDE_CLIPPED_S: f64 = 0.04;
+const AROUND_CLIPPED_S: f64 = 0.04;
 
 /// What a fault does to the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -22,7 +22,7 @@ pub enum Consequence {
     Stops,
     /// The samples at fault are left out or bridged.
     LeftOut,
-    /// Worth knowing; it does not touch what the diagnosis uses.
+    /// A note; it does not change what the diagnosis uses.
     Told,
     /// The description of the logs was wrong beyond doubt; the diagnosis goes on with the right one.
     Corrected,
@@ -102,9 +102,9 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
         return Err(Error::request(name, "the clock is so full of gaps that no piece of the log is left"));
     }
     for piece in &mut pieces {
-        let beside = (BESIDE_CLIPPED_S * piece.rate_hz()).round() as usize;
+        let around = (AROUND_CLIPPED_S * piece.rate_hz()).round() as usize;
         for (joint, levels) in levels.iter().enumerate() {
-            leave_out(piece.tau.channel_mut(joint), levels, beside);
+            leave_out(piece.tau.channel_mut(joint), levels, around);
         }
     }
     Ok(Screened { name, pieces, faults, verdict: report.description })
@@ -118,7 +118,7 @@ pub fn shared_verdict(logs: &[&mut Screened]) -> Option<Verdict> {
 }
 
 /// Puts right what is wrong beyond doubt with the description of all `logs`, in the logs and in the gravity of `robot`.
-/// Nothing is touched where there is nothing to put right, or a doubt.
+/// Nothing is changed where there is nothing to correct, or a doubt.
 pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) {
     let beyond_doubt = logs.iter().all(|log| log.verdict.as_ref().is_some_and(|verdict| verdict.beyond_doubt));
     let Some(verdict) = shared_verdict(logs).filter(|_| beyond_doubt) else { return };
@@ -140,10 +140,10 @@ pub fn all_faults(train: &[Screened], test: &[Screened], reference: &[Screened],
     let stills = still.map(|(_, fault)| DataFault { consequence: Consequence::Stops, ..fault });
     let logs = train.iter().chain(test).chain(reference);
     let mut all: Vec<DataFault> = stills.collect();
-    let told = logs.flat_map(|log| log.faults.iter().cloned());
-    let told: Vec<DataFault> =
-        told.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
-    all.extend(told);
+    let faults = logs.flat_map(|log| log.faults.iter().cloned());
+    let others: Vec<DataFault> =
+        faults.filter(|fault| !all.iter().any(|stop| stop.place == fault.place && stop.log == fault.log)).collect();
+    all.extend(others);
     confirm(&mut all, train.len() + test.len() + reference.len());
     all.sort_by_key(|fault| fault.consequence != Consequence::Stops);
     all
@@ -161,13 +161,13 @@ fn confirm(faults: &mut [DataFault], logs: usize) {
     }
 }
 
-/// What is said of a joint of a log if it hardly moves there.
+/// The fault of a joint of a log if it hardly moves there.
 fn hardly_moves(log: &Screened, joint: usize) -> Option<&DataFault> {
     let column = format!("q{} (", joint + 1);
     log.faults.iter().find(|fault| fault.kind == Kind::HardlyMoves && fault.place.starts_with(&column))
 }
 
-/// Joints that hardly move in any of the logs, with what is said of them.
+/// Joints that hardly move in any of the logs, with their faults.
 pub fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
     (0..robot.dof())
         .filter_map(|joint| {
@@ -188,14 +188,14 @@ fn clipping_levels(tau: &[f64]) -> Vec<f64> {
     levels
 }
 
-/// Torques at a level, and what is beside them, become not a number.
-fn leave_out(tau: &mut [f64], levels: &[f64], beside: usize) {
+/// Torques at a level, and samples around them, become not a number.
+fn leave_out(tau: &mut [f64], levels: &[f64], around: usize) {
     let at: Vec<usize> = (0..tau.len())
         .filter(|&k| levels.iter().any(|level| (tau[k] - level) * level.signum() >= -1e-9 * level.abs()))
         .collect();
     for k in at {
-        let end = (k + beside + 1).min(tau.len());
-        tau[k.saturating_sub(beside)..end].fill(f64::NAN);
+        let end = (k + around + 1).min(tau.len());
+        tau[k.saturating_sub(around)..end].fill(f64::NAN);
     }
 }
 

@@ -22,7 +22,7 @@ const BATCH: usize = 12;
 const GEAR_ROUNDS: usize = 3;
 
 /// Share of the frequency at which a link swings on its gear up to which the twist is followed, and the order of the filter;
-/// the slowest filter that still passes motions of arms, Hz; and the places of the motion that tell the inertia.
+/// the slowest filter that still passes motions of arms, Hz; and the places of the motion that determine the inertia.
 const BELOW_SWING: f64 = 0.6;
 const SWING_ORDER: usize = 4;
 const SLOWEST_SWING_HZ: f64 = 1.5;
@@ -39,7 +39,7 @@ const MOMENTS: usize = 4;
 pub struct Arm {
     /// The arm as its URDF describes it.
     known: Robot,
-    /// The same geometry with the parameters found. Where only base parameters can be told, the standard parameters
+    /// The same geometry with the parameters found. Where only base parameters are determined, the standard parameters
     /// that carry them make up for the others, which are as described: the torque is the same.
     found: Robot,
     chain: Chain,
@@ -52,9 +52,9 @@ pub struct Arm {
 /// is left of the measured one: that looks like a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moved {
-    /// To test for a shift: along accelerations that stand clear of the noise, which leaves some of the motion out.
+    /// To test for a shift: along accelerations that stand clear of the noise, which omits some of the motion.
     Tested,
-    /// In a model: the same on joints of which [`Log::noisy`] says so, along all of the motion on the others.
+    /// In a model: the same on joints that [`Log::noisy`] has, along all of the motion on the others.
     Modelled,
 }
 
@@ -76,7 +76,7 @@ impl Arm {
     }
 
     /// Columns of the baseline: rotor inertia, viscous and Coulomb friction of every joint, and where the inertias are
-    /// not believed all base parameters.
+    /// estimated all base parameters.
     pub fn baseline(&self, model: &Model, rows: &Rows) -> Vec<Column> {
         let tables: Vec<Vec<Channels>> = rows.logs.par_iter().map(|log| model.columns(&log.motion, 0.0)).collect();
         let dry = |b: usize| model.base().kept()[b] % STANDARD == COULOMB;
@@ -107,7 +107,7 @@ impl Arm {
         columns
     }
 
-    /// Torque that is known before anything is fitted: that of the bodies where their inertias are believed.
+    /// Torque that is known before anything is fitted: that of the bodies where their inertias are taken from the URDF.
     pub fn believed(&self, rows: &Rows) -> Column {
         match self.trust {
             Trust::Structure => Column::default(),
@@ -125,8 +125,8 @@ impl Arm {
         let mut standard = Model::standard_values(&self.known);
         match self.trust {
             Trust::Structure => {
-                // What motion does not tell is as described. It matters to what gears carry, which is the torque of the bodies
-                // alone though only the sum of a rotor's and a link's inertia can be told, and to gravity of another direction.
+                // What motion does not determine is as described. It matters to what gears carry, which is the torque of the bodies
+                // alone though only the sum of a rotor's and a link's inertia is determined, and to gravity of another direction.
                 model.base().kept().iter().for_each(|&kept| standard[kept] = 0.0);
                 let described = model.base().values(&standard);
                 for ((&kept, &value), described) in model.base().kept().iter().zip(values).zip(described) {
@@ -147,8 +147,8 @@ impl Arm {
         self.found = Model::with_standard_values(&self.known, &standard);
     }
 
-    /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is told and the
-    /// description knows of no rotor: descriptions that say nothing of rotors are more common than arms that have none.
+    /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is determined and the
+    /// description knows of no rotor: descriptions without rotors are more common than arms that have none.
     fn split_off_rotors(&self, model: &Model, standard: &mut [f64]) {
         let described = Model::standard_values(&self.known);
         let (kept, regrouping) = (model.base().kept(), model.base().regrouping());
@@ -224,7 +224,7 @@ impl Arm {
     }
 
     /// Inertia of a joint's rotor seen at the joint, kg m2 (kg for one that slides): as found, or as described where only its
-    /// sum with the link's can be told; None where neither says.
+    /// sum with the link's is determined; None where neither is known.
     pub fn rotor(&self, joint: usize) -> Option<f64> {
         let of = |robot: &Robot| Some(robot.joints[joint].drive.armature).filter(|rotor| *rotor > 0.0);
         of(&self.found).or_else(|| of(&self.known))
@@ -328,7 +328,7 @@ impl Arm {
     }
 
     /// Torque that is to be moved in time, where `plain` is that along the motion: along accelerations that stand clear of the encoders'
-    /// noise, on all joints or where that noise is most of what is left once it is moved.
+    /// noise, on all joints or where that noise is most of it once it is moved.
     fn torque_to_move(&self, log: &Log, plain: &Channels, moved: Moved) -> Result<Channels> {
         let is_clear = |joint: usize| moved == Moved::Tested || log.noisy[joint];
         let mut torque = plain.clone();
@@ -385,7 +385,7 @@ impl Arm {
         let armature = self.found.joints[joint].drive.armature.max(f64::MIN_POSITIVE);
         let Some(gear) = placed.effect.gear(&placed.parameters) else { return Ok(log.motion.clone()) };
         let elastic = gear.compliance > 0.0;
-        // Only the play of a gear without compliance is asked for: its completion is part of the rigid arm.
+        // Only the play of a gear without compliance is needed: its completion is part of the rigid arm.
         let stiff = gear.completed(armature);
         let play = |torque: f64| stiff.twist(torque) - if elastic { 0.0 } else { stiff.compliance * torque };
         let below_swing = if elastic { self.below_swing(joint, gear.compliance, log)? } else { None };

@@ -1,4 +1,4 @@
-//! What is believable: prior spreads of the parameters of bodies, whether an estimate leaves a link that can be, and how hard
+//! Plausibility: prior spreads of the parameters of bodies, whether an estimate leaves a link that can be, and how hard
 //! hoses can pull.
 //!
 //! Where the URDF is trusted, a link that differs from it is still about that link: its mass of the same order, its centre

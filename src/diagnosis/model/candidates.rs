@@ -226,7 +226,7 @@ pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
     only.is_empty() || only.iter().any(|name| name == effect.about().name)
 }
 
-/// Whether an effect can be told from the baseline at all.
+/// Whether an effect is separable from the baseline at all.
 pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool {
     let about = effect.about();
     is_wanted(effect, only)

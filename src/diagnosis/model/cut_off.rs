@@ -1,4 +1,4 @@
-//! Whether torque that is said to be cut off at a level is flat there, and at which: where the model is beyond the level, the measured
+//! Saturation: whether torque is flat at a limit, and at which: where the model is beyond the limit, the measured
 //! torque of a joint that is cut off does not move with the model's, however wrong that is and however slow the noise.
 
 use super::arm::Arm;
@@ -68,21 +68,21 @@ fn beyond(model: &[f64], measured: &[f64], level: f64) -> [f64; 2] {
     sums
 }
 
-/// Stretches of model and measured torque in which the model's is beyond `level` on one side.
+/// Intervals of model and measured torque in which the model's is beyond `level` on one side.
 fn excursions<'a>(model: &'a [f64], measured: &'a [f64], level: f64) -> Vec<(&'a [f64], &'a [f64])> {
     let side = |k: usize| match measured[k].is_finite() && model[k].abs() > level {
         true => model[k].signum(),
         false => 0.0,
     };
-    let (mut stretches, mut start) = (Vec::new(), 0);
+    let (mut intervals, mut start) = (Vec::new(), 0);
     while start < model.len() {
         let end = (start..model.len()).find(|&k| side(k) != side(start)).unwrap_or(model.len());
         if side(start) != 0.0 && end - start >= FEWEST {
-            stretches.push((&model[start..end], &measured[start..end]));
+            intervals.push((&model[start..end], &measured[start..end]));
         }
         start = end;
     }
-    stretches
+    intervals
 }
 
 /// Sum and number of the measured torque, its sign aside, in each excursion beyond what is surely cut off: half way from the level to the

@@ -1,6 +1,6 @@
-//! One kind of logs with what every fit needs of them.
+//! The training or the held-out logs with what every fit needs of them.
 
-use super::errors_in_variables::{ErrorsOfMotion, Nuisances};
+use super::errors_in_variables::{ErrorsInVariables, Nuisances};
 use super::known::Known;
 use super::roles::is_shift;
 use crate::diagnosis::logs::Rows;
@@ -9,24 +9,24 @@ use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::model::Model;
 
-/// One kind of logs with all that is the same for every fit.
+/// A data set, training or held-out, with all that is the same for every fit.
 #[derive(Debug, Clone)]
-pub struct Side {
+pub struct DataSet {
     /// The rows.
     pub rows: Rows,
     /// Columns of the baseline.
     pub baseline: Vec<Column>,
-    /// Measured torque less what is believed.
+    /// Measured torque less that which is known.
     pub torque: Column,
-    /// What errors of the positions put into the torque of the arm as last settled.
-    pub errors: ErrorsOfMotion,
-    /// What the positions hold above the cut-offs that make the torque likeliest, which is motion in part and noise in part.
+    /// Errors in variables: torque from errors of the positions, for the arm as last settled.
+    pub errors: ErrorsInVariables,
+    /// Torque of what the positions hold above the likeliest cut-offs, which is motion in part and noise in part.
     pub bands: Vec<Column>,
-    /// Whether it is identified from.
+    /// Whether it is the training set.
     pub training: bool,
 }
 
-impl Side {
+impl DataSet {
     /// Rows with what is `known` taken off.
     ///
     /// # Errors
@@ -37,31 +37,31 @@ impl Side {
         torque.add(-1.0, &known.torque(&rows)?);
         let mut baseline = known.arm.baseline(model, &rows);
         baseline.extend(known.derivatives(&rows)?);
-        Ok(Side { baseline, torque, rows, errors: ErrorsOfMotion::default(), bands: Vec::new(), training })
+        Ok(DataSet { baseline, torque, rows, errors: ErrorsInVariables::default(), bands: Vec::new(), training })
     }
 
-    /// Columns of errors of the positions that stand beside an effect: beside what shifts torque in time also the bands, since the noise
+    /// Nuisance regressors that a test of an effect is adjusted for: for one that shifts torque in time also the bands, since the noise
     /// in them is in the torque against the accelerations.
     pub fn errors_beside(&self, placed: &Placed) -> Nuisances {
-        let mut errors = self.errors.beside(placed, &self.rows);
+        let mut errors = self.errors.of_effect(placed, &self.rows);
         if is_shift(placed.effect) {
             errors.add(&self.bands, f64::INFINITY);
         }
         errors
     }
 
-    /// These logs, and those of another kind after them.
-    pub fn and(&self, other: &Side) -> Side {
+    /// These logs, and those of another data set after them.
+    pub fn and(&self, other: &DataSet) -> DataSet {
         let lengths = [self.rows.len(), other.rows.len()];
         let joined = |own: &[Column], others: &[Column]| -> Vec<Column> {
             own.iter().zip(others).map(|(own, other)| own.then(other, lengths)).collect()
         };
-        Side {
+        DataSet {
             baseline: joined(&self.baseline, &other.baseline),
             bands: joined(&self.bands, &other.bands),
             torque: self.torque.then(&other.torque, lengths),
             rows: self.rows.and(&other.rows),
-            errors: ErrorsOfMotion::default(),
+            errors: ErrorsInVariables::default(),
             training: self.training,
         }
     }

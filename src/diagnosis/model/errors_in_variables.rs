@@ -1,4 +1,4 @@
-//! What errors of the positions put into the torque of every joint: columns that stand beside what is tested.
+//! Errors in variables: the torque that errors of the positions give every joint, as nuisance regressors of the tests.
 
 use super::arm::Arm;
 use super::roles::{is_level, is_shift};
@@ -10,12 +10,12 @@ use crate::error::Result;
 use crate::signal::ZeroPhaseLowPass;
 use std::f64::consts::TAU;
 
-/// Columns of the errors of one kind of logs, for the arm as found. None before anything was fitted.
+/// Columns of the errors of one data set, for the arm as found. None before anything was fitted.
 #[derive(Debug, Clone, Default)]
-pub struct ErrorsOfMotion {
+pub struct ErrorsInVariables {
     /// The error of the smoothing, on each joint: what smoothing once more does, as seen through the first ("twicing", Tukey 1977).
     pub smoothing: Vec<Column>,
-    /// What the positions hold beyond what is smooth, on each joint; none where they are smoothed no more than their noise asks.
+    /// What the positions hold above the cut-off, on each joint; none where they are smoothed no more than their noise requires.
     pub beyond: Vec<Column>,
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
@@ -25,15 +25,14 @@ pub struct ErrorsOfMotion {
     bend_spread: f64,
 }
 
-/// Columns that stand beside what is tested, with the standard deviation of their factors about zero as far as that is known
-/// beforehand; infinite where it is not.
+/// Nuisance regressors, with the prior standard deviation of their factors about zero; infinite where nothing is known.
 #[derive(Debug, Clone, Default)]
 pub struct Nuisances {
     columns: Vec<Column>,
     spread: Vec<f64>,
 }
 
-impl ErrorsOfMotion {
+impl ErrorsInVariables {
     /// Along the motion of `rows`.
     ///
     /// # Errors
@@ -44,7 +43,7 @@ impl ErrorsOfMotion {
         let lowest_hz = cutoffs_hz.fold(f64::INFINITY, f64::min);
         let is_smoother = rows.logs.iter().any(|log| log.whole.is_some());
         let whole = |_, log: &Log| Ok(log.whole.as_ref().unwrap_or(&log.motion).clone());
-        Ok(ErrorsOfMotion {
+        Ok(ErrorsInVariables {
             smoothing: of_joints(arm.departure(rows, &along, |_, log| log.smoothed_again())?),
             beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
@@ -59,14 +58,14 @@ impl ErrorsOfMotion {
         all
     }
 
-    /// Those that stand beside an effect along `rows`: none where torque is cut off, since the smoothing errs there too; not the second
-    /// derivative of the torque beside an elastic gear, whose column that is; beside friction that comes up after reversals what is the
-    /// same at each of them, since friction that holds a joint for a moment looks like it through smooth positions.
+    /// Those that a test of an effect along `rows` is adjusted for: none for torque saturation, since the smoothing errs there too; not the
+    /// second derivative of the torque for an elastic gear, whose column that is; for friction that builds up after reversals also what is
+    /// the same at each of them, since a sticking joint looks like it through smoothed positions.
     ///
     /// The smoothing errs about as much as smoothing once more does, and what is not smooth is at most all there, so that where these are
-    /// small they take nothing of what is tested. Beside what shifts torque in time their factors are free: that holds the noise of the
-    /// encoders itself.
-    pub fn beside(&self, placed: &Placed, rows: &Rows) -> Nuisances {
+    /// small they take nothing of what is tested. For an effect that shifts torque in time their factors are free: its column holds the
+    /// noise of the encoders itself.
+    pub fn of_effect(&self, placed: &Placed, rows: &Rows) -> Nuisances {
         let mut nuisances = Nuisances::default();
         if is_level(placed.effect) {
             return nuisances;
@@ -103,7 +102,7 @@ impl Nuisances {
         Nuisances { columns: columns.collect(), spread: self.spread.clone() }
     }
 
-    /// A fit in the units of `whitener` with these beside its columns.
+    /// A fit in the units of `whitener`, adjusted for these.
     pub fn beside(&self, fit: &Projection, whitener: &Whitener) -> Projection {
         fit.with_prior(&whitener.apply_all(&self.columns), &self.spread)
     }

@@ -55,7 +55,7 @@ impl Known<'_> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn derivatives(&self, rows: &Rows) -> Result<Vec<Column>> {
-        let moved: Vec<Placed> = self.fitted().into_iter().flat_map(|place| self.beside(place)).collect();
+        let moved: Vec<Placed> = self.fitted().into_iter().flat_map(|place| self.neighbours(place)).collect();
         let torques = self.arm.added_throughout(&moved, rows)?;
         let pairs = self.fitted().into_iter().zip(moved.chunks_exact(2).zip(torques.chunks_exact(2)));
         Ok(pairs
@@ -80,7 +80,7 @@ impl Known<'_> {
     }
 
     /// An effect with one parameter a little higher and a little lower.
-    fn beside(&self, (effect, index): (usize, usize)) -> [Placed; 2] {
+    fn neighbours(&self, (effect, index): (usize, usize)) -> [Placed; 2] {
         let placed = &self.effects[effect];
         let parameter = &placed.effect.parameters()[index];
         let step = DIFFERENCE * placed.parameters[index].abs().max(0.1 * parameter.typical.abs());

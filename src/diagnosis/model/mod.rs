@@ -20,7 +20,9 @@ pub use candidates::{
     Candidate, Family, Slot, all_candidates, carried_on, columns, columns_in, is_candidate, is_wanted, places, renewed,
 };
 pub use cut_off::is_flat;
-pub use data_set::Side;
+pub use data_set::DataSet;
+/// The name of a data set in the rooms that test candidates.
+pub use data_set::DataSet as Side;
 pub use errors_in_variables::Nuisances;
 pub use grid::{forms, is_sensible, sizes, within_bounds};
 pub use known::Known;

@@ -3,8 +3,8 @@
 use super::arm::{Arm, Moved};
 use super::candidates::{Candidate, columns_in};
 use super::cut_off::flat_level;
-use super::data_set::Side;
-use super::errors_in_variables::ErrorsOfMotion;
+use super::data_set::DataSet;
+use super::errors_in_variables::ErrorsInVariables;
 use super::known::Known;
 use super::roles::{is_level, linear, shapes};
 use crate::diagnosis::logs::LowPass;
@@ -23,7 +23,7 @@ const MISFIT_ROUNDS: usize = 2;
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
 
-/// Standard deviations from zero at which a parameter is told.
+/// Standard deviations from zero at which a parameter is significant.
 const SIZED: f64 = 2.0;
 
 /// What is under diagnosis.
@@ -31,16 +31,16 @@ const SIZED: f64 = 2.0;
 pub struct Session<'a> {
     /// The model of the arm.
     pub model: &'a Model,
-    /// What is believed of it.
+    /// Whether its inertias are estimated or taken from the URDF.
     pub trust: Trust,
     /// What is known before anything is tested.
     pub known: Known<'a>,
     /// The arm as found so far.
     pub arm: Arm,
     /// Logs that are identified from.
-    pub train: Side,
+    pub train: DataSet,
     /// Logs to judge by.
-    pub test: Side,
+    pub test: DataSet,
     /// Whether these are others than those identified from.
     pub apart: bool,
     /// Joints whose gears may have play: impacts show some, and not surely.
@@ -62,7 +62,7 @@ pub struct Member {
     pub candidate: Candidate,
     /// Factors of the columns.
     pub factors: Vec<f64>,
-    /// Whether its parameters are told by something else than the rows: it has no columns in the model.
+    /// Whether its parameters are not estimated from the rows: it has no columns in the model.
     pub held: bool,
 }
 
@@ -86,7 +86,7 @@ impl<'a> Session<'a> {
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
-    pub fn believe(&mut self, robot: &Robot) {
+    pub fn take_parameters_of(&mut self, robot: &Robot) {
         self.arm = Arm::new(robot, self.trust).with_sign_widths(self.arm.sign_widths.clone());
     }
 
@@ -100,15 +100,15 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn all_columns(&self, side: &Side, members: &[Member]) -> Result<Vec<Column>> {
-        let mut all = side.baseline.clone();
+    pub fn all_columns(&self, data: &DataSet, members: &[Member]) -> Result<Vec<Column>> {
+        let mut all = data.baseline.clone();
         for member in members.iter().filter(|member| !member.held) {
-            if side.training || member.candidate.log.is_none() {
+            if data.training || member.candidate.log.is_none() {
                 let Candidate { placed, log, .. } = &member.candidate;
                 all.extend(
-                    columns_in(&self.arm, &side.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat(),
+                    columns_in(&self.arm, &data.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat(),
                 );
-                all.extend(self.tangents(side, &member.candidate, &member.factors)?);
+                all.extend(self.tangents(data, &member.candidate, &member.factors)?);
             } else {
                 // What happened in a training log did not happen here.
                 all.extend(vec![Column::default(); member.columns()]);
@@ -121,7 +121,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn tangents(&self, side: &Side, candidate: &Candidate, factors: &[f64]) -> Result<Vec<Column>> {
+    pub fn tangents(&self, data: &DataSet, candidate: &Candidate, factors: &[f64]) -> Result<Vec<Column>> {
         let Candidate { placed, log, .. } = candidate;
         let mut tangents = Vec::new();
         for index in shapes(placed.effect) {
@@ -134,7 +134,7 @@ impl<'a> Session<'a> {
             };
             let (ahead, behind) = (moved(step), moved(-step));
             let apart = ahead.parameters[index] - behind.parameters[index];
-            let both = columns_in(&self.arm, &side.rows, *log, &[ahead, behind], Moved::Modelled)?;
+            let both = columns_in(&self.arm, &data.rows, *log, &[ahead, behind], Moved::Modelled)?;
             let mut tangent = combined(&both[0], factors);
             tangent.add(-1.0, &combined(&both[1], factors));
             tangent.scale(1.0 / apart);
@@ -143,7 +143,7 @@ impl<'a> Session<'a> {
         Ok(tangents)
     }
 
-    /// The noise under the columns of a model, each joint's grown to what the model leaves there where that is more: a joint
+    /// The noise under the columns of a model, each joint's scaled up to its residual where that is more: a joint
     /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
     pub fn noise_under(&self, present: &[Column]) -> Noise {
         self.grown(Whitener::new(&self.train.rows, &self.train.torque, present), present)
@@ -154,7 +154,7 @@ impl<'a> Session<'a> {
         self.grown(whitener.anew_on(joint, &self.train.rows, &self.train.torque, present), present)
     }
 
-    /// A noise grown to what the model leaves.
+    /// A noise scaled up to the residual.
     fn grown(&self, mut whitener: Whitener, present: &[Column]) -> Noise {
         let mut fit = whitener.fit(present, &self.train.torque);
         for _ in 0..MISFIT_ROUNDS {
@@ -195,8 +195,8 @@ impl<'a> Session<'a> {
     pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
         let solved = self.solved(members, whitener)?;
         self.arm.take(self.model, &solved.values);
-        for side in [&mut self.train, &mut self.test] {
-            side.errors = ErrorsOfMotion::new(&self.arm, &side.rows)?;
+        for data in [&mut self.train, &mut self.test] {
+            data.errors = ErrorsInVariables::new(&self.arm, &data.rows)?;
         }
         let mut place = self.train.baseline.len();
         for member in members.iter_mut().filter(|member| !member.held) {
@@ -242,7 +242,7 @@ impl<'a> Session<'a> {
         Ok(false)
     }
 
-    /// What the model leaves on the held-out rows when it is fitted to the training rows.
+    /// Residual of the held-out rows when the model is fitted to the training rows.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
@@ -250,33 +250,33 @@ impl<'a> Session<'a> {
         self.residual_on(&self.test, members, whitener)
     }
 
-    /// What the model leaves on either kind of rows.
+    /// Residual of either data set.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn residual_on(&self, side: &Side, members: &[Member], whitener: &Whitener) -> Result<Column> {
-        Ok(left(side, &self.all_columns(side, members)?, &self.solved(members, whitener)?))
+    pub fn residual_on(&self, data: &DataSet, members: &[Member], whitener: &Whitener) -> Result<Column> {
+        Ok(left(data, &self.all_columns(data, members)?, &self.solved(members, whitener)?))
     }
 
-    /// What the baseline leaves on either kind of rows: as it was before the change, where one is in question.
+    /// Residual of the baseline on either data set: as it was before the change, where one is in question.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn baseline_residual_on(&self, side: &Side, whitener: &Whitener) -> Result<Column> {
-        let Side { rows, baseline, torque, .. } = &self.train;
+    pub fn baseline_residual_on(&self, data: &DataSet, whitener: &Whitener) -> Result<Column> {
+        let DataSet { rows, baseline, torque, .. } = &self.train;
         if rows.before == 0 {
-            return self.residual_on(side, &[], whitener);
+            return self.residual_on(data, &[], whitener);
         }
         let mut before = rows.clone();
         before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
         let whitener = whitener.on(&before);
-        Ok(left(side, &side.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque))))
+        Ok(left(data, &data.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque))))
     }
 }
 
-/// What `columns` with their factors leave of the torque of `side`.
-fn left(side: &Side, columns: &[Column], solved: &Solved) -> Column {
-    let mut left = side.torque.clone();
+/// Residual of the torque of `data` under `columns` with their factors.
+fn left(data: &DataSet, columns: &[Column], solved: &Solved) -> Column {
+    let mut left = data.torque.clone();
     columns.iter().zip(&solved.values).for_each(|(column, value)| left.add(-value, column));
     left
 }
@@ -290,7 +290,7 @@ impl Member {
         linear(self.placed.effect).len() + shapes(self.placed.effect).len()
     }
 
-    /// Whether the logs tell how large it is: some amplitude lies two standard deviations from zero.
+    /// Whether the logs determine its size: some amplitude lies two standard deviations from zero.
     pub fn is_sized(&self) -> bool {
         linear(self.placed.effect)
             .into_iter()

@@ -1,7 +1,7 @@
 //! Innovations of autoregressive noise that is observed in part: rows near reversals are not seen, and logs start anew.
 //!
-//! A Kalman filter on the last samples predicts each row that counts from all such rows before it, over gaps as well; what is
-//! new, over its standard deviation, is white with unit variance exactly (Jones, 1980, Maximum likelihood fitting of ARMA
+//! A Kalman filter on the last samples predicts each valid row from all such rows before it, over gaps as well; the innovation
+//! over its standard deviation is white with unit variance exactly (Jones, 1980, Maximum likelihood fitting of ARMA
 //! models to time series with missing observations, Technometrics 22(3)). The filter is linear: torque and columns of the
 //! model pass the same one.
 
@@ -11,11 +11,11 @@ use nalgebra::{DMatrix, DVector};
 /// Share of the innovation's variance below which the state counts as known.
 const KNOWN: f64 = 1e-10;
 
-/// Turns noise of a given law into white noise of unit variance on the rows that count.
+/// Turns noise of a given law into white noise of unit variance on the valid rows.
 #[derive(Debug, Clone)]
 pub(super) struct InnovationsFilter {
     noise: AutoregressiveNoise,
-    /// Rows that count.
+    /// Valid rows.
     rows: Vec<usize>,
     /// Of every row: what to do.
     steps: Vec<Step>,
@@ -30,11 +30,11 @@ struct Step {
 
 #[derive(Debug, Clone)]
 enum Update {
-    /// The row does not count.
+    /// The row is not valid.
     Unseen,
     /// All that the prediction rests on was seen.
     Known,
-    /// Standard deviation of what is new over that of the noise's own, and how it moves the state.
+    /// Standard deviation of the innovation over that of the noise's own, and the Kalman gain.
     Uncertain(f64, Vec<f64>),
 }
 
@@ -74,7 +74,7 @@ impl InnovationsFilter {
         &self.noise
     }
 
-    /// Rows that count.
+    /// Valid rows.
     pub fn rows(&self) -> &[usize] {
         &self.rows
     }
@@ -84,7 +84,7 @@ impl InnovationsFilter {
         self.noise.innovation_std *= factor;
     }
 
-    /// A signal over all rows, whitened; the rows that do not count are gone.
+    /// A signal over all rows, whitened; rows that are not valid are gone.
     pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
         let coefficients = &self.noise.coefficients;
         let scale = 1.0 / self.noise.innovation_std;

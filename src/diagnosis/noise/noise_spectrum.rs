@@ -1,8 +1,8 @@
 //! The spectrum of noise of which a regression has left a part.
 //!
 //! A regression with many smooth columns takes most of what is slow, and by how much noise is stronger at some frequency than a
-//! model of it must be told from the rest. In the noise as modelled so far, whitened residuals have at every frequency a mean square
-//! that is the share of that frequency which the regression leaves: the ratio of what is observed to that share is fitted by a smooth
+//! model of it must be estimated from the rest. In the noise as modelled so far, whitened residuals have at every frequency a mean square
+//! that is the share of that frequency which the regression leaves free: the ratio of what is observed to that share is fitted by a smooth
 //! curve over the logarithm of the frequency (the likelihood of a gamma law, as Whittle's; its solution is that of restricted
 //! maximum likelihood: Patterson and Thompson, Biometrika 58, 1971), with which the modelled spectrum is multiplied.
 
@@ -27,8 +27,8 @@ const LEAST_CURVATURE: f64 = 1e-6;
 /// Frequencies at which the spectrum is summed to autocovariances.
 const GRID: usize = 1024;
 
-/// The noise, of `order`, as whitened residuals show it: `left` is what the regression onto the orthonormal `basis`, whitened by
-/// `noise`, leaves of whitened torque.
+/// The noise, of `order`, as whitened residuals show it: `left` is the residual of whitened torque under the regression onto the
+/// orthonormal `basis`, whitened by `noise`.
 pub(super) fn corrected(
     noise: &AutoregressiveNoise,
     left: &[f64],

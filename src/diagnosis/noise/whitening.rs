@@ -1,7 +1,7 @@
-//! Whitening: an autoregressive model of each joint's noise, taken from what a rich regression leaves.
+//! Whitening: an autoregressive model of each joint's noise, from the residual of a rich regression.
 //!
 //! From the residual of the plain baseline the noise model would swallow what is to be found: a constant offset looks like
-//! very slow noise. A regression on much more than the baseline leaves little but noise; that it also takes some of the
+//! very slow noise. The residual of a regression on much more than the baseline is little but noise; that it also takes some of the
 //! noise with it, slow noise most of all, is made good frequency by frequency (`noise_spectrum`).
 
 use super::innovations::InnovationsFilter;
@@ -18,7 +18,7 @@ const ORDER: usize = 6;
 /// Times that the spectrum is corrected for what the rich regression takes of the noise.
 const SPECTRUM_ROUNDS: usize = 2;
 
-/// Share of the rows' directions that the regression is taken to have left, at least: beyond it the rows do not tell.
+/// Smallest share of degrees of freedom that the regression is taken to leave.
 const LEAST_FREE: f64 = 0.25;
 
 /// Share of a column's norm that must be left for it to count as independent of those before.
@@ -27,7 +27,7 @@ const INDEPENDENT: f64 = 1e-6;
 /// Speed over which the low-speed part of friction fades in the rich regression, rad/s.
 const SLOW: f64 = 0.1;
 
-/// Factor on a joint's noise from which much is left there.
+/// Misfit from which the residual of a joint is well above the noise.
 const MUCH_LEFT: f64 = 1.5;
 
 /// Turns the noise of every joint into white noise of unit variance.
@@ -39,7 +39,7 @@ pub struct Whitener {
 #[derive(Debug, Clone)]
 struct JointWhitener {
     filter: InnovationsFilter,
-    /// What the fit leaves beyond the noise: factor on the noise's standard deviation.
+    /// Misfit: factor by which the residual exceeds the noise's standard deviation.
     misfit: f64,
 }
 
@@ -96,33 +96,33 @@ impl Whitener {
         Whitener { joints: joints.collect() }
     }
 
-    /// The same noise with each joint's standard deviation times a factor, for what the model leaves beyond the noise.
+    /// The same noise with each joint's standard deviation times a factor, for a residual beyond the noise.
     pub fn with_misfit(mut self, factors: &[f64]) -> Whitener {
         self.joints.iter_mut().zip(factors).for_each(|(joint, factor)| joint.misfit *= factor);
         self
     }
 
-    /// Factor by which what the model leaves on a joint exceeds its noise, at least one.
+    /// Factor by which the residual of a joint exceeds its noise, at least one.
     pub fn misfit(&self, joint: usize) -> f64 {
         self.joints[joint].misfit
     }
 
-    /// Whether the model leaves much more than the noise on any of `joints`.
+    /// Whether the residual of any of `joints` is well above the noise.
     pub fn much_is_left(&self, joints: &[usize]) -> bool {
         joints.iter().any(|&joint| self.misfit(joint) > MUCH_LEFT)
     }
 
-    /// Standard deviation of each joint's noise in the rows, without what the model leaves beyond it, N m.
+    /// Standard deviation of each joint's noise in the rows, without misfit, N m.
     pub fn noise_std(&self) -> Vec<f64> {
         self.joints.iter().map(|joint| joint.filter.noise().std()).collect()
     }
 
-    /// Standard deviation of what is new in a row of each joint, without what the model leaves beyond the noise, N m.
+    /// Standard deviation of the innovations of each joint, without misfit, N m.
     pub fn innovation_std(&self) -> Vec<f64> {
         self.joints.iter().map(|joint| joint.filter.noise().innovation_std).collect()
     }
 
-    /// Sum over all rows of the logarithm of the standard deviation of what is new in them, misfit included.
+    /// Sum over all rows of the logarithm of the standard deviation of the innovations, misfit included.
     pub fn log_scale(&self) -> f64 {
         self.joints
             .iter()
@@ -130,7 +130,7 @@ impl Whitener {
             .sum()
     }
 
-    /// Sum over the joints of the logarithm of the standard deviation of what is new in a row.
+    /// Sum over the joints of the logarithm of the standard deviation of the innovations.
     pub fn mean_log_scale(&self) -> f64 {
         self.joints.iter().map(|joint| joint.filter.noise().innovation_std.ln()).sum()
     }
@@ -204,7 +204,7 @@ impl JointWhitener {
 }
 
 /// Autocovariances of noise before it went through a low-pass that passes `share` of white noise: taken for white, since the
-/// pass-band holds too few directions to tell a colour.
+/// pass-band holds too few directions to estimate a spectrum.
 ///
 /// The noise that is left has next to nothing above the pass-band. Made white, that nothing would outweigh all that the logs
 /// hold: what counted would be the error of the filter that is taken for the one that was used.
@@ -284,7 +284,7 @@ mod tests {
     use super::*;
     use crate::random;
 
-    /// Slow noise under columns that take much of it: the model found is that of the noise, not of what is left.
+    /// Slow noise under columns that take much of it: the model found is that of the noise, not of the residual.
     #[test]
     fn noise_is_found_under_what_the_regression_takes() {
         let truth = AutoregressiveNoise { coefficients: vec![0.85], innovation_std: 2.0 };

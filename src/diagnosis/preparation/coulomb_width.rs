@@ -1,11 +1,11 @@
-//! Over which speed dry friction changes its direction. Books write a sign; simulators and drivers write tanh(v / width), whose tails reach
+//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), whose tails reach
 //! far beyond the rows that are left out near reversals and look like friction that falls at low speed.
 //!
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
-//! more by it than by any law of the library that says how friction goes with speed.
+//! more by it than by any friction law of speed in the library.
 
 use crate::diagnosis::evidence::Judged;
-use crate::diagnosis::model::{Session, Side, all_candidates};
+use crate::diagnosis::model::{DataSet, Session, all_candidates};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
 use crate::effects::{LIBRARY, Nature};
@@ -25,9 +25,9 @@ const LEFT_OUT: usize = 2;
 const LIKELIER: f64 = 8.0;
 
 /// The same for a joint to have a width of its own, where most have one.
-const TOLD: f64 = 1.0;
+const OWN_WIDTH: f64 = 1.0;
 
-/// Mean square of what a width leaves of one joint alone, in units of the noise, up to which it explains that joint.
+/// Mean squared residual of one joint alone under a width, in units of the noise, up to which the width explains that joint.
 const EXPLAINED: f64 = 1.5;
 
 /// By how much more likely, in its logarithm, the torque of a joint must be than with the best law of the library, though a width has fewer
@@ -38,14 +38,14 @@ const BEYOND_LAWS: f64 = 3.0;
 type Widths = Vec<(f64, f64)>;
 
 /// The width of each joint under which its torque is likeliest, rad/s or m/s; zeros where a plain sign does as well. The `session` is that over
-/// all logs with the arm as known: where motions are slow tells most, and those may be the held-out ones.
+/// all logs with the arm as known: slow motions determine it best, and those may be the held-out ones.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
-    let Session { model, train: side, .. } = session;
-    let whitener = Whitener::new(&side.rows, &side.torque, &side.baseline);
-    let plain = whitener.fit(&side.baseline, &side.torque);
+    let Session { model, train, .. } = session;
+    let whitener = Whitener::new(&train.rows, &train.torque, &train.baseline);
+    let plain = whitener.fit(&train.baseline, &train.torque);
     let left = |fit: &Projection| -> Vec<f64> {
         let of_joint = |joint| fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         (0..model.dof()).map(of_joint).collect()
@@ -53,7 +53,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
     let plain_left = left(&plain);
     let gains = |widths: Vec<f64>| -> Result<Widths> {
         let known = session.known.with_sign_widths(widths.clone());
-        let Side { baseline, torque, .. } = Side::new(model, &known, side.rows.clone(), side.training)?;
+        let DataSet { baseline, torque, .. } = DataSet::new(model, &known, train.rows.clone(), train.training)?;
         let with = left(&whitener.fit(&baseline, &torque));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
         Ok(widths.into_iter().zip(gains).collect())
@@ -78,13 +78,14 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
         let joints = 0..model.dof();
         return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { 0.0 }).collect());
     }
-    // The others turn as most do, if that does not speak against it.
-    let mut told: Vec<f64> = best.iter().zip(&surely).filter(|(_, surely)| **surely).map(|(best, _)| best.0).collect();
-    told.sort_by(f64::total_cmp);
-    let as_most = gains(vec![told[told.len() / 2]; model.dof()])?;
+    // The others have the median width, if their torque does not contradict it.
+    let mut widths: Vec<f64> =
+        best.iter().zip(&surely).filter(|(_, surely)| **surely).map(|(best, _)| best.0).collect();
+    widths.sort_by(f64::total_cmp);
+    let as_most = gains(vec![widths[widths.len() / 2]; model.dof()])?;
     let as_most = as_most.into_iter().map(|(width, gain)| if gain > 0.0 { width } else { 0.0 });
     let all = best.into_iter().zip(surely).zip(as_most);
-    Ok(all.map(|(((width, gain), surely), as_most)| if surely && gain > TOLD { width } else { as_most }).collect())
+    Ok(all.map(|(((width, gain), surely), as_most)| if surely && gain > OWN_WIDTH { width } else { as_most }).collect())
 }
 
 /// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the

@@ -3,7 +3,7 @@
 use super::passband;
 use super::smoothing;
 use crate::diagnosis::logs::{FEWEST_ROWS, FEWEST_TEST_ROWS, LowPass, Rows, cutoff, cutoffs_up_to, widest};
-use crate::diagnosis::model::{Arm, Known, Side};
+use crate::diagnosis::model::{Arm, DataSet, Known};
 use crate::diagnosis::noise::{Whitener, rich};
 use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
@@ -30,7 +30,7 @@ pub(super) struct Preparation<'a> {
 #[derive(Debug)]
 pub(super) struct Prepared {
     /// Those to identify from, and those to judge by.
-    pub sides: [Side; 2],
+    pub data_sets: [DataSet; 2],
     /// Cut-off of the low-pass of all positions, Hz.
     pub cutoff_hz: f64,
     /// The low-pass that torque went through before it was logged, if any.
@@ -38,7 +38,7 @@ pub(super) struct Prepared {
 }
 
 impl<'a> Preparation<'a> {
-    /// Of logs to identify from, beside those from before a change that are `known`, and of logs to judge by.
+    /// Of training logs, in addition to those from before a change that are `known`, and of held-out logs.
     ///
     /// # Errors
     /// If a log is too short.
@@ -81,11 +81,11 @@ impl<'a> Preparation<'a> {
     pub fn prepared(&self) -> Result<Prepared> {
         let prepared = match self.best_of(None) {
             Some(best) => best,
-            // No cut-off leaves enough rows; the widest tells best why.
+            // With no cut-off there are enough rows; the error of the widest is the clearest.
             None => {
                 let rates_hz = self.train.iter().chain(self.test).map(|log| log.rate_hz());
                 let cutoff_hz = rates_hz.map(widest).fold(f64::INFINITY, f64::min);
-                Prepared { sides: self.sides(None, &self.alike(cutoff_hz))?, cutoff_hz, passband: None }
+                Prepared { data_sets: self.data_sets(None, &self.alike(cutoff_hz))?, cutoff_hz, passband: None }
             }
         };
         Ok(self.through_passband(prepared.cutoff_hz)?.unwrap_or(prepared))
@@ -113,31 +113,31 @@ impl<'a> Preparation<'a> {
     ///
     /// # Errors
     /// If a log is too short or a joint hardly moves.
-    pub fn sides(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[Side; 2]> {
+    pub fn data_sets(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[DataSet; 2]> {
         let fewest = self.on_equations(FEWEST_TEST_ROWS);
         let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), &fewest);
         let rows = rows.map_err(of_held_out)?;
-        Ok([self.training(through, cutoffs_hz)?, Side::new(self.model, self.known, rows, false)?])
+        Ok([self.training(through, cutoffs_hz)?, DataSet::new(self.model, self.known, rows, false)?])
     }
 
-    fn training(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<Side> {
+    fn training(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<DataSet> {
         let fewest = self.on_equations(FEWEST_ROWS);
         let mut rows = Rows::logged_through(through, &self.train, (cutoffs_hz, self.whole_hz), &fewest)?;
         rows.before = self.known.reference.len();
-        Side::new(self.model, self.known, rows, true)
+        DataSet::new(self.model, self.known, rows, true)
     }
 
-    /// The cut-off of all positions that serves best. The torque itself tells: too low distorts the accelerations, too high lets the
+    /// The cut-off of all positions that serves best. The torque itself decides: too low distorts the accelerations, too high lets the
     /// encoder's noise into them. None where all leave too few rows.
     fn best_of(&self, passband: Option<LowPass>) -> Option<Prepared> {
         let mut best: Option<(f64, Prepared)> = None;
         for cutoff_hz in cutoffs_up_to(self.whole_hz) {
-            let Ok(sides) = self.sides(passband, &self.alike(cutoff_hz)) else { continue };
-            let [Side { rows, torque, baseline, .. }, _] = &sides;
+            let Ok(data_sets) = self.data_sets(passband, &self.alike(cutoff_hz)) else { continue };
+            let [DataSet { rows, torque, baseline, .. }, _] = &data_sets;
             let unexpected = Whitener::new(rows, torque, baseline).mean_log_scale();
             tracing::debug!(cutoff_hz, unexpected, "cut-off");
             if best.as_ref().is_none_or(|(least, _)| unexpected < *least) {
-                best = Some((unexpected, Prepared { sides, cutoff_hz, passband }));
+                best = Some((unexpected, Prepared { data_sets, cutoff_hz, passband }));
             }
         }
         best.map(|(_, prepared)| prepared)
@@ -150,12 +150,12 @@ impl<'a> Preparation<'a> {
         let Some(edge_hz) = passband::edge(&all)? else { return Ok(None) };
         let narrow = LowPass { order: 1, hz: passband::lowest(edge_hz) };
         let cutoffs_hz = self.alike(cutoff_hz);
-        let Ok(Side { rows: Rows { valid, .. }, .. }) = self.training(Some(narrow), &cutoffs_hz) else {
+        let Ok(DataSet { rows: Rows { valid, .. }, .. }) = self.training(Some(narrow), &cutoffs_hz) else {
             return Ok(None);
         };
         let left = |through| {
             // All are seen on the same rows.
-            let Side { mut rows, torque, baseline, .. } = self.training(through, &cutoffs_hz).ok()?;
+            let DataSet { mut rows, torque, baseline, .. } = self.training(through, &cutoffs_hz).ok()?;
             rows.valid.clone_from(&valid);
             let rich = (0..rows.dof())
                 .flat_map(|joint| rich(&rows, joint).into_iter().map(move |signal| Column::on(joint, signal)));
@@ -166,7 +166,7 @@ impl<'a> Preparation<'a> {
     }
 }
 
-/// A problem that the logs to judge by have, told as theirs.
+/// A problem of the held-out logs, reported as theirs.
 fn of_held_out(problem: Error) -> Error {
     match problem {
         Error::Request { subject, problem } => Error::request(format!("{subject} of the held-out logs"), problem),

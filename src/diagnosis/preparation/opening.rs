@@ -10,7 +10,7 @@ use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
-/// Error of the smoothing from which a row is left out, in standard deviations of what is new in a row, and the largest share
+/// Error of the smoothing from which a row is left out, in standard deviations of the innovations, and the largest share
 /// of the rows that may be.
 const DISTORTED: f64 = 2.0;
 const MOST_DISTORTED: f64 = 0.1;
@@ -24,7 +24,7 @@ impl<'a> Session<'a> {
         Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
     }
 
-    /// Makes the logs ready with what is known beside the robot description.
+    /// Prepares the logs with what is known in addition to the robot description.
     ///
     /// # Errors
     /// If a log is too short or a joint hardly moves.
@@ -36,13 +36,13 @@ impl<'a> Session<'a> {
         test: &[&Recording],
     ) -> Result<Self> {
         let preparation = Preparation::new(model, &known, train, test)?;
-        let Prepared { sides: [train, test], cutoff_hz, passband } = preparation.prepared()?;
+        let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
         let (arm, open_play) = (known.arm.clone(), Vec::new());
         let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
         let knows = known.clone();
         let mut session =
             Session { model, trust, known: knows, arm, train, test, apart, open_play, cutoffs_hz, passband };
-        // How sharply friction turns is known from before a change, if one is in question; torque that went through a low-pass does not tell.
+        // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine it.
         let widths = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
             true => coulomb_width::likeliest(&session)?,
@@ -51,7 +51,7 @@ impl<'a> Session<'a> {
         let known = known.with_sign_widths(widths);
         let preparation = preparation.knowing(&known);
         if known.arm.sign_widths != session.arm.sign_widths {
-            [session.train, session.test] = preparation.sides(passband, &session.cutoffs_hz)?;
+            [session.train, session.test] = preparation.data_sets(passband, &session.cutoffs_hz)?;
             (session.arm, session.known) = (known.arm.clone(), known.clone());
         }
         let mut noise = session.settle_baseline()?;
@@ -59,12 +59,12 @@ impl<'a> Session<'a> {
         let likeliest = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
         let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
         if own.iter().any(|hz| *hz != cutoff_hz)
-            && let Ok([train, test]) = preparation.sides(passband, &own)
+            && let Ok([train, test]) = preparation.data_sets(passband, &own)
         {
             tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
             (session.train, session.test, session.cutoffs_hz) = (train, test, own);
-            for side in [&mut session.train, &mut session.test] {
-                side.bands = smoothing::bands(&session.arm, &side.rows, &likeliest, &session.cutoffs_hz)?;
+            for set in [&mut session.train, &mut session.test] {
+                set.bands = smoothing::bands(&session.arm, &set.rows, &likeliest, &session.cutoffs_hz)?;
             }
             session.arm = session.known.arm.clone();
             noise = session.settle_baseline()?;
@@ -88,8 +88,8 @@ impl<'a> Session<'a> {
     /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
-        for side in [&mut self.train, &mut self.test] {
-            side.rows.leave_out_largest(&side.errors.smoothing, &bearable, MOST_DISTORTED);
+        for set in [&mut self.train, &mut self.test] {
+            set.rows.leave_out_largest(&set.errors.smoothing, &bearable, MOST_DISTORTED);
         }
         self.arm = self.known.arm.clone();
     }

@@ -1,9 +1,9 @@
 //! The low-pass that torque went through before it was logged.
 //!
 //! Many controllers and many who publish logs smooth the torque. A step of friction at a reversal is then spread over the
-//! memory of that filter and rings, which no column of the model does: what is left looks like any friction law. All columns
-//! must go through the filter that the torque went through. The logs tell which: zero-phase Butterworth filters are tried,
-//! and the one is taken under which the model leaves least.
+//! memory of that filter and rings, which no column of the model does: the residual looks like any friction law. All columns
+//! must go through the filter that the torque went through. The logs determine which: zero-phase Butterworth filters are tried,
+//! and the one with the smallest residual is taken.
 
 use crate::diagnosis::logs::{LowPass, Rows, inner_power};
 use crate::diagnosis::regression::{Column, Projection, rms};
@@ -32,10 +32,10 @@ const HALVINGS: usize = 3;
 /// Orders (of one run) that are tried, the most usual first.
 const ORDERS: [usize; 6] = [4, 2, 1, 3, 5, 6];
 
-/// Rounds of weighing the joints by what is left on them.
+/// Rounds of weighting the joints by their residual.
 const ROUNDS: usize = 3;
 
-/// Mean over the joints of the logarithm of what is left by which the model with the filter must leave less.
+/// Mean over the joints of the logarithm of the residual by which that with the filter must be smaller.
 const CLEARLY: f64 = 0.05;
 
 /// The frequency, Hz, within an octave of which the torque of all joints of all logs ends as no step of friction does; None where it goes
@@ -46,7 +46,7 @@ const CLEARLY: f64 = 0.05;
 pub(super) fn edge(recordings: &[&Recording]) -> Result<Option<f64>> {
     let mut edges = Vec::new();
     for recording in recordings {
-        // A joint without torque says nothing of what the others went through.
+        // A joint without torque gives no evidence on the filter of the others.
         let logged = |joint: &usize| recording.tau.channel(*joint).iter().any(|torque| torque.is_finite());
         for joint in (0..recording.joints()).filter(logged) {
             match edge_of(recording.tau.channel(joint), recording.rate_hz())? {
@@ -88,8 +88,8 @@ pub(super) fn lowest(edge_hz: f64) -> f64 {
     edge_hz * (-REACH_OCTAVES).exp2()
 }
 
-/// Mean over the joints of the logarithm of what `columns` leave of `torque`, fitted at once to all joints with each joint's
-/// torque in units of its own share of what is left.
+/// Mean over the joints of the logarithm of the residual of `torque` under `columns`, fitted at once to all joints with each joint's
+/// torque in units of its own residual.
 pub(super) fn left(rows: &Rows, torque: &Column, columns: &[Column]) -> f64 {
     let mut scale = rms(&rows.valid, torque);
     for _ in 0..ROUNDS {
@@ -108,8 +108,8 @@ pub(super) fn left(rows: &Rows, torque: &Column, columns: &[Column]) -> f64 {
     scale.iter().map(|scale| scale.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / scale.len() as f64
 }
 
-/// The filter under which the model leaves least, if that is clearly less than without any. `left` gives the mean over the
-/// joints of the logarithm of what the model leaves; None where the filter cannot be.
+/// The filter with the smallest residual, if that is clearly smaller than without any. `left` gives the mean over the joints of the
+/// logarithm of the residual; None where the filter cannot be.
 pub(super) fn best(edge_hz: f64, mut left: impl FnMut(Option<LowPass>) -> Option<f64>) -> Option<LowPass> {
     let without = left(None)?;
     let mut least: Option<(f64, LowPass)> = None;
@@ -129,15 +129,15 @@ pub(super) fn best(edge_hz: f64, mut left: impl FnMut(Option<LowPass>) -> Option
     for _ in 0..HALVINGS {
         octaves *= 0.5;
         let (_, middle) = least?;
-        for side in [-octaves, octaves] {
-            try_one(LowPass { hz: middle.hz * side.exp2(), ..middle }, &mut least);
+        for shift in [-octaves, octaves] {
+            try_one(LowPass { hz: middle.hz * shift.exp2(), ..middle }, &mut least);
         }
     }
     let (_, of_usual_order) = least?;
     for &order in &ORDERS[1..] {
         // A steeper filter that passes as much cuts off a little higher or lower.
-        for side in [-octaves, 0.0, octaves] {
-            try_one(LowPass { order, hz: of_usual_order.hz * side.exp2() }, &mut least);
+        for shift in [-octaves, 0.0, octaves] {
+            try_one(LowPass { order, hz: of_usual_order.hz * shift.exp2() }, &mut least);
         }
     }
     let (value, low_pass) = least?;

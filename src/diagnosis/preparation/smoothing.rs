@@ -24,7 +24,7 @@ const MOVED_S: f64 = 1e-3;
 const NOISY: f64 = 2.0;
 
 /// Cut-off of the positions of every joint, Hz, up to `highest_hz`: where the torque of `arm`, fitted with all joints at the
-/// `common` cut-off, is likeliest once that joint alone goes to another. `residual` is what the fit leaves, in units of the noise;
+/// `common` cut-off, is likeliest once that joint alone goes to another. `residual` is that of the fit, in units of the noise;
 /// `recordings` are the logs of `rows`.
 ///
 /// # Errors

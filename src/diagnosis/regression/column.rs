@@ -72,7 +72,7 @@ impl Column {
         Self::of(parts.collect())
     }
 
-    /// This over the first of two stretches of rows of these lengths, and `other` over the second.
+    /// This over the first of two blocks of rows of these lengths, and `other` over the second.
     pub fn then(&self, other: &Column, [first, second]: [usize; 2]) -> Self {
         let joints = self.parts.iter().chain(&other.parts).map(|(joint, _)| *joint);
         let joints: BTreeSet<usize> = joints.collect();

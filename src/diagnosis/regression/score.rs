@@ -1,18 +1,18 @@
-//! Score tests of candidate columns against what a fit leaves.
+//! Score tests of candidate columns against the residual of a fit.
 
 use super::column::Column;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::gamma::ln_gamma;
 
-/// Share of a direction's squared norm that the baseline must leave for the direction to be testable.
+/// Share of a direction's squared norm that must be orthogonal to the baseline for the direction to be testable.
 const TESTABLE: f64 = 1e-5;
 
 /// The same for a direction to count as mostly left.
 const MOSTLY_LEFT: f64 = 0.3;
 
-/// Share of a factor's direction that must be testable for the factor to count as told.
-const TOLD: f64 = 0.5;
+/// Share of a factor's direction that must be testable for the factor to count as determined.
+const DETERMINED: f64 = 0.5;
 
 /// Share of its norm that a basis column must keep beyond those before it.
 const INDEPENDENT: f64 = 1e-7;
@@ -23,7 +23,7 @@ pub struct Projection {
     basis: Vec<Column>,
     /// Factors of which something is known beforehand.
     known: usize,
-    /// What the fit leaves.
+    /// Residual of the fit.
     pub residual: Column,
 }
 
@@ -86,12 +86,12 @@ impl Projection {
         &self.basis
     }
 
-    /// What the fit leaves of a whitened column.
+    /// The part of a whitened column that is orthogonal to the fit.
     pub fn left_of(&self, column: Column) -> Column {
         self.without(self.without(column))
     }
 
-    /// Sum of squares of what is left.
+    /// Sum of squares of the residual.
     pub fn left(&self) -> f64 {
         self.residual.dot(&self.residual)
     }
@@ -101,7 +101,7 @@ impl Projection {
         self.test_with_prior(columns, &vec![f64::INFINITY; columns.len()])
     }
 
-    /// The same of only those directions of the group that the baseline mostly leaves: what remains of the others may be anything but
+    /// The same of only those directions of the group that are mostly orthogonal to the baseline: what remains of the others may be anything but
     /// like the columns themselves.
     pub fn test_of_what_is_mostly_left(&self, columns: &[Column]) -> Option<Test> {
         self.test_of(columns, &vec![f64::INFINITY; columns.len()], MOSTLY_LEFT)
@@ -113,7 +113,7 @@ impl Projection {
         self.test_of(columns, spread, TESTABLE)
     }
 
-    /// The test of the directions of which the baseline leaves at least a share of the squared norm.
+    /// The test of the directions of which at least a share of the squared norm is orthogonal to the baseline.
     fn test_of(&self, columns: &[Column], spread: &[f64], least: f64) -> Option<Test> {
         let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
         if norms.is_empty() || !norms.iter().all(|norm| norm.is_finite()) {
@@ -155,8 +155,8 @@ impl Projection {
             values: values.iter().zip(&norms).map(|(v, norm)| v / norm).collect(),
             std: (0..count)
                 .map(|c| {
-                    let told: f64 = kept.iter().map(|&k| eigen.eigenvectors[(c, k)].powi(2)).sum();
-                    if told > TOLD { covariance[(c, c)].sqrt() / norms[c] } else { f64::INFINITY }
+                    let determined: f64 = kept.iter().map(|&k| eigen.eigenvectors[(c, k)].powi(2)).sum();
+                    if determined > DETERMINED { covariance[(c, c)].sqrt() / norms[c] } else { f64::INFINITY }
                 })
                 .collect(),
             along,
@@ -175,7 +175,7 @@ pub struct Test {
     pub freedom: usize,
     /// Estimates of the columns' factors.
     pub values: Vec<f64>,
-    /// Their standard deviations; infinite where the rows tell nothing of a factor.
+    /// Their standard deviations; infinite where the rows do not determine a factor.
     pub std: Vec<f64>,
     /// Inner products of the baseline's directions with the columns over their norms.
     pub along: DMatrix<f64>,
@@ -268,8 +268,8 @@ mod tests {
         let fit = Projection::new(&[], &torque);
         let norm = error.dot(&error);
         let left = |spread: f64| {
-            let beside = fit.with_prior(std::slice::from_ref(&error), &[spread]);
-            1.0 - beside.residual.dot(&error) / (2.0 * norm)
+            let adjusted = fit.with_prior(std::slice::from_ref(&error), &[spread]);
+            1.0 - adjusted.residual.dot(&error) / (2.0 * norm)
         };
         for spread in [0.01, 0.1, 1.0] {
             let share = norm / (norm + 1.0 / (spread * spread));
@@ -282,11 +282,11 @@ mod tests {
         let left = twice.residual.dot(&error) / (2.0 * norm);
         assert!((left - 1.0 / (1.0 + 2.0 * norm * 0.01)).abs() < 1e-9, "{left}");
         // Nothing else is touched.
-        let beside = fit.with_prior(&[error], &[0.1]);
-        assert!((beside.test(&[extra]).unwrap().values[0] - 0.7).abs() < 1e-9);
+        let adjusted = fit.with_prior(&[error], &[0.1]);
+        assert!((adjusted.test(&[extra]).unwrap().values[0] - 0.7).abs() < 1e-9);
     }
 
-    /// A baseline of a wave with a little of another: the sum of waves that it nearly is tells of the other alone.
+    /// A baseline of a wave with a little of another: the sum of waves that it nearly is shows the other alone.
     #[test]
     fn what_remains_of_a_group_is_not_the_group() {
         let rows = 400;

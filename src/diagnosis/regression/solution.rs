@@ -1,4 +1,4 @@
-//! Least squares on whitened columns, with directions that the rows cannot tell left at zero.
+//! Least squares on whitened columns; directions that the rows do not determine stay at zero.
 
 use super::column::Column;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -6,10 +6,10 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
 const SINGULAR: f64 = 1e-12;
 
-/// Share of a direction, squared, in those that the rows cannot tell from which it is not told.
-const UNTOLD: f64 = 1e-6;
+/// Squared share of a direction in undetermined ones from which it is undetermined.
+const UNDETERMINED: f64 = 1e-6;
 
-/// A least-squares solution with what the rows tell of it.
+/// A least-squares solution with its covariance.
 #[derive(Debug, Clone)]
 pub struct Solved {
     /// Factors of the columns.
@@ -18,11 +18,11 @@ pub struct Solved {
     norms: Vec<f64>,
     /// Principal directions of the factors of columns of unit length.
     directions: DMatrix<f64>,
-    /// Variances along these; zero where the rows tell nothing.
+    /// Variances along these; zero where the rows do not determine them.
     variances: DVector<f64>,
 }
 
-/// Fits whitened torque by whitened columns; directions that the rows cannot tell are left at zero.
+/// Fits whitened torque by whitened columns; directions that the rows do not determine stay at zero.
 pub fn solve(columns: &[Column], torque: &Column) -> Solved {
     let mut normal = gram(columns);
     let norms: Vec<f64> = normal.diagonal().iter().map(|&n| if n > 0.0 { n.sqrt() } else { 1.0 }).collect();
@@ -42,22 +42,22 @@ pub fn solve(columns: &[Column], torque: &Column) -> Solved {
 
 impl Solved {
     /// Standard deviation of a linear function of the factors, whose slopes are not zero at these places only; infinite where the
-    /// rows do not tell it from what other columns do, or at all.
+    /// rows do not separate it from other columns.
     pub fn deviation(&self, slopes: &[(usize, f64)]) -> f64 {
         let mut along = DVector::zeros(self.variances.len());
         for &(place, slope) in slopes {
             along += self.directions.row(place).transpose() * (slope / self.norms[place]);
         }
-        let (mut told, mut untold) = (0.0, 0.0);
+        let (mut determined, mut open) = (0.0, 0.0);
         for (part, variance) in along.iter().zip(&self.variances) {
-            told += part * part * variance;
-            untold += if *variance == 0.0 { part * part } else { 0.0 };
+            determined += part * part * variance;
+            open += if *variance == 0.0 { part * part } else { 0.0 };
         }
-        if untold > UNTOLD * along.norm_squared() { f64::INFINITY } else { told.sqrt() }
+        if open > UNDETERMINED * along.norm_squared() { f64::INFINITY } else { determined.sqrt() }
     }
 
     /// Root mean square, over the rows of each joint that count (`valid`, `[joint][row]`), of the standard deviation of what `columns`
-    /// predict there with these factors; infinite where that rests on what the rows fitted to do not tell.
+    /// predict there with these factors; infinite where that rests on directions that the fitted rows do not determine.
     pub fn prediction_std(&self, columns: &[Column], valid: &[Vec<bool>]) -> Vec<f64> {
         let of_joint = |(joint, valid): (usize, &Vec<bool>)| {
             let rows: Vec<usize> = (0..valid.len()).filter(|&row| valid[row]).collect();
@@ -68,13 +68,13 @@ impl Solved {
             }
             let along = along * &self.directions;
             let squares = (0..along.ncols()).map(|k| along.column(k).norm_squared());
-            let (mut told, mut untold) = (0.0, 0.0);
+            let (mut determined, mut open) = (0.0, 0.0);
             for (square, variance) in squares.zip(&self.variances) {
-                told += square * variance;
-                untold += if *variance == 0.0 { square } else { 0.0 };
+                determined += square * variance;
+                open += if *variance == 0.0 { square } else { 0.0 };
             }
-            let mean = (told / rows.len().max(1) as f64).sqrt();
-            if untold > UNTOLD * along.norm_squared() { f64::INFINITY } else { mean }
+            let mean = (determined / rows.len().max(1) as f64).sqrt();
+            if open > UNDETERMINED * along.norm_squared() { f64::INFINITY } else { mean }
         };
         valid.iter().enumerate().map(of_joint).collect()
     }
@@ -118,7 +118,7 @@ mod tests {
         let valid = [vec![true, true, false], vec![true; 3]];
         let on_both = |a: Vec<f64>, b: Vec<f64>| Column::of(vec![(0, a), (1, b)]);
         let none = || vec![0.0; 3];
-        // The first factor by half: 3 and 4 halves in the rows that count; of the second and third the sum alone is told.
+        // The first factor by half: 3 and 4 halves in the rows that count; of the second and third only the sum is determined.
         let first = on_both(vec![3.0, 4.0, 100.0], none());
         let alike = [on_both(none(), vec![1.0; 3]), on_both(none(), vec![1.0; 3])];
         let std =

@@ -4,13 +4,13 @@ use crate::effects::Placed;
 use crate::identification::model::Model;
 use crate::identification::standard::{ROTOR, STANDARD};
 
-/// Which parameters of the arm are believed.
+/// Which parameters of the arm are taken from the URDF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {
-    /// The URDF's inertias are believed; friction and rotor inertia of every joint are fitted.
+    /// Inertias are taken from the URDF; friction and rotor inertia of every joint are fitted.
     Nominal,
-    /// Only the geometry is believed; all base parameters are fitted.
+    /// Inertias are estimated: only the geometry is taken from the URDF, and all base parameters are fitted.
     Structure,
 }
 
@@ -19,7 +19,7 @@ pub enum Trust {
 pub(super) enum ArmParameter {
     /// A base parameter, by its index.
     Base(usize),
-    /// Rotor inertia (0), viscous (1) or Coulomb friction (2) of a joint whose link is believed.
+    /// Rotor inertia (0), viscous (1) or Coulomb friction (2) of a joint whose link is taken from the URDF.
     Drive(usize, usize),
 }
 

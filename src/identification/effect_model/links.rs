@@ -42,7 +42,7 @@ impl EffectModel<'_> {
         (q != recording.q).then(|| Recording { q, ..recording.clone() })
     }
 
-    /// Motion of the links: that of the motors less the twist of the gears under the torque that the model says they
+    /// Motion of the links: that of the motors less the twist of the gears under the torque that by the model they
     /// carry. (The measured torque would bring its noise into the columns, and with it a bias larger than what most gears
     /// yield.) Twists pass the filter of torque and columns: above the frequency at which the link swings on its gear the
     /// rounds would amplify every error.

@@ -19,7 +19,7 @@ pub(super) struct Parts<'a> {
     link: &'a Motion,
     /// Per amplitude: torque per unit.
     amplitudes: Vec<Channels>,
-    /// Torque without free parameter: of believed bodies and drives, and of effects through their departures. Empty where
+    /// Torque without free parameter: of bodies and drives from the URDF, and of effects through their departures. Empty where
     /// there is none.
     known: Vec<Vec<f64>>,
     /// The share of bodies in that; empty where there is none.
@@ -73,7 +73,7 @@ impl<'a> Parts<'a> {
             for torque in &torques {
                 add(1.0, torque.channel(joint));
             }
-            for &(parameter, value) in &owner.believed {
+            for &(parameter, value) in &owner.nominal {
                 if let Some(column) = parts.column(parameter, joint) {
                     add(value, &column);
                 }

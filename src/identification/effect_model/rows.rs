@@ -113,7 +113,7 @@ impl EffectModel<'_> {
             .collect()
     }
 
-    /// The regression rows of one joint of one log whose sensors say what is; `base` are those of its base columns, where
+    /// The regression rows of one joint of one log whose sensors read true; `base` are those of its base columns, where
     /// they are fitted.
     fn plain_rows(&self, joint: usize, parts: &Parts, prepared: &Prepared, base: Channels) -> Result<JointRegression> {
         let active = self.model.active(joint);

@@ -2,7 +2,7 @@
 
 use crate::effects::{Placed, Role};
 
-/// Size of the small signal on which linear sensors are told from clipping ones, N m.
+/// Size of the small signal that separates linear sensors from clipping ones, N m.
 const SMALL: f64 = 1e-6;
 
 /// Share of the largest torque by which a log must miss the linear response to count as clipped.
@@ -54,7 +54,7 @@ impl<'a> Sensing<'a> {
         Some(column)
     }
 
-    /// Where the predicted torque `total` is clipped, the log says nothing of the parameters: the known torque becomes
+    /// Where the predicted torque `total` is clipped, the log holds nothing on the parameters: the known torque becomes
     /// what is logged there, and the columns vanish.
     pub(super) fn clip(&self, total: &[f64], known: &mut [f64], columns: &mut [(usize, Vec<f64>)]) {
         let linear = self.small_signal(total);

@@ -29,8 +29,8 @@ pub struct EffectModel<'a> {
     pub(super) placed: Vec<Placed>,
     /// The arm's own parameters that are fitted.
     pub(super) arm: Vec<ArmParameter>,
-    /// Those that are believed because an effect stands for what differs from them, with their values.
-    pub(super) believed: Vec<(ArmParameter, f64)>,
+    /// Those taken from the URDF because an effect stands for what differs from them, with their values.
+    pub(super) nominal: Vec<(ArmParameter, f64)>,
     /// The arm's parameters as last solved for.
     pub(super) baseline: Vec<f64>,
     /// Those that the logs do not determine, with the values at which they are held; None before a regression was seen.
@@ -59,10 +59,10 @@ impl<'a> EffectModel<'a> {
         let stood_for = |parameter: ArmParameter| {
             drive_of(model, parameter).is_some_and(|drive| placed.iter().any(|placed| stands_for(placed, drive)))
         };
-        let (believed, arm): (Vec<_>, Vec<_>) =
+        let (nominal, arm): (Vec<_>, Vec<_>) =
             arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
         let (arm, baseline) = arm.into_iter().unzip();
-        Ok(EffectModel { model, trust, logs, preparation, placed, arm, believed, baseline, undetermined: None })
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, undetermined: None })
     }
 
     /// Number of joints.
@@ -142,10 +142,10 @@ impl<'a> EffectModel<'a> {
         (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
     }
 
-    /// Holds the arm's parameters that `regression`, the first one, cannot tell from others.
+    /// Holds the arm's parameters that `regression`, the first one, does not separate from others.
     ///
     /// # Errors
-    /// Names a joint with too few rows to tell anything.
+    /// Names a joint with too few rows.
     pub(in crate::identification) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
         if self.undetermined.is_none() {
             require_rows(regression)?;

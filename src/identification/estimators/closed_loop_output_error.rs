@@ -8,7 +8,7 @@ use crate::identification::least_squares::{
 };
 
 /// The measured torque on the columns along the simulated motion: only torques are measured. Under a controller that makes
-/// the arm follow its reference whatever its parameters, the simulated motion hardly depends on them, which leaves a linear
+/// the arm follow its reference whatever its parameters, the simulated motion hardly depends on them, so that a linear
 /// fit to iterate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Didim;

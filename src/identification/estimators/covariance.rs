@@ -46,7 +46,7 @@ impl MomentEquations {
     /// The solution.
     ///
     /// # Errors
-    /// If H is singular: the instruments say nothing of some parameters.
+    /// If H is singular: the instruments do not determine some parameters.
     pub(super) fn solve(&self) -> Result<Vec<f64>> {
         let solution = LU::new(self.matrix.clone()).solve(&self.right);
         solution.map(|beta| beta.as_slice().to_vec()).ok_or_else(uninformed)
@@ -56,7 +56,7 @@ impl MomentEquations {
 fn uninformed() -> Error {
     Error::request(
         "moment equations",
-        "singular: the simulated motion says nothing of some parameters; use a richer motion",
+        "singular: the simulated motion does not determine some parameters; use a richer motion",
     )
 }
 
@@ -64,7 +64,7 @@ fn uninformed() -> Error {
 /// H^-1 Z'W Cov(noise) W Z H^-T, the noise of each joint modelled as autoregressive from its residual.
 ///
 /// # Errors
-/// Names the parameters that the motion cannot tell apart.
+/// Names the parameters that the motion does not separate.
 pub(super) fn assemble(
     instruments: &[JointRegression],
     rows: &[JointRegression],

@@ -30,7 +30,7 @@ impl<'a> Data<'a> {
 /// An arm with given parameters, simulated under the controller and along the reference of the measured one.
 pub trait SimulatedRows {
     /// The measured torque with the columns along the simulated motion, row by row with the measured rows. Rows count
-    /// where the simulated motion says so.
+    /// where they do along the simulated motion.
     ///
     /// # Errors
     /// If the parameters make no arm that can be simulated.
@@ -50,7 +50,7 @@ pub trait Estimator: Sync {
     /// Estimates the parameters.
     ///
     /// # Errors
-    /// Names the joint without rows, or the parameters that the motion cannot tell apart; if an iteration does not settle.
+    /// Names the joint without rows, or the parameters that the motion does not separate; if an iteration does not settle.
     fn estimate(&self, data: &Data) -> Result<Estimate>;
 }
 

@@ -25,7 +25,7 @@ pub trait LeastSquaresProblem {
     /// # Errors
     /// Whatever keeps the model from being evaluated; the fit ends with it.
     fn normal_equations(&mut self, p: &[f64]) -> Result<NormalEquations>;
-    /// The weighted sum of squares at `p`. NaN or infinity says that the model has no value there: the step that led
+    /// The weighted sum of squares at `p`. NaN or infinity means that the model has no value there: the step that led
     /// to it is shortened.
     ///
     /// # Errors

@@ -129,7 +129,7 @@ fn held(k: usize, descent: f64, p: &[f64], bounds: &Bounds) -> bool {
 }
 
 /// Solves a symmetric positive definite system after scaling it to a unit diagonal. Where rounding has made it
-/// indefinite, the least that mends it is added to the diagonal; a system beyond that (overflow) gives no step.
+/// indefinite, the least that corrects it is added to the diagonal; a system beyond that (overflow) gives no step.
 fn solve(a: DMatrix<f64>, b: DVector<f64>) -> DVector<f64> {
     let n = b.len();
     let scale = a.diagonal().map(|d| 1.0 / d.sqrt());

@@ -20,7 +20,7 @@ pub(crate) struct Departure {
     pub place: Place,
 }
 
-/// A printed term of (4)-(9) that differs from the mended one. Rows and columns are joints counted from 1, numbers are
+/// A printed term of (4)-(9) that differs from the corrected one. Rows and columns are joints counted from 1, numbers are
 /// those of X.
 #[derive(Debug)]
 pub(crate) enum Place {
@@ -203,7 +203,7 @@ pub(crate) const DEPARTURES: &[Departure] = &[
         equation: "(13)-(15), alpha",
         printed: "0.9438",
         used: "1125 / 1192 = 0.94379...",
-        why: "the rounded value leaves a velocity of 1e-5 h / T at both ends",
+        why: "the rounded value gives a velocity of 1e-5 h / T at both ends",
         variants: ALL,
         place: Place::Elsewhere,
     },

@@ -8,14 +8,14 @@
 //!         + sgn(theta_i') f_is + theta_i' f_iv,
 //!
 //! where every C, B, G and f is a sum of X. [`DEPARTURES`] lists each place at which this code does not follow the
-//! print; [`Variant`] says how far it goes in mending. What remains in all variants, because it is the model itself:
+//! print; [`Variant`] is how far misprints are corrected. What remains in all variants, because it is the model itself:
 //!
 //! - The equations are those of a planar chain: every joint turns in one vertical plane and only differences of two
 //!   angles occur. The IRB 1600 is a spatial arm (joint 1 turns about the vertical, where gravity does no work).
 //! - The cosine and gravity terms hold for angles measured from the fixed horizontal, the sums of moments of inertia
 //!   in C for angles measured from the link before. The paper puts the joint angles in both; so does this code,
 //!   with those of Table 1. [`AbsoluteAngles`] is the other reading, for comparison.
-//! - X occur in sums: only 48 (as printed) or 44 (mended) combinations show in the torques, whatever the motion; see
+//! - X occur in sums: only 48 (as printed) or 44 (corrected) combinations show in the torques, whatever the motion; see
 //!   [`structure`].
 //! - Friction has a column each for sgn and velocity; sgn(0) is 0.
 //!

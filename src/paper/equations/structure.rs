@@ -1,6 +1,6 @@
 //! What of the 78 parameters the torques can show at all.
 //!
-//! Parameters that only ever occur in one and the same sum have equal columns in the regressor: no motion tells them
+//! Parameters that only ever occur in one and the same sum have equal columns in the regressor: no motion separates them
 //! apart, and a fit that reports a value for each has chosen it arbitrarily.
 
 use super::{JOINTS, PARAMETER_COUNT, Variant, regressor};

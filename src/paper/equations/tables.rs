@@ -232,7 +232,7 @@ pub(crate) const PRINTED_TABLE_1: [DenavitHartenberg; 6] = [
     dh(6, 0.0, 0.0, 65.0, 6, 0.0),
 ];
 
-/// Table 1 mended for the arm of 1.2 m reach. With all joints at zero the upper arm stands up and the forearm points
+/// Table 1 corrected for the arm of 1.2 m reach. With all joints at zero the upper arm stands up and the forearm points
 /// ahead; that is the offset of joint 2.
 pub(crate) const CORRECTED_TABLE_1: [DenavitHartenberg; 6] = [
     dh(1, -90.0, 150.0, 486.5, 1, 0.0),

@@ -36,7 +36,7 @@ pub(super) struct Term {
 /// C_j: the constant that M_ij has for the higher joint j = max(i, j).
 const CONSTANT: [usize; JOINTS] = [1, 7, 13, 18, 22, 25];
 
-/// B_ij for i <= j, row by row: the X that the cosine multiplies (on the diagonal, the X beside C_j).
+/// B_ij for i <= j, row by row: the X that the cosine multiplies (on the diagonal, the X next to C_j).
 const COUPLING: [&[RangeInclusive<usize>]; JOINTS] = [
     &[2..=6, 8..=12, 14..=17, 19..=21, 23..=24, 26..=26],
     &[30..=34, 35..=38, 39..=41, 42..=43, 44..=44],

@@ -105,7 +105,7 @@ fn entries_computed_by_hand() {
         (Consistent, 1, 12, 10.0 * cosine + 7.5),
         // sin theta2'^2 = 0.5 * 9
         (EulerLagrange, 1, 12, 10.0 * cosine + 4.5),
-        // theta1'' cos + the sine term of (4) as printed; mended 0.5 (-6 - 4); Euler-Lagrange -0.5 * 4
+        // theta1'' cos + the sine term of (4) as printed; corrected 0.5 (-6 - 4); Euler-Lagrange -0.5 * 4
         (AsPrinted, 2, 8, cosine + 7.5),
         (Consistent, 2, 8, cosine - 5.0),
         (EulerLagrange, 2, 8, cosine - 2.0),
@@ -119,7 +119,7 @@ fn entries_computed_by_hand() {
         (AsPrinted, 3, 13, 0.0),
         (Consistent, 3, 13, 111.0),
         (Consistent, 3, 18, 0.0),
-        // sin(theta4 - theta5) = 1: 35 + 49 in print, 49 - 35 mended, 49 Euler-Lagrange
+        // sin(theta4 - theta5) = 1: 35 + 49 in print, 49 - 35 corrected, 49 Euler-Lagrange
         (AsPrinted, 4, 64, 84.0),
         (Consistent, 4, 64, 14.0),
         (EulerLagrange, 4, 64, 49.0),
@@ -141,7 +141,7 @@ fn entries_computed_by_hand() {
 }
 
 #[test]
-fn the_mended_mass_matrix_is_symmetric_and_the_printed_one_is_not() {
+fn the_corrected_mass_matrix_is_symmetric_and_the_printed_one_is_not() {
     let x = random_parameters(1);
     let named: Vec<Vec<usize>> = reference()["asymmetric_as_printed"].as_array().unwrap().iter().map(numbers).collect();
     assert_eq!(named, [[1, 2], [1, 3], [2, 3], [3, 5], [3, 6]]);

@@ -9,12 +9,12 @@ pub(crate) const JOINTS: usize = 6;
 /// Acceleration of gravity in m/s^2; the paper gives no value.
 pub(crate) const GRAVITY: f64 = 9.81;
 
-/// How far misprints are mended.
+/// How far misprints are corrected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Variant {
     /// Letter by letter; only what cannot be computed otherwise is settled. The mass matrix is not symmetric.
     AsPrinted,
-    /// Slips of index, bracket and sign mended by comparing the rows, so that the mass matrix is symmetric and all sine
+    /// Slips of index, bracket and sign corrected by comparing the rows, so that the mass matrix is symmetric and all sine
     /// terms are of one form. Energy is still not conserved: the sine terms are those of d/dt dT/dtheta' alone.
     Consistent,
     /// As [`Variant::Consistent`], with dT/dtheta subtracted: the sine terms become B_ij sin(theta_i - theta_j)

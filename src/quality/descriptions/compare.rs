@@ -33,7 +33,7 @@ pub struct Comparison {
     pub least_of_logs: f64,
 }
 
-/// Compares what `reference` leaves with what `candidate` leaves. `log` is the log of every block.
+/// Compares the residuals of `reference` with those of `candidate`. `log` is the log of every block.
 pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) -> Option<Comparison> {
     let channels = reference.held_out.len();
     let mut each = vec![Vec::new(); channels];

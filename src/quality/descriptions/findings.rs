@@ -1,9 +1,9 @@
-//! What is said of a wrong description.
+//! Findings on a wrong description.
 
 use super::super::{Finding, Kind, Severity};
 use super::{Alternative, Change, Verdict};
 
-/// Alternatives that are named; more say only that the logs do not decide.
+/// Alternatives that are named; more mean only that the logs do not decide.
 const NAMED: usize = 4;
 
 /// A change in words; `joints` are the names.
@@ -93,7 +93,7 @@ pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                 (Change::TorqueScale(factor), _) => format!("{own}: {}; {gain}", origin(factor, &verdict.factors)),
                 (_, true) => format!("{own}{also}: {gain}{next}"),
                 (_, false) => format!(
-                    "one of these, which the logs cannot tell apart: {own}{also}; or {}: {gain}{next}",
+                    "one of these, which the logs do not separate: {own}{also}; or {}: {gain}{next}",
                     rivals.join("; or ")
                 ),
             };

@@ -18,13 +18,13 @@ const RIDGE: f64 = 1e-6;
 /// A joint takes part where it has this many rows per column.
 const ROWS_PER_COLUMN: usize = 2;
 
-/// Fewer rows of a block say nothing of it.
+/// Fewer rows do not judge a block.
 const ROWS_PER_BLOCK: usize = 4;
 
 /// Passes in which the weight of each joint follows its residual.
 const PASSES: usize = 2;
 
-/// What a description leaves of the torques.
+/// Residuals of the torques under a description.
 pub struct Evaluation {
     /// Logarithm of the held-out mean square, floor included, `[torque channel][block]`; none where a block has no rows.
     pub held_out: Vec<Vec<Option<f64>>>,
@@ -87,7 +87,7 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Sum over the joints of the logarithm of the mean square that a fit of all rows leaves: a quick order of merit.
+    /// Sum over the joints of the logarithm of the mean squared residual of a fit of all rows: a quick order of merit.
     pub fn merit(&self) -> Option<f64> {
         let (_, residuals) = self.weighted()?;
         let each = self.joints.iter().zip(residuals);
@@ -121,7 +121,7 @@ impl<'a> Fit<'a> {
         Some(out)
     }
 
-    /// Shares of every torque that takes part, root mean square: what a fit of all rows leaves, and what its friction is.
+    /// Shares of every torque that takes part, root mean square: the residual of a fit of all rows, and its friction.
     pub fn residual_and_friction(&self) -> Option<Vec<[f64; 2]>> {
         let (weights, _) = self.weighted()?;
         let solution = self.solve(&weights, &|_| true)?;
@@ -141,7 +141,7 @@ impl<'a> Fit<'a> {
         Some(self.joints.iter().map(of).collect())
     }
 
-    /// Weights of the joints, and the mean square that the fit with them leaves of each.
+    /// Weights of the joints, and the mean squared residual of each with them.
     fn weighted(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let own: Vec<f64> = self.joints.iter().map(Equations::own_residual).collect::<Option<_>>()?;
         let mut residuals = own.clone();
@@ -185,7 +185,7 @@ impl Equations<'_> {
         (self.squares[block] - 2.0 * own.dot(&self.right[block]) + own.dot(&(gram * &own))).max(0.0)
     }
 
-    /// Mean square that a fit of this joint by itself leaves.
+    /// Mean squared residual of a fit of this joint by itself.
     fn own_residual(&self) -> Option<f64> {
         let width = self.table.parameters.len();
         let gram = self.table.gram.iter().fold(DMatrix::zeros(width, width), |sum: DMatrix<f64>, gram| sum + gram);

@@ -6,13 +6,13 @@
 //! | what can be wrong, and what it makes of the signals | `change` |
 //! | which rows are compared | `rows` |
 //! | what is known of the arm | `physics` |
-//! | what a description leaves | `fit` |
-//! | whether one leaves clearly less than another | `compare` |
+//! | residuals under a description | `fit` |
+//! | whether one is clearly better than another | `compare` |
 //! | which set of changes is the smallest | `search` |
 //! | which way friction acts, without a model | `jumps` |
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
-//! | what is said | `findings` |
+//! | texts | `findings` |
 
 mod change;
 mod compare;
@@ -38,7 +38,7 @@ use rows::Rows;
 use search::{Found, Outcome, Tried, search};
 
 /// A log by itself allows to go on with a changed description where it lasts so long, s; a shorter one needs a second log:
-/// one short motion is one observation, whatever its blocks say.
+/// one short motion is one observation, whatever its blocks show.
 const LONG_ENOUGH_S: f64 = 30.0;
 
 /// A set of changes with the share of the torque that stays unexplained under it, held out.

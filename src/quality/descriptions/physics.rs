@@ -60,7 +60,7 @@ pub struct Tables {
 impl Physics {
     /// The geometry of an arm, with base parameters that serve any direction of gravity.
     pub fn free(robot: &Robot) -> Physics {
-        // No direction of this vector is special, so that what no gravity can tell apart is merged and nothing else.
+        // No direction of this vector is special, so that what no gravity can separate is merged and nothing else.
         let gravity = Vector3::new(4.1, -5.3, 7.2);
         Physics::Free(Box::new(Model::new(&Robot { gravity, ..robot.clone() })))
     }

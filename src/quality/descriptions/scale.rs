@@ -4,10 +4,10 @@ use super::physics::{JointTable, Tables};
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 
-/// The bodies' torque counts where a joint's fit leaves less than this of its torque ..
+/// The bodies' torque counts where the residual of a joint's fit is less than this of its torque ..
 pub const ALIKE: f64 = 0.35;
 
-/// .. and the fit without it leaves this many times more.
+/// .. and that of the fit without it is this many times more.
 const NEEDED: f64 = 2.0;
 
 /// Masses of a URDF are wrong by less than this factor, unless they are placeholders, whose torque is not alike.

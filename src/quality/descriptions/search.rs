@@ -30,10 +30,10 @@ const PROMISING: f64 = 0.3;
 const EXPLAINED: f64 = 0.2;
 const EXPLAINED_ALONE: f64 = 0.5;
 
-/// Where every torque leaves less than this, nothing is wrong with the description.
+/// Where the residual share of every torque is below this, nothing is wrong with the description.
 const CLEAN: f64 = 0.04;
 
-/// A description with what it leaves.
+/// A description with its residuals.
 pub struct Tried {
     /// The description.
     pub description: Description,

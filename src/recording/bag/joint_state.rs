@@ -1,6 +1,6 @@
 //! sensor_msgs/JointState in CDR, the encoding in which ROS 2 sends its messages.
 //!
-//! Four bytes tell the byte order; alignment counts from behind them. A sequence is its length and then its elements; an
+//! Four bytes give the byte order; alignment counts from behind them. A sequence is its length and then its elements; an
 //! empty one takes no padding. (OMG, Common Data Representation, version 1: DDSI-RTPS, section 10.)
 
 /// A message as it was sent.
@@ -83,12 +83,12 @@ impl JointState {
     }
 }
 
-/// Fills up to a multiple of `size`, counted from behind the four bytes that tell the byte order.
+/// Fills up to a multiple of `size`, counted from behind the four bytes that give the byte order.
 fn align(bytes: &mut Vec<u8>, size: usize) {
     bytes.resize(4 + (bytes.len() - 4).next_multiple_of(size), 0);
 }
 
-/// Walks through the bytes behind the four that tell the byte order.
+/// Walks through the bytes behind the four that give the byte order.
 struct Reader<'a> {
     body: &'a [u8],
     at: usize,

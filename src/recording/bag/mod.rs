@@ -205,7 +205,7 @@ impl Groups {
         rivals.sort_unstable();
         rivals.dedup();
         if rivals.len() > 1 {
-            let problem = format!("{} tell of the joints; choose one in a dataset: [columns] topic", rivals.join(", "));
+            let problem = format!("{} hold joint states; choose one in a dataset: [columns] topic", rivals.join(", "));
             return Err(Error::input(path, None, "topic", problem));
         }
         let chosen = first.topic.clone();

@@ -53,7 +53,7 @@ pub struct Contents {
 /// Reads an MCAP file; what comes before a damage is kept.
 pub fn mcap(path: &Path, hear: &mut Hear) -> Result<Contents> {
     let size = std::fs::metadata(path).map_or(0, |about| about.len()) as usize;
-    // Checksums are looked at before a chunk is believed; a record that claims to be far longer than the file is damaged.
+    // Checksums are verified before a chunk is used; a record that claims to be far longer than the file is damaged.
     let options = LinearReaderOptions::default()
         .with_prevalidate_chunk_crcs(true)
         .with_validate_data_section_crc(true)

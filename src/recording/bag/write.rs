@@ -16,7 +16,7 @@ use std::path::Path;
 /// The type of the messages.
 const TYPE: &str = "sensor_msgs/msg/JointState";
 
-/// Topic of a recording that does not tell its own.
+/// Topic of a recording that has none.
 const TOPIC: &str = "/joint_states";
 
 /// The definition of the type, which a reader without ROS needs.

@@ -3,7 +3,7 @@
 use super::{ABSENT, Layout};
 
 impl Layout {
-    /// Leaves out columns of velocity or acceleration; `why` says what is wrong with them.
+    /// Leaves out columns of velocity or acceleration; `why` is what is wrong with them.
     pub fn leave_out_derivatives(&mut self, columns: &[usize], why: &str) {
         for (name, table) in [("velocity", &mut self.qd), ("acceleration", &mut self.qdd)] {
             let Some(own) = table else { continue };

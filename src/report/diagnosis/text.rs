@@ -14,7 +14,7 @@ const MENTIONED: usize = 4;
 /// Faults of the data that are listed one by one.
 const FAULTS: usize = 6;
 
-/// A chance that is not told more exactly.
+/// Smallest p-value that is printed with its size.
 const SURE: f64 = 1e-12;
 
 /// The answer in a few lines.
@@ -32,7 +32,7 @@ pub(crate) fn lines(
     }
     lines.extend(diagnosis.logs.passband.map(|low_pass| {
         format!(
-            "The torque went through a low-pass of {:.2} Hz before it was logged; the model is seen through the same.",
+            "The torque passed a low-pass of {:.2} Hz before it was logged; the model passes the same.",
             low_pass.hz
         )
     }));
@@ -41,27 +41,27 @@ pub(crate) fn lines(
     lines.extend(notes.map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
-        lines.push(format!("There before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
+        lines.push(format!("Present before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
     }
-    let told = findings(robot, diagnosis);
-    let ahead = told.len() - diagnosis.found.len();
-    lines.extend(told[..ahead].iter().map(|finding| format!("- {}", finding.explanation)));
-    for (found, told) in diagnosis.found.iter().zip(&told[ahead..]) {
+    let all = findings(robot, diagnosis);
+    let ahead = all.len() - diagnosis.found.len();
+    lines.extend(all[..ahead].iter().map(|finding| format!("- {}", finding.explanation)));
+    for (found, finding) in diagnosis.found.iter().zip(&all[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
-        let change = if told.parameters.is_empty() { String::new() } else { values(&told.parameters) };
+        let change = if finding.parameters.is_empty() { String::new() } else { values(&finding.parameters) };
         let verb = if diagnosis.scope.against_reference { "Changed by" } else { "Add to the model:" };
-        let open = if told.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
-        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", told.explanation));
+        let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
+        lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
     }
     lines.extend(smaller(robot, diagnosis));
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
         let why = match left.structure == LOGS_DISAGREE {
-            true => ": these do not go with the training logs".to_owned(),
-            false => format!(", and {} does so", none(diagnosis)),
+            true => ": these do not agree with the training logs".to_owned(),
+            false => format!(", and {} explains it", none(diagnosis)),
         };
-        lines.push(format!("- {joint}: {percent:.0} % of what is left {}{why}", left.structure));
+        lines.push(format!("- {joint}: {percent:.0} % of the residual {}{why}", left.structure));
     }
     lines.extend(where_it_lives(robot, diagnosis));
     lines.push(String::new());
@@ -70,7 +70,7 @@ pub(crate) fn lines(
     lines.extend(followed(robot, diagnosis));
     if !diagnosis.found.is_empty() {
         let closed = percent(diagnosis.errors.gap_closed);
-        let mut line = format!("What was found closes {closed} of the gap to the noise");
+        let mut line = format!("The findings close {closed} of the gap to the noise");
         if let Some(run) = resimulation {
             line += &format!("; simulated in {}, {}", run.engine.name(), percent(run.gap_closed));
         }
@@ -81,9 +81,9 @@ pub(crate) fn lines(
     lines.join("\n")
 }
 
-/// What is said when faults of the data forbid an answer.
+/// The lines where faults of the data forbid an answer.
 pub(crate) fn stopped_lines(faults: &[DataFault]) -> String {
-    let mut lines = vec!["The logs cannot be diagnosed: a cause named from them would be wrong.".to_owned()];
+    let mut lines = vec!["The logs cannot be diagnosed: any effect named from them would be wrong.".to_owned()];
     lines.extend(fault_lines(faults));
     lines.push(format!("Next: {}.", remedy(faults)));
     lines.join("\n")
@@ -105,8 +105,8 @@ fn headline(diagnosis: &Diagnosis) -> String {
     let answer = match diagnosis.verdict {
         Verdict::Named if changed => "something changed, and the logs name it",
         Verdict::Named => "the logs name what the model misses",
-        Verdict::OneOf if changed => "something changed, and the logs leave a choice of what",
-        Verdict::OneOf => "the logs leave a choice of what the model misses",
+        Verdict::OneOf if changed => "something changed, and several effects explain it",
+        Verdict::OneOf => "several effects explain what the model misses",
         Verdict::Unexplained if changed => &unexplained[0],
         Verdict::Unexplained => &unexplained[1],
         Verdict::None if changed => "nothing changed beyond the noise",
@@ -148,10 +148,10 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
     }
     if found.verdict == Verdict::Unexplained {
         let why = match predicts_worse(found, &diagnosis.errors.noise_floor) {
-            true => "it fits the training logs and not the held-out ones",
+            true => "it fits the training logs and not the held-out logs",
             false => "much stays unexplained there",
         };
-        names = format!("something like {names} ({why})");
+        names = format!("similar to {names} ({why})");
     }
     let chance =
         if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
@@ -204,23 +204,23 @@ pub(crate) fn largest(minor: &Minor) -> (usize, f64) {
 /// What shows a gear's play.
 pub(crate) fn impacts(play: &Play) -> String {
     format!(
-        "the torque jumps within milliseconds of {} of {} changes of sign of the gear's load, which averages over 20 ms do not show",
+        "the torque jumps within milliseconds of {} of {} changes of sign of the gear's load, which means over 20 ms do not show",
         play.impacts, play.changes
     )
 }
 
-/// What is told of the parameters: what practitioners call them where there are such, else the first few.
+/// The parameters that are printed: those with the names that practitioners use, else the first few.
 fn values(parameters: &[NamedParameter]) -> String {
     let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
-    let told = parameters[named..].iter().take(MENTIONED);
-    let each = told.map(|p| match p.std.is_finite() {
+    let shown = parameters[named..].iter().take(MENTIONED);
+    let each = shown.map(|p| match p.std.is_finite() {
         true => format!("{} {} +- {}", p.name, significant(p.value), with_unit(significant(p.std), p.unit)),
-        false => format!("{} not told by itself", p.name),
+        false => format!("{} not determined by itself", p.name),
     });
     each.collect::<Vec<String>>().join(", ")
 }
 
-/// Where the error of the arm as described lives, for the joint on which it is the largest share of the torque.
+/// What the error of the arm as described follows, for the joint on which it exceeds the noise most.
 fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let [described, left] = &diagnosis.errors.structure;
     let of = if diagnosis.verdict == Verdict::Unexplained { left } else { described };
@@ -229,7 +229,7 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let (variable, share) = of[joint].follows.most();
     let worst = of[joint].worst?;
     let who =
-        if diagnosis.verdict == Verdict::Unexplained { "what is left" } else { "the error of the arm as described" };
+        if diagnosis.verdict == Verdict::Unexplained { "the residual" } else { "the error of the arm as described" };
     Some(format!(
         "On {}, {who} follows {variable} most ({:.0} %) and is largest from {:.1} to {:.1} s of held-out log {}.",
         robot.joints[joint].name,
@@ -289,18 +289,18 @@ fn followed(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     (!rows.is_empty()).then(|| table(&[title.as_str(), "re-identified", "noise", "it follows"], rows) + "\n")
 }
 
-/// What would have been seen, where nothing was.
+/// Sizes of effects that would have been found, where none was.
 fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     if !diagnosis.found.is_empty() {
         return None;
     }
     let wanted = ["payload", "stribeck_friction", "backlash", "time_delay", "torque_gain"];
     let seen = diagnosis.not_found.iter().filter_map(|missed| Some((missed, missed.minimum_detectable?)));
-    let told: Vec<String> = seen
+    let shown: Vec<String> = seen
         .filter(|(missed, _)| wanted.contains(&missed.family.effect))
-        .scan(Vec::new(), |told: &mut Vec<&str>, (missed, size)| {
-            let new = !told.contains(&missed.family.effect);
-            told.push(missed.family.effect);
+        .scan(Vec::new(), |shown: &mut Vec<&str>, (missed, size)| {
+            let new = !shown.contains(&missed.family.effect);
+            shown.push(missed.family.effect);
             Some(new.then(|| {
                 format!("{} above {}", place(robot, missed.family), with_unit(significant(size), missed.unit))
             }))
@@ -308,7 +308,9 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         .flatten()
         .take(MENTIONED)
         .collect();
-    (!told.is_empty()).then(|| format!("It would have been seen: {} (diagnosis.json lists all).", told.join("; ")))
+    (!shown.is_empty()).then(|| {
+        format!("An effect of this size would have been found: {} (diagnosis.json lists all).", shown.join("; "))
+    })
 }
 
 /// A probability as a percentage.

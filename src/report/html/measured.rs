@@ -9,7 +9,7 @@ use crate::report::measured::Compared;
 use crate::report::svg::Color;
 use crate::robot::Robot;
 
-/// Share of a joint's torque that an error may be before it is told as one.
+/// Share of a joint's torque above which an error is reported.
 const NOTABLE: f64 = 0.1;
 
 /// The report of an identification from measured logs.
@@ -212,11 +212,11 @@ fn quality(logs: Logs, notes: &[String]) -> Section {
     let train = logs.train.iter().map(|log| row("training", log));
     let rows = train.chain(logs.test.iter().map(|log| row("held out", log))).collect();
     let table = Block::table(["log", "samples", "length", "rate"], rows);
-    let told = match notes {
+    let listed = match notes {
         [] => Block::text("Nothing suspicious was found in the logs."),
         notes => Block::List(notes.to_vec()),
     };
-    Section::new("Data quality", vec![table, told])
+    Section::new("Data quality", vec![table, listed])
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ pub(crate) fn page(
         tone: if wrong == 0 { Tone::Good } else { Tone::Warn },
         lead: vec![
             "Ogbemhe, Mpofu and Mokakabye, Robot dynamic model: Freudenstein-based optimal trajectory and parameter \
-             identification. Its 78-parameter model is fitted as printed and with the misprints mended, beside a spatial \
+             identification. Its 78-parameter model is fitted as printed and with the misprints corrected, next to a spatial \
              model of the same arm."
                 .to_owned(),
         ],

@@ -38,8 +38,8 @@ pub(crate) fn page(setup: &Setup, runs: &Runs, found: Found, provenance: Provena
     let best = found.scored.iter().find(|one| one.variant == Variant::SavitzkyGolay).unwrap_or(&found.scored[0]);
     let (good, verdict) = console::verdict(setup, best);
     let (joints, contenders) = rows(setup, runs, found.model, best)?;
-    let believed = joints.iter().map(|joint| rms(&valid(joint, 0))).zip(&joints).map(|(rms, joint)| rms / joint.noise);
-    let worst = believed.fold(0.0, f64::max);
+    let nominal = joints.iter().map(|joint| rms(&valid(joint, 0))).zip(&joints).map(|(rms, joint)| rms / joint.noise);
+    let worst = nominal.fold(0.0, f64::max);
     let limits = console::at_effort_limit(setup, found.limited);
     let mut sections = vec![scores(setup, found, best, &joints)];
     sections.extend(evidence::sections(&joints, &contenders, ROW_S));
@@ -83,8 +83,8 @@ fn valid(joint: &Joint, contender: usize) -> Vec<f64> {
 fn rows(setup: &Setup, runs: &Runs, model: &Model, best: &Scored) -> Result<(Vec<Joint>, Vec<Contender>)> {
     let run = &runs.held_out;
     let seen = best.seen(setup, run)?;
-    let believed = model.base().values(&Model::standard_values(&setup.nominal));
-    let models = [seen.predict(model, &believed), seen.predict(model, &best.estimate.beta)];
+    let nominal = model.base().values(&Model::standard_values(&setup.nominal));
+    let models = [seen.predict(model, &nominal), seen.predict(model, &best.estimate.beta)];
     let block = ((ROW_S * setup.scenario.sensors.rate_hz).round() as usize).max(1);
     let means = |signal: &[f64]| block_means(signal, block);
     let mut joints = Vec::new();

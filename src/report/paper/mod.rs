@@ -1,4 +1,4 @@
-//! What the study of the paper tells: its tables and figures done again, and a verdict.
+//! Results of the study of the paper: its tables and figures reproduced, and a verdict.
 
 pub(crate) mod figures;
 pub(crate) mod results;

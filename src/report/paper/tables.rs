@@ -1,4 +1,4 @@
-//! `tables.md`: Tables 1 to 3 in the paper's layout, ours beside the printed values, and what the study adds to them.
+//! `tables.md`: Tables 1 to 3 in the paper's layout, ours next to the printed values, and additions of this study.
 
 use super::verdict::sums;
 use super::{Verdict, planar, ratios, spatial};
@@ -81,7 +81,7 @@ pub(super) fn theta(row: &DenavitHartenberg) -> String {
 }
 
 fn table_2(study: &PaperStudy) -> String {
-    let [printed, mended] = [equations::Variant::AsPrinted, equations::Variant::Consistent]
+    let [printed, corrected] = [equations::Variant::AsPrinted, equations::Variant::Consistent]
         .map(|variant| &planar(study, variant, Variant::SavitzkyGolay).fit.parameters);
     let per_column = PARAMETER_COUNT.div_ceil(PAIRS);
     let rows: Vec<Vec<String>> = (0..per_column)
@@ -93,22 +93,22 @@ fn table_2(study: &PaperStudy) -> String {
                     [
                         format!("{} ({})", parameter.symbol, parameter.unit),
                         significant(printed[k]),
-                        significant(mended[k]),
+                        significant(corrected[k]),
                         PRINTED_TABLE_2[k].map_or("-".to_owned(), printed_value),
                     ]
                 })
                 .collect()
         })
         .collect();
-    let header = ["Parameter", "as printed", "mended", "paper"].repeat(PAIRS);
+    let header = ["Parameter", "as printed", "corrected", "paper"].repeat(PAIRS);
     let model =
         |variant| study.planar.iter().find(|model| model.variant == variant).expect("the study has every variant");
     format!(
         "## Table 2. The estimated dynamic parameters\n\nWith Savitzky-Golay smoothing. *as printed*: equations (4)-(9) to \
-         the letter; *mended*: misprints removed; *paper*: the values in print (X29..X42 are lost in the available text). \
+         the letter; *corrected*: misprints removed; *paper*: the values in print (X29..X42 are lost in the available text). \
          Units are those that make the equations give N m.\n\n{}\nThe fits start at X = 0, and every step of (12) stays \
          in the space that the torques show, so these are the shortest X of all that fit equally well (share outside: \
-         {} as printed, {} mended). X that only occur in sums get equal shares of the sum: {}.\n",
+         {} as printed, {} corrected). X that only occur in sums get equal shares of the sum: {}.\n",
         table(&header, &rows),
         significant(model(equations::Variant::AsPrinted).fits[1].unseen_share),
         significant(model(equations::Variant::Consistent).fits[1].unseen_share),
@@ -156,7 +156,7 @@ fn table_3(setup: &Setup, study: &PaperStudy) -> String {
     let held_out: Vec<String> = held_out.into_iter().map(|ratio| format!("{ratio:.3}")).collect();
     format!(
         "## Table 3. The standard deviation of the estimated torque\n\nOurs in N m: predicted minus noise-free torque on \
-         the training motion, over the samples at which the joint moves; *78* is the mended 78-parameter model by \
+         the training motion, over the samples at which the joint moves; *78* is the corrected 78-parameter model by \
          nonlinear least squares (NLS). The paper prints no unit.\n\n{}\nHeld out, the ratios of the spatial model are {}. \
          How much smoothing gains depends on how noisy the differences of the encoder signals are.\n",
         table(&header, &rows),
@@ -170,7 +170,7 @@ fn residuals(setup: &Setup, study: &PaperStudy) -> String {
         .map(|variant| {
             let name = match variant {
                 equations::Variant::AsPrinted => "78 as printed",
-                equations::Variant::Consistent => "78 mended",
+                equations::Variant::Consistent => "78 corrected",
                 equations::Variant::EulerLagrange => "78 Euler-Lagrange",
             };
             (name, &planar(study, variant, Variant::SavitzkyGolay).quality)
@@ -204,7 +204,7 @@ fn residuals(setup: &Setup, study: &PaperStudy) -> String {
     };
     format!(
         "## What the 78-parameter model cannot do\n\nTorque residual, rms in N m and in % of the torque's rms, with smoothing, \
-         beside the spatial model with its {} base parameters on the same logs.\n\nTraining motion:\n\n{}\nHeld-out \
+         next to the spatial model with its {} base parameters on the same logs.\n\nTraining motion:\n\n{}\nHeld-out \
          motion:\n\n{}\n{}\n",
         study.model.base().len(),
         part(&|quality| &quality.training),
@@ -244,7 +244,7 @@ fn identifiability(study: &PaperStudy) -> String {
     let header =
         ["Start", "first lambda", "steps", "change of chi2 (relative)", "largest change of an X", "of a torque (N m)"];
     format!(
-        "## Rank of the 78-parameter regressor\n\n{ranks}\nThe mended fit of Table 2, from other starts (lambda in units \
+        "## Rank of the 78-parameter regressor\n\n{ranks}\nThe corrected fit of Table 2, from other starts (lambda in units \
          of the largest entry of diag(J'WJ)). The predictions do not depend on the start, X does:\n\n{}",
         table(&header, &rows)
     )

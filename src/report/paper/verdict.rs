@@ -17,7 +17,7 @@ pub(crate) const PLANAR_CHAIN: &str = "(4)-(9) are the equations of a planar cha
     alone. The arm is spatial: joint 1 turns about the vertical, where gravity does no work, yet (4) gives it g \
     cos(theta1); gravity on joint 3 depends on theta2 + theta3 and on the wrist; the inertia about joint 1 changes with \
     the reach of the arm, yet (4) has a constant; and joints whose axes cross couple by products of sines and cosines \
-    that occur nowhere in (4)-(9). No values of X mend that.";
+    that occur nowhere in (4)-(9). No values of X correct that.";
 
 /// Findings, one sentence or a few each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,10 +55,10 @@ impl Verdict {
         let header = [
             "torque residual, rms in % of the torque",
             "78 as printed",
-            "78 mended",
+            "78 corrected",
             "spatial",
             "held-out: 78 as printed",
-            "78 mended",
+            "78 corrected",
             "spatial",
         ];
         let rows = setup.plant.joint_names().into_iter().enumerate().map(|(joint, name)| {
@@ -135,23 +135,23 @@ fn solver(study: &PaperStudy) -> (bool, String) {
 fn not_identifiable(study: &PaperStudy) -> String {
     let model =
         |variant| study.planar.iter().find(|model| model.variant == variant).expect("the study has every variant");
-    let (printed, mended) = (model(equations::Variant::AsPrinted), model(equations::Variant::Consistent));
+    let (printed, corrected) = (model(equations::Variant::AsPrinted), model(equations::Variant::Consistent));
     let other = study.other_starts.iter().fold((0.0f64, 0.0f64), |(x, torque), start| {
         (x.max(start.largest_x_change), torque.max(start.largest_torque_change_nm))
     });
     format!(
         "{PARAMETER_COUNT} parameters are not identifiable. The torques show {} combinations of them as printed and {} with \
-         the misprints mended, whatever the motion ({} and {} on this one). {} only ever occur in sums. From other \
+         the misprints corrected, whatever the motion ({} and {} on this one). {} only ever occur in sums. From other \
          starts the fit predicts the same torques to {:.0e} N m with single X that differ by up to {:.0}: Table 2 is one \
          choice out of a space of {} dimensions.",
         printed.structure.rank,
-        mended.structure.rank,
+        corrected.structure.rank,
         printed.rank_on_motion,
-        mended.rank_on_motion,
-        sums(&mended.structure.groups),
+        corrected.rank_on_motion,
+        sums(&corrected.structure.groups),
         other.1,
         other.0,
-        mended.structure.null_dimension
+        corrected.structure.null_dimension
     )
 }
 
@@ -159,22 +159,22 @@ fn single_move(study: &PaperStudy) -> String {
     let (single, sequence) = (&study.single_move, &study.sequence);
     format!(
         "One move per joint over a common time, as in print, shows {} of the {} base parameters of the spatial arm: the \
-         joints move in proportion, and parallel joints 2 and 3 cannot be told apart. The sequence of moves used here \
-         shows {}. Taken literally, (17) asks the move to end where it starts, which leaves h = 0.",
+         joints move in proportion, and parallel joints 2 and 3 cannot be separated. The sequence of moves used here \
+         shows {}. Taken literally, (17) asks the move to end where it starts, which gives h = 0.",
         single.rank, single.of, sequence.rank
     )
 }
 
 fn planar_chain(study: &PaperStudy) -> String {
-    let mended = &planar(study, equations::Variant::Consistent, Variant::SavitzkyGolay).quality;
+    let corrected = &planar(study, equations::Variant::Consistent, Variant::SavitzkyGolay).quality;
     let arm = &spatial(study, Variant::SavitzkyGolay).quality;
     let percent = |values: &[f64]| values[..3].iter().map(|value| significant(*value)).collect::<Vec<_>>().join(", ");
     format!(
         "The best fit of the 78 parameters leaves {} % of the torque of joints 1 to 3 unexplained ({} % on the held-out \
          motion), {} % when joint 3 is read in absolute angles; the spatial model leaves {} % ({} %) on the same logs. \
          {PLANAR_CHAIN}",
-        percent(&mended.training.residual_percent),
-        percent(&mended.held_out.residual_percent),
+        percent(&corrected.training.residual_percent),
+        percent(&corrected.held_out.residual_percent),
         percent(&study.absolute_angles.training.residual_percent),
         percent(&arm.training.residual_percent),
         percent(&arm.held_out.residual_percent)

@@ -33,7 +33,7 @@ pub(crate) const STYLE: &str = "\
 .ts-figure .c3{stroke:#3fcf9f}.ts-figure .c4{stroke:#dd9ad4}.ts-figure .c5{stroke:#66717d}}
 ";
 
-/// Colours of lines; they are told apart in light and dark and by readers who see few colours.
+/// Colours of lines; they are distinct in light and dark and for readers who see few colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Color {
     /// That of the text.

@@ -93,7 +93,7 @@ fn log_shape(stream: &RecordingStream, path: &str, visual: &Visual, ghost: bool)
         ),
         Shape::Mesh { path: file, .. } => {
             let asset = rerun::Asset3D::from_file_path(file);
-            // The file was there a moment ago; what is left then is an arm without this shape.
+            // The file was there a moment ago; without it the arm is drawn without this shape.
             asset.map_or(Ok(()), |asset| stream.log_static(path, &asset.with_albedo_factor(color.0)))
         }
     }

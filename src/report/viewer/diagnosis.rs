@@ -1,4 +1,4 @@
-//! The film of a diagnosis: the held-out logs, with what each model leaves of them and where the findings act.
+//! The film of a diagnosis: the held-out logs with the residual of each model and the places of the findings.
 
 use super::{Film, Look, Marker, Quantity, Track, joined, joined_time, offsets};
 use crate::channels::Channels;
@@ -11,13 +11,13 @@ use crate::robot::Robot;
 const MARKS: usize = 5;
 const APART_S: f64 = 1.0;
 
-/// The film of a diagnosis of the held-out `logs`; `told` is the answer in lines, `simulated` are the positions of the same motions in a simulation of
+/// The film of a diagnosis of the held-out `logs`; `answer` is the answer in lines, `simulated` are the positions of the same motions in a simulation of
 /// the extended model, where there is one.
 pub fn film<'a>(
     robot: &'a Robot,
     logs: &[&Recording],
     diagnosis: &Diagnosis,
-    told: &str,
+    answer: &str,
     simulated: Option<&[Channels]>,
 ) -> Film<'a> {
     let offsets = offsets(logs.iter().map(|log| [log.time[0], log.time[log.samples() - 1]]));
@@ -58,7 +58,7 @@ pub fn film<'a>(
     let mut film = Film {
         title: format!("diagnosis of {}", robot.name),
         robot,
-        text: text(robot, told, simulated.is_some()),
+        text: text(robot, answer, simulated.is_some()),
         tracks,
         signals: Vec::new(),
         markers: markers(robot, diagnosis, &row_time, &rows, &offsets, logs),
@@ -150,9 +150,9 @@ fn strongest(
     chosen
 }
 
-fn text(robot: &Robot, told: &str, simulated: bool) -> String {
-    // The table of residuals is too wide here, and drawn beside.
-    let parts = told.split("\n\n").filter(|part| !part.starts_with(" held-out rms"));
+fn text(robot: &Robot, answer: &str, simulated: bool) -> String {
+    // The table of residuals is too wide here; the plots show it.
+    let parts = answer.split("\n\n").filter(|part| !part.starts_with(" held-out rms"));
     let lines = parts.map(|part| part.lines().map(str::trim_start).collect::<Vec<_>>().join("\n\n"));
     format!(
         "# {}\n\n{}\n\nResiduals: arm as described grey, re-identified blue, with the findings orange, noise floor purple. \

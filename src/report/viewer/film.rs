@@ -87,11 +87,11 @@ impl Quantity {
 /// How a line looks: one look for one meaning, in all plots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
-    /// What the sensors say.
+    /// Sensor signals.
     Measured,
-    /// What a model without the findings, or the simulation, says.
+    /// Prediction of a model without the findings, or of the simulation.
     Simulated,
-    /// What the model with the findings, or the identified model, says.
+    /// Prediction of the model with the findings, or of the identified model.
     Extended,
     /// What was asked for.
     Reference,

@@ -12,7 +12,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{Background, EyeContro
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
-/// Plots beside each other in a tab.
+/// Plots next to each other in a tab.
 const COLUMNS: u32 = 2;
 
 /// Behind the arm.

@@ -1,5 +1,5 @@
 //! `recording.rrd`: a run as the rerun viewer shows it. The arm moves, its signals are plotted, findings are marked in
-//! time, and the verdict stands beside it.
+//! time, and the verdict stands next to it.
 //!
 //! What there is to show is a [`Film`], made by [`scenario`], [`fit`] or [`diagnosis`]; the feature `viewer` writes it.
 //! Several logs follow each other on the one timeline `time` (s), [`PAUSE_S`] apart; the first keeps its own times.

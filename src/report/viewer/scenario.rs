@@ -66,13 +66,13 @@ pub fn film<'a>(setup: &'a Setup, runs: &Runs, identified: Option<(&Model, &Scor
             values.into_iter().zip(seen[k].moving(j)).map(|(value, ok)| if ok { value } else { f64::NAN }).collect()
         };
         let found = seen.each_ref().map(|seen| seen.predict(model, &scored.estimate.beta));
-        let believed = model.base().values(&Model::standard_values(&setup.nominal));
-        let believed = seen.each_ref().map(|seen| seen.predict(model, &believed));
+        let nominal = model.base().values(&Model::standard_values(&setup.nominal));
+        let nominal = seen.each_ref().map(|seen| seen.predict(model, &nominal));
         film.add(Quantity::Torque, "identified", Look::Extended, |j| {
             (time.clone(), all(&|k| moving(k, j, found[k].channel(j).to_vec())))
         });
         film.add(Quantity::Residual, "controller model", Look::Simulated, |j| {
-            (time.clone(), all(&|k| moving(k, j, less(k, j, believed[k].channel(j)))))
+            (time.clone(), all(&|k| moving(k, j, less(k, j, nominal[k].channel(j)))))
         });
         film.add(Quantity::Residual, "identified", Look::Extended, |j| {
             (time.clone(), all(&|k| moving(k, j, less(k, j, found[k].channel(j)))))

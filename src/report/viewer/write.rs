@@ -56,7 +56,7 @@ fn log_signal(stream: &RecordingStream, path: &str, signal: &Signal) -> Recordin
     stream.send_columns(path, [time], values)
 }
 
-/// Colour and width of a line; the colours are told apart by readers who see few colours.
+/// Colour and width of a line; the colours are distinct for readers who see few colours.
 fn stroke(look: Look) -> ([u8; 3], f32) {
     match look {
         Look::Measured => ([163, 173, 184], 1.0),

@@ -70,7 +70,7 @@ pub struct Case {
     pub severity: f64,
     /// Correlation time of the torque noise, s.
     pub correlation_s: f64,
-    /// What is believed of the arm.
+    /// Whether the inertias are estimated or taken from the URDF.
     pub trust: Trust,
     /// The arm.
     pub arm: ArmKind,
@@ -126,7 +126,7 @@ pub fn draw(setup: &Setup, seed: u64, severity: f64, correlation_s: f64, trust: 
     Case { class: Class::Asked, hidden, severity, correlation_s, trust, ..Case::plain(seed) }
 }
 
-/// Effects of the library that can be told from the baseline under `trust`.
+/// Effects of the library that are separable from the baseline under `trust`.
 pub(crate) fn visible(trust: Trust) -> Vec<&'static dyn Effect> {
     LIBRARY.iter().copied().filter(|effect| is_candidate(*effect, trust, &[])).collect()
 }

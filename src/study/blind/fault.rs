@@ -9,7 +9,7 @@ use rand::RngExt;
 /// Share of the largest torque at which it is clipped.
 const CLIPPED_AT: f64 = 0.6;
 
-/// Length of a gap and of a frozen stretch, s.
+/// Length of a gap and of a frozen interval, s.
 const GAP_S: f64 = 0.6;
 const FROZEN_S: f64 = 0.4;
 

@@ -61,7 +61,7 @@ pub struct Judgement {
     pub outcome: Outcome,
     /// Of every hidden effect.
     pub each: Vec<Outcome>,
-    /// Firm names of what was not hidden, beside the right ones or instead of them.
+    /// Named effects that were not hidden, with the right ones or in place of them.
     pub wrong: Vec<String>,
     /// Errors of the estimated parameters of hidden effects, in their standard deviations.
     pub errors: Vec<f64>,
@@ -119,9 +119,9 @@ fn weigh(hidden: &[Placed], found: &[Found]) -> (Vec<Outcome>, Vec<usize>, Vec<f
         let holds = |one: &Found| {
             one.member.candidate.family() == family || one.alternatives.iter().any(|other| other.family == family)
         };
-        let told =
+        let is_same =
             |(index, one): &(usize, &Found)| one.verdict != Verdict::Unexplained && !used.contains(index) && holds(one);
-        let Some((index, one)) = found.iter().enumerate().find(told) else {
+        let Some((index, one)) = found.iter().enumerate().find(is_same) else {
             each.push(Outcome::Missed);
             continue;
         };
@@ -143,7 +143,7 @@ fn weigh(hidden: &[Placed], found: &[Found]) -> (Vec<Outcome>, Vec<usize>, Vec<f
     (each, used, errors)
 }
 
-/// Outcome of a run from those of its hidden effects; `wrong` tells whether something else was named firmly.
+/// Outcome of a run from those of its hidden effects; `wrong` is whether something else was named.
 fn overall(each: &[Outcome], wrong: bool) -> Outcome {
     let held = each.iter().filter(|outcome| matches!(outcome, Outcome::Named | Outcome::OneOf)).count();
     let all = |wanted: Outcome| each.iter().all(|outcome| *outcome == wanted);

@@ -1,12 +1,12 @@
 //! How often what is hidden could be named at all: the power of a test that knows the noise, the law, its shape and its sign, and
 //! only not which of all effects and joints it is.
 //!
-//! A diagnosis knows none of these, so that no test which treats all effects and joints alike names more. What it names beside that
-//! tells what there is to gain by better statistics, and what only longer logs would bring.
+//! A diagnosis knows none of these, so that no test which treats all effects and joints alike names more. The difference shows what
+//! better statistics could gain, and what only longer logs would.
 
 use super::case::{Case, visible};
 use super::sizing::{references, session};
-use crate::diagnosis::{Column, Session, Side, Whitener, places};
+use crate::diagnosis::{Column, DataSet, Session, Whitener, places};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::excitation::Motion;
@@ -38,7 +38,7 @@ pub fn power(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
     Ok(in_noise(&session, &Whitener::of_known(rows, noises), &added, case))
 }
 
-/// The same for a test that has the positions as the encoders tell them in `logs`, smooth enough to serve the torque, and knows the noise that
+/// The same for a test that has the measured positions of `logs`, smooth enough to serve the torque, and knows the noise that
 /// is in the rows then; all that is `hidden` in the logs is known to it.
 ///
 /// # Errors
@@ -46,7 +46,7 @@ pub fn power(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
 pub fn power_as_measured(setup: &Setup, hidden: &[Placed], case: &Case, logs: &[Recording]) -> Result<Vec<f64>> {
     let model = Model::new(&setup.known);
     let session = session(setup, &model, logs, case)?;
-    let Side { rows, baseline, torque, .. } = &session.train;
+    let DataSet { rows, baseline, torque, .. } = &session.train;
     let added = session.arm.added(hidden, rows)?;
     let mut noise = torque.clone();
     added.iter().for_each(|added| noise.add(-1.0, added));

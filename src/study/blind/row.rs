@@ -25,7 +25,7 @@ pub(crate) struct Row {
     pub motion: MotionKind,
     /// Whether the logs are cut out of longer motions.
     pub cut: bool,
-    /// Whether the inertias of the description were believed.
+    /// Whether the inertias were taken from the description.
     pub inertias_believed: bool,
     /// Correlation time of the torque noise, s.
     pub correlation_s: f64,
@@ -55,7 +55,7 @@ pub(crate) struct Row {
     pub accounted_for: Option<f64>,
     /// How often the best of all tests would name each hidden effect.
     pub power: Vec<f64>,
-    /// The same with the positions as the encoders tell them.
+    /// The same with measured positions.
     #[serde(default)]
     pub power_as_measured: Vec<f64>,
     /// Time of the diagnosis, s.
@@ -84,7 +84,7 @@ pub(crate) struct Answer {
     pub names: Vec<String>,
     /// Parameters of the best.
     pub parameters: Vec<f64>,
-    /// Their standard deviations; None where the logs do not tell them.
+    /// Their standard deviations; None where the logs do not determine them.
     pub std: Vec<Option<f64>>,
     /// Probability of as good a best candidate without any effect.
     pub family_wise_p: Option<f64>,

@@ -67,7 +67,7 @@ pub(crate) struct ClassSummary {
     pub outcomes: BTreeMap<Outcome, usize>,
     /// Runs that came out as they should.
     pub right: Rate,
-    /// Runs with a firm name of something that was not hidden, beside the right one or instead of it.
+    /// Runs that name something that was not hidden, with the right effect or in place of it.
     pub wrong_names: Rate,
     /// Runs in which something is left unexplained.
     pub unexplained: Rate,
@@ -77,7 +77,7 @@ pub(crate) struct ClassSummary {
     pub gap_closed: Rate,
     /// Mean over what is hidden of how often the best of all tests would name it; None where nothing is hidden.
     pub power: Option<f64>,
-    /// The same with the positions as the encoders tell them.
+    /// The same with measured positions.
     pub power_as_measured: Option<f64>,
     /// Median time of a diagnosis, s.
     pub median_seconds: f64,
@@ -90,7 +90,7 @@ pub(crate) struct Confusion {
     pub class: Class,
     /// Name of the effect or fault that was hidden, or `nothing`.
     pub hidden: String,
-    /// Name that was answered firmly; `set of two` or `wide set` for a set that holds the hidden one, `another set` for one
+    /// Effect that was named; `set of two` or `wide set` for a set that holds the hidden one, `another set` for one
     /// that does not, `on another joint`, `unexplained`, `nothing`, `data fault`.
     pub answered: String,
     /// Runs, of all that hide the same.
@@ -186,7 +186,7 @@ fn confusion(rows: &[Row]) -> Vec<Confusion> {
     entries.collect()
 }
 
-/// What a run answers where it does not name what is hidden: its first firm name, or what there is in place of one.
+/// What a run answers where it does not name what is hidden: its first named effect, or what there is in place of one.
 fn answered(row: &Row, hidden: Option<&Hidden>) -> String {
     if let Some(wrong) = row.wrong.first() {
         let name = wrong.split(':').next().unwrap_or(wrong);

@@ -11,7 +11,7 @@ use crate::output::ResultFolder;
 use arrow::array::RecordBatch;
 use std::path::{Path, PathBuf};
 
-/// Makes the page that a study's results are told on.
+/// Makes the report page of a study.
 pub type Report<'a> = &'a dyn Fn(&Summary, &Timings) -> String;
 
 /// Where the rows of a chunk are.

@@ -1,4 +1,4 @@
-//! Monte Carlo studies: the same identification on many draws of noise and, where the scenario says so, of plants, motions
+//! Monte Carlo studies: the same identification on many draws of noise and, where the scenario asks for it, of plants, motions
 //! and starts.
 //!
 //! Every trial draws from random streams of its own, keyed by the seed and its index, so that a trial can be replayed alone

@@ -5,6 +5,7 @@ use crate::identification::estimators::{self, Estimator};
 use crate::random::fnv1a;
 use crate::scenario::{MonteCarloSpec, NoiseLevel, Setup};
 use crate::signal::{Edge, SavitzkyGolay};
+use crate::study::testbed::Variant;
 use serde::Serialize;
 
 /// Most chunks a study is cut into, and most trials in a chunk.
@@ -20,6 +21,8 @@ pub struct Overrides {
     pub estimators: Option<Vec<String>>,
     /// Savitzky-Golay windows, 0 for none.
     pub windows: Option<Vec<usize>>,
+    /// Smooth by common practice too, whether or not the scenario asks for it.
+    pub butterworth: bool,
     /// Noise levels.
     pub noise: Option<Vec<NoiseLevel>>,
 }
@@ -43,6 +46,7 @@ impl Plan {
         spec.trials = overrides.trials.unwrap_or(spec.trials);
         spec.estimators = overrides.estimators.unwrap_or(spec.estimators);
         spec.sg_windows = overrides.windows.unwrap_or(spec.sg_windows);
+        spec.butterworth |= overrides.butterworth;
         spec.noise = overrides.noise.unwrap_or(spec.noise);
         if spec.sg_windows.is_empty() {
             spec.sg_windows = vec![0, scenario.identification.fixed_window(scenario.sensors.rate_hz)];
@@ -75,9 +79,9 @@ impl Plan {
         self.spec.plant_error > 0.0 || self.spec.random_motion.is_some()
     }
 
-    /// Rows of one trial: noise levels x windows x estimators.
+    /// Rows of one trial: noise levels x smoothings x estimators.
     pub fn cells(&self) -> usize {
-        self.spec.noise.len() * self.spec.sg_windows.len() * self.estimators.len()
+        cells(&self.spec)
     }
 
     /// Trials in a chunk, the last one excepted: it depends on the number of trials alone, never on threads or shards.
@@ -97,7 +101,7 @@ impl Plan {
         (chunk * size) as u32..end as u32
     }
 
-    /// What tells this study from others: two folders whose identities agree hold trials of one study.
+    /// Identity of this study: two folders whose identities agree hold trials of one study.
     ///
     /// # Errors
     /// If a file the scenario refers to cannot be read any more.
@@ -119,7 +123,7 @@ impl Plan {
     }
 }
 
-/// Identity of a study, kept beside its trials as `study.json`.
+/// Identity of a study, kept with its trials as `study.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct Identity {
     /// Name of the scenario.
@@ -146,9 +150,22 @@ impl Identity {
 
     /// Rows of one trial.
     pub fn cells(&self) -> usize {
-        let spec = &self.montecarlo;
-        spec.noise.len() * spec.sg_windows.len() * spec.estimators.len()
+        cells(&self.montecarlo)
     }
+}
+
+/// How a study smooths, in the order of its rows: signals and Savitzky-Golay window, 0 where there is none.
+pub(super) fn smoothings(spec: &MonteCarloSpec) -> Vec<(Variant, u32)> {
+    let of_window = |&window: &usize| match window {
+        0 => (Variant::Raw, 0),
+        _ => (Variant::SavitzkyGolay, window as u32),
+    };
+    let usual = spec.butterworth.then_some((Variant::Butterworth, 0));
+    spec.sg_windows.iter().map(of_window).chain(usual).collect()
+}
+
+fn cells(spec: &MonteCarloSpec) -> usize {
+    spec.noise.len() * smoothings(spec).len() * spec.estimators.len()
 }
 
 fn require_distinct<T: PartialEq + std::fmt::Display>(what: &str, values: &[T]) -> Result<()> {

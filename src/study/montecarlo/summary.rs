@@ -1,8 +1,9 @@
-//! A study in numbers: bias, spread, coverage and quantiles by noise level, window and estimator.
+//! A study in numbers: bias, spread, coverage and quantiles by noise level, smoothing and estimator.
 
-use super::plan::Identity;
+use super::plan::{Identity, smoothings};
 use super::table::{float, text};
 use crate::error::Result;
+use crate::study::testbed::Variant;
 use arrow::array::{Array, RecordBatch};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -40,7 +41,7 @@ impl Quantiles {
     }
 }
 
-/// One estimator at one noise level with one window.
+/// One estimator at one noise level with one smoothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Index of the noise level.
@@ -49,7 +50,9 @@ pub struct Cell {
     pub encoder_rad: Option<f64>,
     /// Torque noise of the level, N m; None for the scenario's.
     pub torque_nm: Option<f64>,
-    /// Savitzky-Golay window in samples, 0 for none.
+    /// How the signals were smoothed: raw, Savitzky-Golay or Butterworth.
+    pub signals: Variant,
+    /// Savitzky-Golay window in samples, 0 where there is none.
     pub sg_window: u32,
     /// Name of the estimator.
     pub estimator: String,
@@ -77,14 +80,16 @@ pub struct Cell {
     pub biased: Option<f64>,
 }
 
-/// The window with the smallest median parameter error of an estimator at a noise level.
+/// The smoothing with the smallest median parameter error of an estimator at a noise level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BestWindow {
     /// Index of the noise level.
     pub noise_level: u32,
     /// Name of the estimator.
     pub estimator: String,
-    /// Savitzky-Golay window in samples, 0 for none.
+    /// How the signals were smoothed.
+    pub signals: Variant,
+    /// Savitzky-Golay window in samples, 0 where there is none.
     pub sg_window: u32,
     /// Its median d_beta.
     pub d_beta: f64,
@@ -105,9 +110,9 @@ pub struct Summary {
     pub joints: Vec<String>,
     /// Names of the base parameters.
     pub parameters: Vec<String>,
-    /// By noise level, window and estimator.
+    /// By noise level, smoothing and estimator.
     pub cells: Vec<Cell>,
-    /// By noise level and estimator, where more than one window was tried.
+    /// By noise level and estimator, where more than one smoothing was tried.
     pub best_windows: Vec<BestWindow>,
 }
 
@@ -178,21 +183,23 @@ impl Sums {
         let Identity { scenario, seed, montecarlo: spec, joints, parameters, .. } = self.identity;
         let mut cells = Vec::new();
         let mut sums = self.cells.into_iter();
+        let smoothings = smoothings(&spec);
         for (level, noise) in spec.noise.iter().enumerate() {
-            for &window in &spec.sg_windows {
+            for &(signals, sg_window) in &smoothings {
                 for (estimator, sums) in spec.estimators.iter().zip(&mut sums) {
                     cells.push(Cell {
                         noise_level: level as u32,
                         encoder_rad: noise.encoder_rad,
                         torque_nm: noise.torque_nm,
-                        sg_window: window as u32,
+                        signals,
+                        sg_window,
                         estimator: estimator.clone(),
                         ..sums.cell()
                     });
                 }
             }
         }
-        let best_windows = if spec.sg_windows.len() > 1 { best_windows(&cells) } else { Vec::new() };
+        let best_windows = if smoothings.len() > 1 { best_windows(&cells) } else { Vec::new() };
         let trials_of_study = spec.trials;
         Summary { scenario, seed, trials: self.trials, trials_of_study, joints, parameters, cells, best_windows }
     }
@@ -218,6 +225,7 @@ impl CellSums {
             noise_level: 0,
             encoder_rad: None,
             torque_nm: None,
+            signals: Variant::Raw,
             sg_window: 0,
             estimator: String::new(),
             found,
@@ -235,7 +243,7 @@ impl CellSums {
     }
 }
 
-/// The best window of each noise level and estimator, among those with which most trials gave an estimate.
+/// The best smoothing of each noise level and estimator, among those with which most trials gave an estimate.
 fn best_windows(cells: &[Cell]) -> Vec<BestWindow> {
     let mut best: Vec<BestWindow> = Vec::new();
     for cell in cells.iter().filter(|cell| cell.found > cell.failed) {
@@ -243,6 +251,7 @@ fn best_windows(cells: &[Cell]) -> Vec<BestWindow> {
         let candidate = BestWindow {
             noise_level: cell.noise_level,
             estimator: cell.estimator.clone(),
+            signals: cell.signals,
             sg_window: cell.sg_window,
             d_beta: d_beta.p50,
         };

@@ -4,6 +4,7 @@
 use super::plan::Identity;
 use super::trial::{Found, Row};
 use crate::error::{Error, Result};
+use crate::study::testbed::Variant;
 use arrow::array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray, UInt32Array};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -65,6 +66,7 @@ pub(super) fn timings(rows: &[Row]) -> Result<RecordBatch> {
 fn keys(rows: &[Row]) -> Vec<(String, ArrayRef)> {
     vec![
         ("trial".into(), Arc::new(UInt32Array::from_iter_values(rows.iter().map(|row| row.trial)))),
+        ("signals".into(), Arc::new(StringArray::from_iter_values(rows.iter().map(|row| row.signals.name())))),
         ("sg_window".into(), Arc::new(UInt32Array::from_iter_values(rows.iter().map(|row| row.window)))),
         ("estimator".into(), Arc::new(StringArray::from_iter_values(rows.iter().map(|row| row.estimator.as_str())))),
     ]
@@ -195,30 +197,50 @@ fn column<'a, T: Array + 'static>(path: &Path, batch: &'a RecordBatch, name: &st
     })
 }
 
-/// Mean times by window and estimator.
+/// Mean times by smoothing and estimator.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Timings {
-    sums: Vec<(u32, String, f64, usize)>,
+    sums: Vec<Timing>,
+}
+
+/// Times of one smoothing and estimator.
+#[derive(Debug, Clone, PartialEq)]
+struct Timing {
+    signals: String,
+    window: u32,
+    estimator: String,
+    sum: f64,
+    count: usize,
 }
 
 impl Timings {
     pub(super) fn add(&mut self, path: &Path, batch: &RecordBatch) -> Result<()> {
-        let windows = whole(path, batch, "sg_window")?;
+        let (signals, windows) = (text(path, batch, "signals")?, whole(path, batch, "sg_window")?);
         let estimators = text(path, batch, "estimator")?;
         let seconds = float(path, batch, "seconds")?;
         for row in 0..batch.num_rows() {
-            let (window, estimator, time) = (windows.value(row), estimators.value(row), seconds.value(row));
-            match self.sums.iter_mut().find(|(w, e, ..)| *w == window && e == estimator) {
-                Some((.., sum, count)) => (*sum, *count) = (*sum + time, *count + 1),
-                None => self.sums.push((window, estimator.to_owned(), time, 1)),
+            let (signals, window, estimator) = (signals.value(row), windows.value(row), estimators.value(row));
+            let sum = seconds.value(row);
+            match self.sums.iter_mut().find(|own| own.is_of(signals, window, estimator)) {
+                Some(own) => (own.sum, own.count) = (own.sum + sum, own.count + 1),
+                None => {
+                    let (signals, estimator) = (signals.to_owned(), estimator.to_owned());
+                    self.sums.push(Timing { signals, window, estimator, sum, count: 1 });
+                }
             }
         }
         Ok(())
     }
 
-    /// Mean time of an estimator with a window, rows prepared, s.
-    pub fn mean(&self, window: u32, estimator: &str) -> Option<f64> {
-        let found = self.sums.iter().find(|(w, e, ..)| *w == window && e == estimator);
-        found.map(|(.., sum, count)| sum / *count as f64)
+    /// Mean time of an estimator with a smoothing, preparation of the rows included, s.
+    pub fn mean(&self, signals: Variant, window: u32, estimator: &str) -> Option<f64> {
+        let found = self.sums.iter().find(|own| own.is_of(signals.name(), window, estimator));
+        found.map(|own| own.sum / own.count as f64)
+    }
+}
+
+impl Timing {
+    fn is_of(&self, signals: &str, window: u32, estimator: &str) -> bool {
+        self.signals == signals && self.window == window && self.estimator == estimator
     }
 }

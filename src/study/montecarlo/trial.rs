@@ -1,5 +1,6 @@
 //! One trial: draws, measures, identifies, scores.
 
+use super::plan::smoothings;
 use super::study::Study;
 use crate::error::Result;
 use crate::excitation::Motion;
@@ -12,8 +13,9 @@ use crate::random;
 use crate::recording::Recording;
 use crate::scenario::{NoiseLevel, Setup, drawable, misjudged, sensed, simulate_with};
 use crate::simulation::Truth;
-use crate::study::closed_loop::{Beside, ClosedLoop};
+use crate::study::closed_loop::{Alongside, ClosedLoop};
 use crate::study::score::parameter_distance;
+use crate::study::testbed::{Variant, smoothing};
 use chacha20::ChaCha8Rng;
 use rand::Rng;
 use serde::Serialize;
@@ -27,7 +29,9 @@ pub struct Row {
     pub trial: u32,
     /// Index of the noise level.
     pub level: u32,
-    /// Savitzky-Golay window, 0 for no smoothing.
+    /// How the signals were smoothed: raw, Savitzky-Golay or Butterworth.
+    pub signals: Variant,
+    /// Savitzky-Golay window in samples, 0 where there is none.
     pub window: u32,
     /// Name of the estimator.
     pub estimator: String,
@@ -75,7 +79,7 @@ struct Drawn<'a> {
     start: Vec<f64>,
 }
 
-/// Where rows belong, and the truth they are judged by.
+/// Where rows belong, and the truth they are scored against.
 struct Place<'a> {
     trial: u32,
     level: usize,
@@ -83,8 +87,7 @@ struct Place<'a> {
 }
 
 impl Study {
-    /// Makes one trial: its rows by noise level, window and estimator. Whatever keeps an estimate from being found is in the
-    /// rows.
+    /// Makes one trial: its rows by noise level, smoothing and estimator. A failure of an estimator is in its row.
     pub fn trial(&self, trial: u32) -> Vec<Row> {
         let setup = self.drawn_setup(trial);
         let setup = match setup {
@@ -155,9 +158,9 @@ impl Study {
     fn at_level(&self, place: &Place, log: &Recording, arm: &ClosedLoop, start: &[f64]) -> Vec<Row> {
         let names = self.parameters();
         let mut rows = Vec::new();
-        for &window in &self.plan.spec.sg_windows {
+        for smoothed in smoothings(&self.plan.spec) {
             let started = Instant::now();
-            let made = self.prepared(log, window).and_then(|prepared| {
+            let made = self.prepared(log, smoothed).and_then(|prepared| {
                 let regression = prepared.regression(&self.model)?;
                 Ok((prepared, regression))
             });
@@ -166,28 +169,33 @@ impl Study {
                 let started = Instant::now();
                 let outcome = match &made {
                     Ok((prepared, regression)) => {
-                        let beside = Beside { arm, prepared };
-                        let data = Data { rows: regression, names: &names, start, simulated: Some(&beside) };
+                        let simulated = Alongside { arm, prepared };
+                        let data = Data { rows: regression, names: &names, start, simulated: Some(&simulated) };
                         estimator.estimate(&data).map_err(|problem| problem.to_string())
                     }
                     Err(problem) => Err(problem.to_string()),
                 };
                 let seconds = shared + started.elapsed().as_secs_f64();
                 let outcome = outcome.and_then(|estimate| self.judged(&estimate, place.truth));
-                rows.push(row(place, window, estimator, outcome, seconds));
+                rows.push(row(place, smoothed, estimator, outcome, seconds));
             }
         }
         rows
     }
 
-    fn prepared<'b>(&self, log: &'b Recording, window: usize) -> Result<Prepared<'b>> {
+    fn prepared<'b>(&self, log: &'b Recording, (signals, window): (Variant, u32)) -> Result<Prepared<'b>> {
         let spec = &self.setup.scenario.identification;
         let band = spec.reversal_band_rad_s;
-        if window == 0 {
-            return Ok(measured(log, Smoothing::None, band)?.every(self.plan.spec.raw_decimation));
+        match signals {
+            Variant::SavitzkyGolay => {
+                let (window, order, decimation) = (window as usize, spec.smoothing_order, spec.decimation);
+                measured(log, Smoothing::SavitzkyGolay { window, order, decimation }, band)
+            }
+            Variant::Butterworth => measured(log, smoothing(&self.setup, log, signals)?, band),
+            Variant::Raw | Variant::Exact => {
+                Ok(measured(log, Smoothing::None, band)?.every(self.plan.spec.raw_decimation))
+            }
         }
-        let (order, decimation) = (spec.smoothing_order, spec.decimation);
-        measured(log, Smoothing::SavitzkyGolay { window, order, decimation }, band)
     }
 
     fn judged(&self, estimate: &Estimate, truth: &[f64]) -> std::result::Result<Found, String> {
@@ -205,7 +213,7 @@ impl Study {
         })
     }
 
-    /// Rows of a trial of which nothing became.
+    /// Rows of a trial that failed as a whole.
     fn failed(&self, trial: u32, truth: &[f64], problem: &str) -> Vec<Row> {
         (0..self.plan.spec.noise.len())
             .flat_map(|level| self.failed_at(&Place { trial, level, truth }, problem))
@@ -213,15 +221,16 @@ impl Study {
     }
 
     fn failed_at(&self, place: &Place, problem: &str) -> Vec<Row> {
-        let windows = self.plan.spec.sg_windows.iter();
-        let cells = windows.flat_map(|&window| self.plan.estimators.iter().map(move |&estimator| (window, estimator)));
-        cells.map(|(window, estimator)| row(place, window, estimator, Err(problem.to_owned()), 0.0)).collect()
+        let smoothings = smoothings(&self.plan.spec).into_iter();
+        let cells =
+            smoothings.flat_map(|smoothed| self.plan.estimators.iter().map(move |&estimator| (smoothed, estimator)));
+        cells.map(|(smoothed, estimator)| row(place, smoothed, estimator, Err(problem.to_owned()), 0.0)).collect()
     }
 }
 
 fn row(
     place: &Place,
-    window: usize,
+    (signals, window): (Variant, u32),
     estimator: &dyn Estimator,
     outcome: std::result::Result<Found, String>,
     seconds: f64,
@@ -229,7 +238,8 @@ fn row(
     Row {
         trial: place.trial,
         level: place.level as u32,
-        window: window as u32,
+        signals,
+        window,
         estimator: estimator.name().to_owned(),
         truth: place.truth.to_vec(),
         outcome,

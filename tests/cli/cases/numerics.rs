@@ -1,6 +1,6 @@
 //! Numbers that identification and diagnosis get right on logs of other people's arms.
 
-use super::super::{assert_done, assert_refusal, text};
+use super::super::{assert_done, assert_refusal, schema, text};
 use super::{Case, case};
 use serde_json::Value;
 
@@ -13,7 +13,9 @@ fn identified(case: &Case, arguments: &[&str]) -> Value {
 fn diagnosed(case: &Case, arguments: &[&str]) -> Value {
     let output = case.tauscope(&[&["diagnose", "--json", "--no-resimulation", "--out", "told"], arguments].concat());
     assert_done(&output);
-    serde_json::from_slice(&output.stdout).unwrap()
+    let told = serde_json::from_slice(&output.stdout).unwrap();
+    schema::assert_valid(&told);
+    told
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

@@ -29,7 +29,7 @@ pub(super) fn ranked(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         Block::text(
             "The first scan: every effect at every place, added to the re-identified model, before anything was found. The \
              statistic is chi-square with its degrees of freedom where the effect is absent. Several are large when one \
-             effect is there, because their torques resemble each other; the contest between them decides.",
+             effect is there, because their torques resemble each other; the model comparison decides.",
         ),
         Block::table(header, first.to_vec()),
     ];

@@ -8,7 +8,7 @@ use crate::report::diagnosis::{impacts, largest};
 use crate::report::html::{Block, Section};
 use crate::robot::Robot;
 
-/// The effects found, or what structure is left where there are none.
+/// The effects found, or the structure of the residual where there are none.
 pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
     if diagnosis.found.is_empty() {
         let mut blocks = vec![Block::text("No effect of the library was found.")];
@@ -22,7 +22,7 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         });
         let left: Vec<Vec<String>> = left.collect();
         if !left.is_empty() {
-            blocks.push(Block::table(["joint", "share of what is left", "structure", "chance of as much"], left));
+            blocks.push(Block::table(["joint", "share of the residual", "structure", "chance of as much"], left));
         }
         return Section::new("Findings", blocks);
     }
@@ -35,8 +35,8 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
             all.filter(|((_, parameter), _)| parameter.role != Role::Held).map(|((k, parameter), (&value, &std))| {
                 let unit = placed.unit(k, robot);
                 if !std.is_finite() {
-                    let untold = ["not told by itself", unit, "", "", ""].map(str::to_owned);
-                    return [parameter.name.to_owned()].into_iter().chain(untold).collect();
+                    let undetermined = ["not determined by itself", unit, "", "", ""].map(str::to_owned);
+                    return [parameter.name.to_owned()].into_iter().chain(undetermined).collect();
                 }
                 vec![
                     parameter.name.to_owned(),
@@ -50,7 +50,7 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         let gain = 100.0 * found.gain_lower_bound;
         let shown = match &found.impacts {
             Some(play) => sentence(&format!(
-                "{}; these hold at least {gain:.0} % of what is new in the held-out torque from sample to sample",
+                "{}; these hold at least {gain:.0} % of the innovations of the held-out torque",
                 impacts(play)
             )),
             None => format!("It takes at least {gain:.0} % of the held-out sum of squares (84 % sure)."),
@@ -106,7 +106,7 @@ fn confusions(robot: &Robot, found: &Found, about: &About) -> Vec<Block> {
             ]
         });
         return vec![
-            Block::text("These logs cannot tell it from:"),
+            Block::text("Not separable from it on these logs:"),
             Block::table(["alternative", "relative likelihood", "how to tell"], rows.collect()),
         ];
     }

@@ -34,7 +34,7 @@ pub(crate) struct Logs<'a> {
     pub faults: &'a [DataFault],
 }
 
-/// The report of a diagnosis; `resimulation` is what the simulator says of the extended model, where it was asked.
+/// The report of a diagnosis; `resimulation` is the simulation of the extended model, where one was made.
 pub(crate) fn page(
     robot: &Robot,
     diagnosis: &Diagnosis,
@@ -85,7 +85,7 @@ fn verdict(robot: &Robot, diagnosis: &Diagnosis) -> (String, Tone) {
     match diagnosis.verdict {
         Verdict::Named => (format!("The model misses {}.", names.join(", and ")), Tone::Warn),
         Verdict::OneOf => {
-            (format!("The model misses {}; the logs do not tell which.", names.join(", and ")), Tone::Warn)
+            (format!("The model misses {}; the logs do not separate them.", names.join(", and ")), Tone::Warn)
         }
         Verdict::Unexplained => ("The model misses something that is not in the library of effects.".into(), Tone::Bad),
         Verdict::NotTestable => ("Faults of the data forbid an answer.".into(), Tone::Bad),
@@ -121,7 +121,7 @@ fn lead(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     }
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
-        lead.push(format!("On {joint}, {:.0} % of what is left {}.", 100.0 * left.share, left.structure));
+        lead.push(format!("On {joint}, {:.0} % of the residual {}.", 100.0 * left.share, left.structure));
     }
     if !diagnosis.found.is_empty() {
         lead.push(format!(
@@ -146,7 +146,7 @@ fn values(robot: &Robot, found: &Found) -> Vec<String> {
     all.filter(|((_, parameter), _)| parameter.role != Role::Held)
         .map(|((k, parameter), (&value, &std))| {
             if !std.is_finite() {
-                return format!("{} not told by itself", parameter.name);
+                return format!("{} not determined by itself", parameter.name);
             }
             let [low, high] = [-NORMAL_95, NORMAL_95].map(|factor| significant(value + factor * std));
             format!("{} {} {} (95 %: {low} to {high})", parameter.name, significant(value), placed.unit(k, robot))
@@ -187,7 +187,7 @@ fn how_far(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulat
     if resimulation.is_some() {
         header.push("in the simulator");
     }
-    header.extend(["noise floor", "left / noise"]);
+    header.extend(["noise floor", "residual / noise"]);
     Section::new(
         "How far off the model is",
         vec![
@@ -244,7 +244,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     if let Some(low_pass) = diagnosis.logs.passband {
         blocks.push(Block::text(format!(
             "The torque ends at a frequency at which no step of friction does: it went through a low-pass before it was logged. \
-             All of the model is seen through the zero-phase Butterworth low-pass of {} Hz (order {}) under which it leaves least.",
+             All of the model passes the zero-phase Butterworth low-pass of {} Hz (order {}) with the smallest residual.",
             significant(low_pass.hz),
             low_pass.order
         )));

@@ -27,7 +27,7 @@ pub(super) fn sentence(text: &str) -> String {
     format!("{first}{}{end}", letters.as_str())
 }
 
-/// A probability from its decimal logarithm: one that underflows is still told.
+/// A probability from its decimal logarithm: one that underflows is still printed.
 pub(super) fn probability(log10: f64) -> String {
     match log10 {
         p if p < -300.0 => "<1e-300".into(),

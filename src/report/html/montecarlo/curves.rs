@@ -3,11 +3,12 @@
 use super::labels::{legend, level, levels, smoothing};
 use crate::report::console::significant;
 use crate::report::html::{Block, Section};
-use crate::report::montecarlo::{noise, window};
+use crate::report::montecarlo::{noise, smoothing as short};
 use crate::report::svg::chart::{Chart, Mark, Trace};
 use crate::study::montecarlo::{Cell, Quantiles, Summary};
+use crate::study::testbed::Variant;
 
-/// The parameter error over the smoothing window, where more than one was tried.
+/// The parameter error over the smoothing window, where more than one smoothing was tried.
 pub(super) fn by_window(summary: &Summary) -> Option<Section> {
     if summary.best_windows.is_empty() {
         return None;
@@ -21,7 +22,8 @@ pub(super) fn by_window(summary: &Summary) -> Option<Section> {
             x_label: "Savitzky-Golay window (samples)".into(),
             log_y: true,
             traces: curves(summary, |name| {
-                let mut own: Vec<&Cell> = of_level(number).filter(|cell| cell.estimator == name).collect();
+                let has_window = |cell: &&Cell| cell.signals != Variant::Butterworth && cell.estimator == name;
+                let mut own: Vec<&Cell> = of_level(number).filter(has_window).collect();
                 own.sort_by_key(|cell| cell.sg_window);
                 own.into_iter().map(|cell| (f64::from(cell.sg_window), cell.d_beta)).collect()
             }),
@@ -33,11 +35,11 @@ pub(super) fn by_window(summary: &Summary) -> Option<Section> {
             noise(of.and_then(|cell| cell.encoder_rad)),
             noise(of.and_then(|cell| cell.torque_nm)),
             best.estimator.clone(),
-            window(best.sg_window),
+            short(best.signals, best.sg_window),
             significant(best.d_beta),
         ]
     });
-    let header = ["noise q, rad", "tau, N m", "estimator", "best window", "median d_beta"];
+    let header = ["noise q, rad", "tau, N m", "estimator", "best smoothing", "median d_beta"];
     Some(Section::new(
         "Smoothing",
         vec![Block::Charts { legend: legend(summary), charts: charts.collect() }, Block::table(header, rows.collect())],
@@ -53,14 +55,15 @@ pub(super) fn by_noise(summary: &Summary) -> Option<Section> {
     if distinct.len() < 2 {
         return None;
     }
-    let mut windows: Vec<u32> = summary.cells.iter().map(|cell| cell.sg_window).collect();
-    windows.sort_unstable();
-    windows.dedup();
+    let smoothing_of = |cell: &Cell| (cell.signals, cell.sg_window);
+    let mut smoothings: Vec<(Variant, u32)> = summary.cells.iter().map(smoothing_of).collect();
+    smoothings.sort_unstable();
+    smoothings.dedup();
     let mut charts = Vec::new();
-    for size in windows {
+    for smoothed in smoothings {
         let own = |name: &str| -> Vec<&Cell> {
             let mut own: Vec<&Cell> =
-                summary.cells.iter().filter(|cell| cell.sg_window == size && cell.estimator == name).collect();
+                summary.cells.iter().filter(|cell| smoothing_of(cell) == smoothed && cell.estimator == name).collect();
             own.sort_by(|a, b| axis(a).total_cmp(&axis(b)));
             own
         };
@@ -70,7 +73,7 @@ pub(super) fn by_noise(summary: &Summary) -> Option<Section> {
             ("relative bias", &|cell: &Cell| cell.relative_bias.map(exact)),
         ] {
             charts.push(Chart {
-                title: format!("{what}, {}", smoothing(size)),
+                title: format!("{what}, {}", smoothing(smoothed.0, smoothed.1)),
                 note: "median".into(),
                 x_label: "encoder noise, power of ten (rad)".into(),
                 log_y: true,

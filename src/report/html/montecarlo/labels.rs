@@ -4,6 +4,7 @@ use crate::report::montecarlo::size;
 use crate::report::svg::Color;
 use crate::report::svg::chart::Mark;
 use crate::study::montecarlo::{Cell, Summary};
+use crate::study::testbed::Variant;
 
 /// Looks of the estimators, in their order.
 const LOOKS: [(Color, Mark); 7] = [
@@ -20,8 +21,13 @@ pub(super) fn levels(summary: &Summary) -> u32 {
     summary.cells.iter().map(|cell| cell.noise_level + 1).max().unwrap_or(0)
 }
 
-pub(super) fn smoothing(size: u32) -> String {
-    if size == 0 { "no smoothing".to_owned() } else { format!("a window of {size} samples") }
+/// A smoothing in words.
+pub(super) fn smoothing(signals: Variant, window: u32) -> String {
+    match signals {
+        Variant::SavitzkyGolay => format!("a window of {window} samples"),
+        Variant::Butterworth => "the Butterworth low-pass".to_owned(),
+        Variant::Raw | Variant::Exact => "no smoothing".to_owned(),
+    }
 }
 
 /// A noise level in words.

@@ -7,12 +7,13 @@ use labels::{level, levels, smoothing};
 
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::report::console::significant;
-use crate::report::montecarlo::{noise, window};
+use crate::report::montecarlo::{noise, smoothing as short};
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
 use crate::study::montecarlo::{Cell, Quantiles, Summary, Timings};
+use crate::study::testbed::Variant;
 
-/// Share of the 95 % intervals that hold the truth below which they say too much.
+/// Coverage of the 95 % intervals below which they are too short.
 const HONEST: f64 = 0.9;
 
 /// The report of a study, or of a part of one.
@@ -46,7 +47,7 @@ fn median(cell: &Cell) -> f64 {
 }
 
 fn verdict(summary: &Summary, best: &[&Cell]) -> (String, Tone) {
-    let whose = |cell: &Cell| format!("{} with {}", cell.estimator, smoothing(cell.sg_window));
+    let whose = |cell: &Cell| format!("{} with {}", cell.estimator, smoothing(cell.signals, cell.sg_window));
     let tone = match best {
         [] => Tone::Bad,
         _ if best.iter().any(|cell| cell.coverage.is_some_and(|share| share < HONEST)) => Tone::Warn,
@@ -88,7 +89,7 @@ fn lead(summary: &Summary, best: &[&Cell]) -> Vec<String> {
         all => format!(", one part of a study of {all}"),
     };
     let mut lead = vec![format!(
-        "{} trials{part}: each draws its noise (and what else the scenario says) anew, and every estimator sees the same \
+        "{} trials{part}: each draws new noise (and what else the scenario draws), and every estimator gets the same \
          draws. {} base parameters of {} joints. d_beta is the mean distance from the true parameters, 0 at best and 2 at \
          worst.",
         summary.trials,
@@ -103,7 +104,7 @@ fn lead(summary: &Summary, best: &[&Cell]) -> Vec<String> {
             "At {}: {} with {}, 90 % of trials between {} and {}; {} of its 95 % intervals hold the truth.{biased}",
             level(cell),
             cell.estimator,
-            smoothing(cell.sg_window),
+            smoothing(cell.signals, cell.sg_window),
             cell.d_beta.map_or("-".to_owned(), |q| significant(q.p05)),
             cell.d_beta.map_or("-".to_owned(), |q| significant(q.p95)),
             percent(cell.coverage),
@@ -113,11 +114,12 @@ fn lead(summary: &Summary, best: &[&Cell]) -> Vec<String> {
 }
 
 fn next(summary: &Summary, best: &[&Cell]) -> Option<String> {
+    let usual = summary.best_windows.iter().any(|best| best.signals == Variant::Butterworth);
     let smoothed: Vec<u32> = summary.best_windows.iter().map(|best| best.sg_window).filter(|&size| size > 0).collect();
     let largest = summary.cells.iter().map(|cell| cell.sg_window).max().unwrap_or(0);
     match best {
         [] => Some("look at the reasons of the failures below".into()),
-        _ if !smoothed.is_empty() && smoothed.iter().all(|&size| size == largest) => Some(format!(
+        _ if !usual && !smoothed.is_empty() && smoothed.iter().all(|&size| size == largest) => Some(format!(
             "try windows wider than {largest} samples (--sg-windows): the widest was the best at every noise level."
         )),
         [only] if only.coverage.is_some_and(|share| share < HONEST) => Some(
@@ -137,7 +139,7 @@ fn comparison(summary: &Summary, times: &Timings) -> Section {
         vec![
             noise(cell.encoder_rad),
             noise(cell.torque_nm),
-            window(cell.sg_window),
+            short(cell.signals, cell.sg_window),
             cell.estimator.clone(),
             quantile(&|q| q.p05),
             quantile(&|q| q.p50),
@@ -147,13 +149,15 @@ fn comparison(summary: &Summary, times: &Timings) -> Section {
             relative(cell.relative_spread),
             percent(cell.coverage),
             cell.failed.to_string(),
-            times.mean(cell.sg_window, &cell.estimator).map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s)),
+            times
+                .mean(cell.signals, cell.sg_window, &cell.estimator)
+                .map_or("-".to_owned(), |s| format!("{:.1}", 1e3 * s)),
         ]
     });
     let header = [
         "noise q, rad",
         "tau, N m",
-        "window",
+        "smoothing",
         "estimator",
         "d_beta 5 %",
         "50 %",
@@ -166,10 +170,10 @@ fn comparison(summary: &Summary, times: &Timings) -> Section {
         "ms",
     ];
     let torque = summary.cells.iter().map(|cell| {
-        let head = [noise(cell.encoder_rad), window(cell.sg_window), cell.estimator.clone()];
+        let head = [noise(cell.encoder_rad), short(cell.signals, cell.sg_window), cell.estimator.clone()];
         head.into_iter().chain(cell.torque_std_nm.iter().map(|&std| significant(std))).collect()
     });
-    let joints = ["noise q, rad", "window", "estimator"].map(str::to_owned).into_iter();
+    let joints = ["noise q, rad", "smoothing", "estimator"].map(str::to_owned).into_iter();
     Section::new(
         "Comparison",
         vec![
@@ -223,7 +227,7 @@ fn parameters(summary: &Summary, best: &[&Cell]) -> Section {
         folded.push(Block::Folded(what, vec![Block::table(header, rows.collect())]));
     }
     if charts.is_empty() {
-        return Section::new("Parameters", vec![Block::text("It takes two trials to tell bias from spread.")]);
+        return Section::new("Parameters", vec![Block::text("Bias and spread need two trials.")]);
     }
     let legend = vec![
         ("a parameter".to_owned(), Color::Blue, Mark::Points),
@@ -238,7 +242,7 @@ fn quality(summary: &Summary) -> Section {
     let failed = summary.cells.iter().filter(|cell| cell.failed > 0).map(|cell| {
         vec![
             noise(cell.encoder_rad),
-            window(cell.sg_window),
+            short(cell.signals, cell.sg_window),
             cell.estimator.clone(),
             cell.failed.to_string(),
             (cell.failed + cell.found).to_string(),
@@ -249,7 +253,7 @@ fn quality(summary: &Summary) -> Section {
     let block = if failed.is_empty() {
         Block::text("Every trial gave an estimate.")
     } else {
-        Block::table(["noise q, rad", "window", "estimator", "failed", "of", "why the first did"], failed)
+        Block::table(["noise q, rad", "smoothing", "estimator", "failed", "of", "why the first did"], failed)
     };
     Section::new(
         "Trials without an estimate",
@@ -262,12 +266,14 @@ mod tests {
     use super::*;
 
     fn cell(noise_level: u32, sg_window: u32, d_beta: Option<f64>) -> Cell {
+        let signals = if sg_window == 0 { Variant::Raw } else { Variant::SavitzkyGolay };
         let quantiles = d_beta.map(|p50| Quantiles { mean: p50, p05: 0.9 * p50, p50, p95: 1.1 * p50 });
         let found = if d_beta.is_some() { 4 } else { 0 };
         Cell {
             noise_level,
             encoder_rad: Some(1e-4 * 10f64.powi(noise_level as i32)),
             torque_nm: None,
+            signals,
             sg_window,
             estimator: "wls".into(),
             found,

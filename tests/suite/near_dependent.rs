@@ -4,11 +4,9 @@ use nalgebra::{Rotation3, Vector3};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 use tauscope::channels::Channels;
-use tauscope::dynamics::Motion;
+use tauscope::dynamics::{Chain, Motion, inverse_dynamics};
 use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::fit::{Fitted, Logs, fit_effects};
-use tauscope::identification::least_squares::weighted_least_squares;
-use tauscope::identification::linear_model::LinearModel;
 use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
 use tauscope::identification::reversals::Band;
@@ -41,10 +39,9 @@ fn tilted(robot: &Robot, joint: usize, tilt: f64) -> Robot {
 fn moved(truth: &Truth, before: &Robot, after: &Robot) -> Truth {
     let signals = &truth.signals;
     let motion = Motion { q: signals.q.clone(), qd: signals.qd.clone(), qdd: signals.qdd.clone() };
-    let torque = |robot: &Robot| -> Channels {
-        let model = Model::new(robot);
-        model.torque(&motion, &[], &model.base().values(&Model::standard_values(robot)))
-    };
+    // Friction and rotors are the same.
+    let torque =
+        |robot: &Robot| -> Channels { inverse_dynamics(&Chain::new(robot), &robot.inertial_parameters(), &motion) };
     let mut changed = (**signals).clone();
     let (before, after) = (torque(before), torque(after));
     for (value, (before, after)) in

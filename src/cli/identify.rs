@@ -105,7 +105,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         true => None,
         false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
     };
-    notes.extend(report::undetermined(&plain));
+    notes.extend(report::undetermined(model.base(), &plain));
     stages.begin("finding consistent parameters");
     // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {

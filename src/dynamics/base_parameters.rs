@@ -1,5 +1,6 @@
 //! Base parameters: the combinations of standard parameters that torque can tell apart.
 
+use super::nearly_dependent::{self, Kept, Near};
 use crate::linear::{OrthonormalBasis, inner_product, length};
 use nalgebra::DMatrix;
 
@@ -8,6 +9,16 @@ use nalgebra::DMatrix;
 /// Lengths and angles of a description have six digits or so: what the seventh makes of a column is no property of the arm. And
 /// no log would show it: over a torque noise of a thousandth it takes some ten thousand rows to see a part of 1e-5.
 const INDEPENDENT: f64 = 1e-5;
+
+/// Part of a unit column that must be left over the columns before it for it to be kept as it is.
+///
+/// Below, the column is nearly a combination of others: angles rounded to two decimals leave 5e-3, axes as they were measured
+/// leave 1e-3. Its own column would make coefficients of a hundred and more, and no log would tell its parameter from theirs.
+const SEPARATE: f64 = 1e-2;
+
+/// Length of a column, over the longest, from which it is kept before those it depends on. Friction has unit columns, and the mass at
+/// the end of a long arm one of some hundreds; what only the tilt of an axis makes is shorter.
+const SHORT: f64 = 1e-4;
 
 /// Regrouping coefficients below this are rounding of the factorisation.
 const NEGLIGIBLE: f64 = 1e-9;
@@ -26,11 +37,17 @@ pub struct Grouping {
     pub terms: Vec<(usize, f64)>,
 }
 
-/// A set of base parameters beta = K phi and the columns of the regressor that carry them: Y phi = Y[:, kept] beta
-/// (Gautier and Khalil 1990; Gautier 1991 for the numerical QR method).
+/// A set of base parameters beta = K phi and the columns that carry them: Y phi = W beta (Gautier and Khalil 1990; Gautier 1991
+/// for the numerical QR method).
+///
+/// A column of W is that of the regressor for the standard parameter that leads the sum. Where that one is nearly a combination of
+/// other kept columns, as under rounded angles and small tilts, the others take its parameter into their sums, as if it depended on them
+/// altogether, and its own column is what the combination leaves of it ([`BaseParameters::merged`]). So no two columns are
+/// nearly dependent, and the sums of a tilted arm are those of the same arm without the tilt.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
     kept: Vec<usize>,
+    merged: Vec<Vec<(usize, f64)>>,
     regrouping: DMatrix<f64>,
     groupings: Vec<Grouping>,
 }
@@ -40,7 +57,8 @@ impl BaseParameters {
     /// standard parameter) can tell apart. Columns are taken in their order: a column that depends on those kept before it
     /// is regrouped into them, so the base stays on the proximal side. `names` are the standard parameters' symbols.
     ///
-    /// The factorisation is a QR of columns of unit length ([`OrthonormalBasis`]); a column counts as dependent when less than 1e-5 of its length is left, and as nothing when it is shorter than 1e-5 of the longest.
+    /// The factorisation is a QR of columns of unit length ([`OrthonormalBasis`]); a column counts as dependent when less than 1e-5 of
+    /// its length is left, as merged when less than 1e-2 is, and as nothing when it is shorter than 1e-5 of the longest.
     ///
     /// # Panics
     /// If there is not one name per column.
@@ -50,29 +68,58 @@ impl BaseParameters {
         let norms: Vec<f64> = (0..columns).map(|c| observation.column(c).norm()).collect();
         let largest = norms.iter().copied().fold(0.0, f64::max);
         let counts: Vec<usize> = (0..columns).filter(|&c| norms[c] > INDEPENDENT * largest).collect();
+        let long: Vec<usize> = counts.iter().copied().filter(|&c| norms[c] > SHORT * largest).collect();
         let rows = observation.nrows();
         let column = |c: usize| &observation.as_slice()[c * rows..][..rows];
-        let basis = OrthonormalBasis::new(&counts.iter().map(|&c| column(c)).collect::<Vec<_>>(), INDEPENDENT);
-        let kept: Vec<usize> = basis.kept.iter().map(|&k| counts[k]).collect();
+        let basis = OrthonormalBasis::new(&long.iter().map(|&c| column(c)).collect::<Vec<_>>(), SEPARATE);
+        let separate: Vec<usize> = basis.kept.iter().map(|&k| long[k]).collect();
         // Row r of `triangle` holds q_r . column c, of unit columns.
         let mut triangle = DMatrix::zeros(columns, columns);
-        for (own, along) in kept.iter().zip(&basis.along) {
+        for (own, along) in separate.iter().zip(&basis.along) {
             along.iter().enumerate().for_each(|(r, &part)| triangle[(r, *own)] = part);
         }
-        // Residuals of the columns that are regrouped.
+        // Residuals of the columns that are regrouped, and of those that are nearly so.
         let mut apart = vec![0.0; columns];
-        for c in counts.into_iter().filter(|c| !kept.contains(c)) {
+        let mut near = Vec::new();
+        for c in counts.into_iter().filter(|c| !separate.contains(c)) {
             let mut rest: Vec<f64> = column(c).iter().map(|x| x / norms[c]).collect();
-            let before = kept.iter().take_while(|&&own| own < c).count();
-            for (r, q) in basis.directions[..before].iter().enumerate() {
+            let before = separate.iter().take_while(|&&own| own < c).count();
+            for (r, q) in basis.directions.iter().enumerate() {
+                if r == before && length(&rest) <= INDEPENDENT {
+                    break;
+                }
                 triangle[(r, c)] = inner_product(q, &rest);
                 rest.iter_mut().zip(q).for_each(|(x, q)| *x -= triangle[(r, c)] * q);
             }
-            apart[c] = length(&rest);
+            match length(&rest) {
+                left if left <= INDEPENDENT => apart[c] = left,
+                _ => near.push(Near { column: c, size: norms[c], rest }),
+            }
         }
-        let regrouping = regrouping_matrix(&triangle, &kept, &norms, &apart);
-        let groupings = groupings(&regrouping, &kept, names);
-        BaseParameters { kept, regrouping, groupings }
+        let mut regrouping = regrouping_matrix(&triangle, &separate, &norms, &apart);
+        let lengths: Vec<f64> = separate.iter().map(|&own| norms[own]).collect();
+        let near = nearly_dependent::reduce(near, INDEPENDENT, &mut regrouping, &lengths);
+        Self::assembled(&separate, &regrouping, near, names)
+    }
+
+    /// Of columns that are kept as they are, the `regrouping` of all columns into them, and columns that are merged into them.
+    fn assembled(separate: &[usize], regrouping: &DMatrix<f64>, near: Vec<Kept>, names: &[String]) -> Self {
+        let mut kept: Vec<usize> = separate.iter().copied().chain(near.iter().map(|near| near.column)).collect();
+        kept.sort_unstable();
+        let place = |column: usize| kept.iter().take_while(|&&other| other < column).count();
+        let mut all = DMatrix::zeros(kept.len(), names.len());
+        for (row, &column) in separate.iter().enumerate() {
+            all.row_mut(place(column)).copy_from(&regrouping.row(row));
+        }
+        let mut merged = vec![Vec::new(); kept.len()];
+        for Kept { column, shares } in near {
+            let own = place(column);
+            let into = separate.iter().enumerate().map(|(row, &other)| (place(other), regrouping[(row, column)]));
+            merged[own] = into.filter(|(_, share)| *share != 0.0).collect();
+            shares.into_iter().for_each(|(other, share)| all[(own, other)] = share);
+        }
+        let groupings = groupings(&all, &kept, names);
+        BaseParameters { kept, merged, regrouping: all, groupings }
     }
 
     /// Number of base parameters: the rank of the model.
@@ -90,6 +137,12 @@ impl BaseParameters {
         &self.kept
     }
 
+    /// The base parameters that a parameter is merged into, with its share in each of their sums; empty for most. Its column is the
+    /// regressor's less these shares of theirs.
+    pub fn merged(&self, parameter: usize) -> &[(usize, f64)] {
+        &self.merged[parameter]
+    }
+
     /// K in beta = K phi, one row per base parameter, one column per standard parameter.
     pub fn regrouping(&self) -> &DMatrix<f64> {
         &self.regrouping
@@ -103,6 +156,16 @@ impl BaseParameters {
     /// Values of the base parameters for given standard parameters.
     pub fn values(&self, standard: &[f64]) -> Vec<f64> {
         (&self.regrouping * nalgebra::DVector::from_column_slice(standard)).as_slice().to_vec()
+    }
+
+    /// Values of the standard parameters that are kept with which base parameters come to `sums` where all others are zero:
+    /// what a parameter is merged into holds less of it.
+    pub fn carried(&self, sums: &[f64]) -> Vec<f64> {
+        let mut values = sums.to_vec();
+        for (merged, sum) in self.merged.iter().zip(sums) {
+            merged.iter().for_each(|&(into, share)| values[into] -= share * sum);
+        }
+        values
     }
 }
 
@@ -146,11 +209,9 @@ fn groupings(regrouping: &DMatrix<f64>, kept: &[usize], names: &[String]) -> Vec
             let mut name = names[leader].clone();
             for &(index, coefficient) in &terms[1..] {
                 let sign = if coefficient < 0.0 { '-' } else { '+' };
-                let size = coefficient.abs();
-                if (size - 1.0).abs() < NEGLIGIBLE {
-                    name += &format!(" {sign} {}", names[index]);
-                } else {
-                    name += &format!(" {sign} {} {}", short(size), names[index]);
+                match short(coefficient.abs()).as_str() {
+                    "1" => name += &format!(" {sign} {}", names[index]),
+                    size => name += &format!(" {sign} {size} {}", names[index]),
                 }
             }
             Grouping { name, leader, terms }
@@ -168,6 +229,7 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::RngExt;
 
     /// The third column is a combination of the others but for the last digits of a description.
     #[test]
@@ -207,6 +269,84 @@ mod tests {
         let values = base.values(&[1.0, 2.0, 3.0, 100.0, 5.0]);
         for (value, expected) in values.iter().zip([7.0, 0.5, 5.0]) {
             assert!((value - expected).abs() < 1e-12, "{value} {expected}");
+        }
+    }
+
+    /// Columns a, b, c, d = a + b + tilt (p + q), p or nothing, e = c + 2 tilt q.
+    fn tilted(tilt: f64, with_p: bool) -> (DMatrix<f64>, BaseParameters) {
+        let mut source = crate::random::stream(3, "nearly dependent", 0);
+        let [a, b, c, p, q] = [0; 5].map(|_| nalgebra::DVector::from_fn(60, |_, _| source.random_range(-1.0..1.0)));
+        let sum = &a + &b + tilt * (&p + &q);
+        let second = &c + 2.0 * tilt * &q;
+        let last = if with_p { p } else { nalgebra::DVector::zeros(60) };
+        let columns = DMatrix::from_columns(&[a, b, c, sum, last, second]);
+        let names = ["a", "b", "c", "d", "p", "e"].map(str::to_owned);
+        let base = BaseParameters::new(&columns, &names);
+        (columns, base)
+    }
+
+    /// The columns of the base parameters.
+    fn carriers(columns: &DMatrix<f64>, base: &BaseParameters) -> DMatrix<f64> {
+        let own = |b: usize| {
+            let mut column = columns.column(base.kept()[b]).into_owned();
+            for &(other, share) in base.merged(b) {
+                column -= share * columns.column(base.kept()[other]);
+            }
+            column
+        };
+        DMatrix::from_columns(&(0..base.len()).map(own).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn nearly_dependent_columns_are_merged() {
+        let names = |tilt, with_p| -> Vec<String> {
+            let terms = |grouping: &Grouping| {
+                let name = |&(own, share): &(usize, f64)| {
+                    assert!((share - 1.0).abs() < tilt, "{tilt}: {share}");
+                    ["a", "b", "c", "d", "p", "e"][own]
+                };
+                grouping.terms.iter().map(name).collect::<Vec<_>>().join(" + ")
+            };
+            tilted(tilt, with_p).1.groupings().iter().map(terms).collect()
+        };
+        for tilt in [1e-9, 1e-6] {
+            assert_eq!(names(tilt, false), ["a + d", "b + d", "c + e"], "{tilt}");
+        }
+        for tilt in [3e-5, 1e-3, 4e-3] {
+            assert_eq!(names(tilt, false), ["a + d", "b + d", "c + e", "d", "e"], "{tilt}");
+            // What p explains of the fourth is p's; the rest is explained by the sixth, of which more is left.
+            let found = tilted(tilt, true).1;
+            assert_eq!(found.kept(), [0, 1, 2, 4, 5], "{tilt}");
+            assert_eq!(found.merged(4).len(), 1, "{tilt}");
+            assert!((found.regrouping()[(4, 3)] - 0.5).abs() < 1e-9, "{tilt}");
+        }
+        // Enough of the sixth column is left, of the fourth it is not.
+        let merged = |tilt| tilted(tilt, false).1.merged.iter().filter(|merged| !merged.is_empty()).count();
+        assert_eq!([4e-3, 7e-3, 3e-2].map(merged), [2, 1, 0]);
+        assert!(tilted(3e-2, false).1.merged.iter().all(Vec::is_empty));
+    }
+
+    #[test]
+    fn merged_parameters_make_the_same_torque() {
+        for tilt in [0.0, 3e-5, 1e-3, 4e-3, 1e-2, 3e-2] {
+            for with_p in [false, true] {
+                let (columns, base) = tilted(tilt, with_p);
+                let standard = [1.0, -2.0, 3.0, 0.7, 5.0, -4.0];
+                let beta = base.values(&standard);
+                let carriers = carriers(&columns, &base);
+                let made = &carriers * nalgebra::DVector::from_column_slice(&beta);
+                let wanted = &columns * nalgebra::DVector::from_column_slice(&standard);
+                assert!((made - wanted).norm() < 1e-4 * 60f64.sqrt(), "{tilt} {with_p}");
+                // No two of the columns are alike at unit length.
+                let unit: Vec<_> = carriers.column_iter().map(|column| column.normalize()).collect();
+                let singular = DMatrix::from_columns(&unit).svd(false, false).singular_values;
+                assert!(singular.min() > 5e-3 * singular.max(), "{tilt} {with_p}: {singular}");
+                let mut carried = [0.0; 6];
+                base.kept().iter().zip(base.carried(&beta)).for_each(|(&own, value)| carried[own] = value);
+                for (again, value) in base.values(&carried).iter().zip(&beta) {
+                    assert!((again - value).abs() < 1e-12, "{tilt} {with_p}");
+                }
+            }
         }
     }
 }

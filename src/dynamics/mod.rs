@@ -10,6 +10,7 @@ mod chain;
 mod composite;
 mod forward;
 mod kinematics;
+mod nearly_dependent;
 mod regressor;
 mod rnea;
 mod rotation;

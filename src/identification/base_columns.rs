@@ -5,7 +5,7 @@
 
 use super::standard::{ROTOR, STANDARD, VISCOUS};
 use crate::channels::Channels;
-use crate::dynamics::{Chain, Entries, Motion};
+use crate::dynamics::{BaseParameters, Chain, Entries, Motion};
 use crate::effects::direction;
 use crate::lane::{Aligned, Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
@@ -25,6 +25,8 @@ enum Kind {
     Viscous,
     /// The direction of its motion, for Coulomb friction.
     Coulomb,
+    /// Nothing of its own: what it is merged into acts on the joint, and it does not.
+    Nothing,
 }
 
 /// One joint's share of the columns.
@@ -34,6 +36,8 @@ struct Share {
     kinds: Vec<Kind>,
     /// Place of the first in a table.
     first: usize,
+    /// Columns that others are taken off: place of the column, place of the other, its share.
+    merged: Vec<(usize, usize, f64)>,
 }
 
 /// Which columns act on which joint, and how they are made. A table of them is `[column][sample]`, the columns of a joint
@@ -46,19 +50,29 @@ pub struct BaseColumns {
 }
 
 impl BaseColumns {
-    /// For an arm whose base parameters stand on the standard parameters `kept` (13 a body: ten inertial ones, rotor inertia,
-    /// viscous and Coulomb friction of its joint). A joint without an equation, whose torque is not known, has no columns.
-    pub fn new(chain: &Chain, equations: &[bool], kept: &[usize]) -> Self {
+    /// For an arm with base parameters of standard ones (13 a body: ten inertial ones, rotor inertia, viscous and Coulomb friction of
+    /// its joint). A joint without an equation, whose torque is not known, has no columns.
+    pub fn new(chain: &Chain, equations: &[bool], base: &BaseParameters) -> Self {
+        let kept = base.kept();
         let dof = chain.dof();
         let mut shares: Vec<Share> = Vec::with_capacity(dof);
         let mut places = 0;
         for (joint, &has_equation) in equations.iter().enumerate() {
-            let acts = |&(_, &standard): &(usize, &usize)| {
-                let (link, which) = (standard / STANDARD, standard % STANDARD);
+            let acts = |b: usize| {
+                let (link, which) = (kept[b] / STANDARD, kept[b] % STANDARD);
                 has_equation && if which < PARAMETERS { chain.moves(joint, link) } else { link == joint }
             };
-            let (parameters, kinds) = kept.iter().enumerate().filter(acts).map(|(b, &s)| (b, kind(s))).unzip();
-            let share = Share { parameters, kinds, first: places };
+            let of = |b: usize| if acts(b) { kind(kept[b]) } else { Kind::Nothing };
+            let with_others = |b: &usize| acts(*b) || base.merged(*b).iter().any(|&(other, _)| acts(other));
+            let parameters: Vec<usize> = (0..kept.len()).filter(with_others).collect();
+            let kinds = parameters.iter().map(|&b| of(b)).collect();
+            let place = |b: usize| parameters.iter().position(|&own| own == b);
+            let taken_off = |(own, &b): (usize, &usize)| {
+                let others = base.merged(b).iter();
+                others.filter_map(|&(other, share)| Some((own, place(other)?, share))).collect::<Vec<_>>()
+            };
+            let merged = parameters.iter().enumerate().flat_map(taken_off).collect();
+            let share = Share { parameters, kinds, first: places, merged };
             places += share.parameters.len() + 1;
             shares.push(share);
         }
@@ -66,7 +80,8 @@ impl BaseColumns {
             std::array::from_fn(|parameter| {
                 let share = &shares[joint];
                 let standard = link * STANDARD + parameter;
-                share.parameters.iter().position(|&b| kept[b] == standard).map(|place| share.first + place)
+                let place = share.parameters.iter().position(|&b| kept[b] == standard);
+                place.filter(|&place| share.kinds[place] == Kind::Rigid).map(|place| share.first + place)
             })
         });
         BaseColumns { shares, entries, places }
@@ -120,7 +135,20 @@ impl BaseColumns {
                     Kind::Rotor => column.copy_from_slice(&motor.qdd.channel(joint)[samples.clone()]),
                     Kind::Viscous => column.copy_from_slice(velocity),
                     Kind::Coulomb => lanes.run(Directions { velocity, width, column }),
+                    Kind::Nothing => column.fill(0.0),
                 }
+            }
+            self.take_off(joint, &mut table[share.first * rows..], rows);
+        }
+    }
+
+    /// Takes off the columns of a joint, `[column][row]`, their shares of those that they are merged into.
+    pub fn take_off(&self, joint: usize, table: &mut [f64], rows: usize) {
+        for &(own, other, share) in &self.shares[joint].merged {
+            let ranges = [own * rows..(own + 1) * rows, other * rows..(other + 1) * rows];
+            // Two columns of one table are never the same.
+            if let Ok([column, other]) = table.get_disjoint_mut(ranges) {
+                column.iter_mut().zip(other).for_each(|(x, y)| *x -= share * *y);
             }
         }
     }

@@ -123,17 +123,20 @@ impl Program {
         let spread = root.transpose().try_inverse()?;
         let mut map = DMatrix::zeros(total, total);
         let mut offset = DVector::zeros(total);
-        for (row, &kept) in base.kept().iter().enumerate() {
-            offset[kept] = fitted[row] / scale[kept];
-            for column in 0..base.len() {
-                map[(kept, column)] = spread[(row, column)] / scale[kept];
+        // Columns of base parameters, and what the standard parameters that carry them hold of each.
+        let put = |column: &mut nalgebra::DVectorViewMut<f64>, sums: &[f64], factor: f64| {
+            for (&kept, value) in base.kept().iter().zip(base.carried(sums)) {
+                column[kept] = factor * value / scale[kept];
             }
-            for (place, &other) in rest.iter().enumerate() {
-                map[(kept, base.len() + place)] = -base.regrouping()[(row, other)] * scale[other] / scale[kept];
-            }
+        };
+        put(&mut offset.column_mut(0), fitted, 1.0);
+        for column in 0..base.len() {
+            put(&mut map.column_mut(column), spread.column(column).as_slice(), 1.0);
         }
         for (place, &other) in rest.iter().enumerate() {
-            map[(other, base.len() + place)] = 1.0;
+            let column = &mut map.column_mut(base.len() + place);
+            put(column, base.regrouping().column(other).as_slice(), -scale[other]);
+            column[other] = 1.0;
         }
         Some(Program { fitted: base.len(), map, offset, scale, nominal })
     }

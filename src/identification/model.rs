@@ -48,7 +48,7 @@ impl Model {
         let chain = Chain::new(robot);
         let names = standard_names(robot.bodies());
         let base = BaseParameters::new(&probe(&chain, equations), &names);
-        let columns = BaseColumns::new(&chain, equations, base.kept());
+        let columns = BaseColumns::new(&chain, equations, &base);
         Model { robot: robot.clone(), chain, names, base, columns, equations: equations.to_vec() }
     }
 
@@ -84,6 +84,9 @@ impl Model {
 
     /// Joint and kind (rotor inertia 0, viscous 1, Coulomb friction 2) of a base parameter that belongs to a drive alone.
     pub fn drive_of(&self, base: usize) -> Option<(usize, usize)> {
+        if !self.base.merged(base).is_empty() {
+            return None;
+        }
         let standard = self.base.kept()[base];
         (standard % STANDARD).checked_sub(PARAMETERS).map(|which| (standard / STANDARD, which))
     }
@@ -95,7 +98,7 @@ impl Model {
 
     /// Whether the rotor inertia of `joint` is a base parameter of its own (and not part of a link's).
     pub fn rotor_stands_alone(&self, joint: usize) -> bool {
-        self.base.kept().contains(&(joint * STANDARD + ROTOR))
+        (0..self.base.len()).any(|base| self.drive_of(base) == Some((joint, 0)))
     }
 
     /// Unit of a standard parameter on a revolute joint.
@@ -142,7 +145,10 @@ impl Model {
     /// and friction columns along `motor`.
     pub fn columns_on(&self, joint: usize, motor: &Motion, link: &Motion, width: f64) -> Channels {
         let standard: Vec<usize> = self.active(joint).into_iter().map(|b| self.base.kept()[b]).collect();
-        standard_columns(&self.chain, joint, &standard, [motor, link], width)
+        let mut table = standard_columns(&self.chain, joint, &standard, [motor, link], width);
+        let rows = table.samples();
+        self.columns.take_off(joint, table.as_mut_slice(), rows);
+        table
     }
 
     /// Every `step`-th filtered sample of the columns of all joints, along the motion of motors and that of links; friction

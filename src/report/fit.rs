@@ -1,6 +1,7 @@
 //! The result of `tauscope identify`.
 
 use super::console::{by_joint, significant, table};
+use crate::dynamics::BaseParameters;
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::Fitted;
@@ -176,20 +177,41 @@ fn one_fit(robot: &Robot, fitted: &Fitted) -> OneFit {
     }
 }
 
-/// A line about the parameters that the logs do not determine, if there are any.
-pub fn undetermined(fitted: &Fitted) -> Option<String> {
-    let held = fitted.fit.names.iter().zip(&fitted.fit.undetermined).filter(|(_, held)| **held);
+/// Lines about the parameters that the logs do not determine, if there are any: those that are merged into others, and others.
+pub fn undetermined(base: &BaseParameters, fitted: &Fitted) -> Vec<String> {
     // The leader identifies a long sum.
-    let leaders: Vec<&str> = held.filter_map(|(name, _)| name.split_whitespace().next()).collect();
-    (!leaders.is_empty()).then(|| {
+    let leader = |name: &str| name.split_whitespace().next().unwrap_or_default().to_owned();
+    let groupings = base.groupings();
+    let (mut merged, mut others) = (Vec::new(), Vec::new());
+    for (name, _) in fitted.fit.names.iter().zip(&fitted.fit.undetermined).filter(|(_, held)| **held) {
+        let own = groupings.iter().position(|grouping| grouping.name == *name);
+        match own.map(|own| base.merged(own)) {
+            Some([first, rest @ ..]) => {
+                let into: Vec<String> =
+                    [first].into_iter().chain(rest).map(|(other, _)| leader(&groupings[*other].name)).collect();
+                merged.push(format!("{} into {}", leader(name), into.join(" and ")));
+            }
+            _ => others.push(leader(name)),
+        }
+    }
+    let of = fitted.fit.arm_units.len();
+    let merged = (!merged.is_empty()).then(|| {
         format!(
-            "{} of {} base parameters make no torque of their own above the noise in these logs ({}): they stay as described, and \
-             the others make up for them",
-            leaders.len(),
-            fitted.fit.arm_units.len(),
-            leaders.join(", ")
+            "{} of {of} base parameters differ from others by small tilts or offsets alone, and not above the noise in these logs; they are \
+             merged: {}",
+            merged.len(),
+            merged.join(", ")
         )
-    })
+    });
+    let others = (!others.is_empty()).then(|| {
+        format!(
+            "{} of {of} base parameters make no torque of their own above the noise in these logs ({}): they stay as described, and \
+             the others make up for them",
+            others.len(),
+            others.join(", ")
+        )
+    });
+    merged.into_iter().chain(others).collect()
 }
 
 /// Tables for people: the residual of each joint, and the effects' parameters.

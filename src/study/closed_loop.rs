@@ -92,7 +92,7 @@ impl<'a> ClosedLoop<'a> {
 /// bodies, but the same torques. Friction that would drive the arm is left out.
 pub fn with_base_parameters(robot: &Robot, model: &Model, beta: &[f64]) -> Robot {
     let mut standard = vec![0.0; robot.dof() * STANDARD];
-    for (&place, &value) in model.base().kept().iter().zip(beta) {
+    for (&place, value) in model.base().kept().iter().zip(model.base().carried(beta)) {
         standard[place] = value;
     }
     let mut made = Model::with_standard_values(robot, &standard);

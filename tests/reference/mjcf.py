@@ -1,4 +1,4 @@
-"""What MuJoCo reads from mjcf/arm.xml: bodies, joints, frames and dynamics, for the tests of the reader.
+"""What MuJoCo reads from mjcf/arm.xml and mjcf/replicate.xml: bodies, joints, frames and dynamics, for the tests of the reader.
 
 Run from the repository root: python -P tests/reference/mjcf.py
 """
@@ -68,8 +68,8 @@ def state(model, rng):
     }
 
 
-def main():
-    model = mujoco.MjModel.from_xml_path(str(HERE / "arm.xml"))
+def reference(file):
+    model = mujoco.MjModel.from_xml_path(str(HERE / f"{file}.xml"))
     rng = np.random.default_rng(1)
     result = {
         "mujoco": mujoco.__version__,
@@ -78,7 +78,12 @@ def main():
         "joints": [joint(model, index) for index in range(model.njnt)],
         "states": [state(model, rng) for _ in range(STATES)],
     }
-    (HERE / "arm.json").write_text(json.dumps(result, indent=1) + "\n")
+    (HERE / f"{file}.json").write_text(json.dumps(result, indent=1) + "\n")
+
+
+def main():
+    for file in ["arm", "replicate"]:
+        reference(file)
 
 
 if __name__ == "__main__":

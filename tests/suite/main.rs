@@ -10,6 +10,7 @@ mod identification;
 mod imports;
 mod integration_error;
 mod montecarlo;
+mod near_dependent;
 mod paper;
 mod plant;
 mod signal;

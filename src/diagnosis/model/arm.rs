@@ -129,8 +129,9 @@ impl Arm {
                 // alone though only the sum of a rotor's and a link's inertia is determined, and to gravity of another direction.
                 model.base().kept().iter().for_each(|&kept| standard[kept] = 0.0);
                 let described = model.base().values(&standard);
-                for ((&kept, &value), described) in model.base().kept().iter().zip(values).zip(described) {
-                    standard[kept] = value - described;
+                let sums: Vec<f64> = values.iter().zip(described).map(|(value, described)| value - described).collect();
+                for (&kept, value) in model.base().kept().iter().zip(model.base().carried(&sums)) {
+                    standard[kept] = value;
                 }
                 self.split_off_rotors(model, &mut standard);
             }
@@ -154,7 +155,7 @@ impl Arm {
         let (kept, regrouping) = (model.base().kept(), model.base().regrouping());
         for joint in 0..model.dof() {
             let (first, rotor) = (joint * STANDARD, joint * STANDARD + ROTOR);
-            if model.rotor_stands_alone(joint) || described[rotor] != 0.0 {
+            if kept.contains(&rotor) || described[rotor] != 0.0 {
                 continue;
             }
             let shares = regrouping.column(rotor);
@@ -163,7 +164,8 @@ impl Arm {
             let more = (standard[kept[own]] - described[kept[own]]) / shares[own];
             if more > 0.0 {
                 standard[rotor] = more;
-                kept.iter().zip(shares.iter()).for_each(|(&kept, share)| standard[kept] -= share * more);
+                let shares = model.base().carried(shares.as_slice());
+                kept.iter().zip(shares).for_each(|(&kept, share)| standard[kept] -= share * more);
             }
         }
     }

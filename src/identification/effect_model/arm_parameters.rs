@@ -73,3 +73,8 @@ pub(super) fn leader(model: &Model, parameter: ArmParameter) -> usize {
         ArmParameter::Drive(joint, which) => joint * STANDARD + ROTOR + which,
     }
 }
+
+/// Whether a parameter is merged into others, which take all but the little that a tilt makes of it.
+pub(super) fn is_merged(model: &Model, parameter: ArmParameter) -> bool {
+    matches!(parameter, ArmParameter::Base(base) if !model.base().merged(base).is_empty())
+}

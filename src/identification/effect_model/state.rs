@@ -1,6 +1,6 @@
 //! The model with its effects and their present parameters.
 
-use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, leader, stands_for};
+use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, is_merged, leader, stands_for};
 use crate::effects::{Gear, Placed, Role, Scope, Site};
 use crate::error::Result;
 use crate::identification::joint_regression::JointRegression;
@@ -149,7 +149,9 @@ impl<'a> EffectModel<'a> {
     pub(in crate::identification) fn settle_undetermined(&mut self, regression: &[JointRegression]) -> Result<()> {
         if self.undetermined.is_none() {
             require_rows(regression)?;
-            self.undetermined = Some(undetermined(regression, &self.baseline, &self.baseline_units()));
+            let merged = |parameter: &ArmParameter| is_merged(self.model, *parameter);
+            let merged: Vec<bool> = self.arm.iter().map(merged).collect();
+            self.undetermined = Some(undetermined(regression, &self.baseline, &self.baseline_units(), &merged));
         }
         Ok(())
     }

@@ -87,7 +87,7 @@ impl<'a> Bodies<'a> {
                     let frame = place.frame.then(&self.models.pose(child)?);
                     self.contents(child, Place { frame, class: class_within(child, place.class), ..place })?;
                 }
-                "replicate" | "composite" | "flexcomp" => {
+                "composite" | "flexcomp" => {
                     self.notes.push(format!("<{}> in line {} is left out with all in it", child.tag, child.line));
                 }
                 _ => {}

@@ -138,6 +138,32 @@ impl Element {
         self.children.iter_mut().for_each(|child| child.prefix(prefix, names));
     }
 
+    /// Puts a suffix behind the values of attributes, here and in all elements within.
+    pub fn suffix(&mut self, suffix: &str, names: &[&str]) {
+        for (_, value) in self.attributes.iter_mut().filter(|(name, _)| names.contains(&name.as_str())) {
+            value.push_str(suffix);
+        }
+        self.children.iter_mut().for_each(|child| child.suffix(suffix, names));
+    }
+
+    /// An empty frame in the place of this element; attributes without a value are left out.
+    pub fn frame(&self, attributes: &[(&str, &str)]) -> Element {
+        let given = attributes.iter().filter(|(_, value)| !value.is_empty());
+        Element {
+            tag: "frame".to_owned(),
+            attributes: given.map(|&(name, value)| (name.to_owned(), value.to_owned())).collect(),
+            children: Vec::new(),
+            file: Rc::clone(&self.file),
+            line: self.line,
+            model: self.model,
+        }
+    }
+
+    /// Number of elements within this one.
+    pub fn size(&self) -> usize {
+        self.children.iter().map(|child| 1 + child.size()).sum()
+    }
+
     /// The first element of a kind and name within this one.
     pub fn find(&self, tag: &str, name: &str) -> Option<&Element> {
         if self.tag == tag && self.get("name") == Some(name) {

@@ -8,6 +8,7 @@ mod drives;
 mod element;
 mod models;
 mod names;
+mod replicate;
 mod shapes;
 #[cfg(test)]
 mod tests;
@@ -42,7 +43,9 @@ pub(super) fn read(source: &XmlText) -> Result<Description> {
         ));
     }
     let models = Models::of(&mut root)?;
+    let notes = replicate::expand(&mut root, &models)?;
     let mut bodies = Bodies::of(&root, &models)?;
+    bodies.notes.extend(notes);
     if bodies.joints.is_empty() {
         return Err(Error::input(
             path,

@@ -9,9 +9,9 @@ use std::path::Path;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/mjcf");
 
-fn reference() -> (Description, Value) {
-    let path = Path::new(FOLDER).join("arm.xml");
-    let text = std::fs::read_to_string(Path::new(FOLDER).join("arm.json")).unwrap();
+fn reference(model: &str) -> (Description, Value) {
+    let path = Path::new(FOLDER).join(format!("{model}.xml"));
+    let text = std::fs::read_to_string(Path::new(FOLDER).join(format!("{model}.json"))).unwrap();
     (super::read(&XmlText::read(&path, "the model").unwrap()).unwrap(), serde_json::from_str(&text).unwrap())
 }
 
@@ -51,7 +51,12 @@ fn frames(robot: &Description, positions: &HashMap<&str, f64>) -> Vec<Pose> {
 /// Positions of all centres of mass, tensors in the world, and the joints' numbers are MuJoCo's.
 #[test]
 fn bodies_joints_and_frames_are_mujocos() {
-    let (robot, reference) = reference();
+    is_mujocos("arm");
+    is_mujocos("replicate");
+}
+
+fn is_mujocos(model: &str) {
+    let (robot, reference) = reference(model);
     assert_eq!(robot.gravity.as_slice(), numbers(&reference["gravity"]));
     let moving: Vec<_> = robot.joints.iter().filter(|joint| joint.motion != Motion::Fixed).collect();
     let joints = reference["joints"].as_array().unwrap();
@@ -101,7 +106,7 @@ fn bodies_joints_and_frames_are_mujocos() {
 
 #[test]
 fn drives_and_couplings_of_the_model() {
-    let (robot, _) = reference();
+    let (robot, _) = reference("arm");
     let joint = |name: &str| robot.joints.iter().find(|joint| joint.name == name).unwrap();
     let efforts = ["rail", "yaw", "pitch", "elbow", "roll", "lift"].map(|name| joint(name).limits.effort);
     assert_eq!(efforts, [500.0, 80.0, 30.0, 45.0, 6.0, f64::INFINITY]);

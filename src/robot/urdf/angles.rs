@@ -21,6 +21,9 @@ const ENOUGH: i32 = 10;
 /// Widest angle that is asked; beyond two turns it may have another unit.
 const WIDEST: f64 = 4.0 * PI;
 
+/// Zeros at the end of a number from which they are not digits of it.
+const FILLED: usize = 2;
+
 /// Share of half a printed digit that the parsed number may err beyond it.
 const PARSING: f64 = 1e-6;
 
@@ -69,13 +72,16 @@ pub fn meant(word: &str, fewest: i32) -> Option<f64> {
     (rounded || cut_off).then_some(exact)
 }
 
-/// Decimals of a printed number, its exponent counted.
+/// Decimals of a printed number, its exponent counted. Two or more zeros at the end are those of a program that prints so many
+/// digits of every number (1.570800); one number in a hundred has them by itself.
 fn decimals(word: &str) -> Option<i32> {
     let (mantissa, exponent) = match word.split_once(['e', 'E']) {
         Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
         None => (word, 0),
     };
-    let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len());
+    let digits = mantissa.split_once('.').map_or("", |(_, digits)| digits);
+    let written = digits.trim_end_matches('0').len();
+    let digits = if digits.len() - written < FILLED { digits.len() } else { written };
     i32::try_from(digits).ok()?.checked_sub(exponent)
 }
 
@@ -99,6 +105,9 @@ mod tests {
             ("-0.785", -PI / 4.0),
             ("1.0472", PI / 3.0),
             ("6.2832", 2.0 * PI),
+            ("1.570800", FRAC_PI_2),
+            ("-3.14159000", -PI),
+            ("1.5700", FRAC_PI_2),
         ] {
             let angle = meant(word, FEWEST).unwrap_or_else(|| panic!("{word}"));
             assert!((angle - expected).abs() < 4e-16 * expected.abs(), "{word} {angle}");
@@ -111,7 +120,7 @@ mod tests {
     fn other_numbers_stay() {
         let other = [
             "0", "0.0", "1.6", "1.5", "2", "0.6109", "1.5710", "1.5705", "0.79", "1.04", "0.26", "1e-16", "1.047",
-            "-2.094",
+            "-2.094", "1.6000", "2.000000", "1.047000",
         ];
         let exact = ["1.5707963267948966", "3.14159265358979", "1.57079632679", "2.6179938779914944"];
         let broken = ["", "x", "nan", "1e999999999999", ".", "1.2.3", "1e-2147483648", "0.5e"];

@@ -112,10 +112,14 @@ impl Gains {
         self.share() + SURELY * self.std / self.before < 0.0
     }
 
-    /// Standard deviations by which the sum of squares grows; negative where it falls, zero where nothing changes.
+    /// Standard deviations by which the sum of squares grows, by its scatter between blocks (paired t); negative where it falls, zero
+    /// where nothing changes. Unlike the bounds of the gain it does not take the residual after for noise.
     pub fn growth(&self) -> f64 {
-        let gain: f64 = self.of_rows.iter().sum();
-        if self.std > 0.0 { -gain / self.std } else { 0.0 }
+        let blocks = self.of_rows.chunks(BLOCK).map(|rows| rows.iter().sum::<f64>());
+        let blocks: Vec<f64> = blocks.filter(|gain| *gain != 0.0).collect();
+        let (sum, count) = (blocks.iter().sum::<f64>(), blocks.len() as f64);
+        let scatter: f64 = blocks.iter().map(|gain| (gain - sum / count).powi(2)).sum();
+        if scatter > 0.0 { -sum / (scatter * count / (count - 1.0)).sqrt() } else { 0.0 }
     }
 
     /// Whether the chance in the gain is that of the noise: the residual holds little else.
@@ -197,5 +201,9 @@ mod tests {
         wrong.add(1.0, &effect);
         assert!(Gains::new(&unseen, &noise, &wrong, &[0], rows.len()).is_contradicted());
         assert!(!Gains::new(&unseen, &noise, &noise, &[0], rows.len()).is_contradicted());
+        // The same in standard deviations of the blocks.
+        assert!(Gains::new(&unseen, &noise, &wrong, &[0], rows.len()).growth() > 3.0);
+        assert!(Gains::new(&unseen, &before, &after, &[0], rows.len()).growth() < 0.0);
+        assert_eq!(Gains::new(&unseen, &noise, &noise, &[0], rows.len()).growth(), 0.0);
     }
 }

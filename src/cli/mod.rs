@@ -15,6 +15,7 @@ mod interrupt;
 mod measured;
 mod montecarlo;
 mod paper;
+mod payload;
 mod print;
 mod progress;
 mod robot;
@@ -64,6 +65,8 @@ enum Command {
     Excite(excite::Arguments),
     /// Name what the model of an arm misses, from logs.
     Diagnose(diagnose::Arguments),
+    /// Find the load that was added to an arm between logs: mass, centre, inertia.
+    Payload(payload::Arguments),
     /// Hide effects in simulated arms and count how often the diagnosis names them.
     Blind(blind::Arguments),
     /// Repeat the identification on many draws of noise, plants or motions, and compare estimators and smoothing.
@@ -91,6 +94,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
         Command::Excite(arguments) => excite::run(&arguments, &cli.global),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &cli.global),
+        Command::Payload(arguments) => payload::run(&arguments, &cli.global),
         Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Montecarlo(arguments) => montecarlo::run(&arguments, &cli.global),
         Command::Check(arguments) => check::run(&arguments, &cli.global),

@@ -5,24 +5,15 @@ use super::pseudo_inertia::pseudo_inertia;
 use crate::robot::{Inertia, PARAMETERS};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-/// A body that can exist, and how far it is from the fitted parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct NearestBody {
-    /// The body.
-    pub body: Inertia,
-    /// Squared distance from the fit in the metric of `normal`: as a chi-square of the deviations moved.
-    pub cost: f64,
-}
-
 /// The body nearest to `fitted` in the metric of its inverse covariance `normal`, `size` m being about how far its parts are from
 /// each other. None where the metric is not positive definite or the mass not positive.
-pub(crate) fn nearest_body(normal: &DMatrix<f64>, fitted: &[f64; PARAMETERS], size: f64) -> Option<NearestBody> {
+pub(crate) fn nearest_body(normal: &DMatrix<f64>, fitted: &[f64; PARAMETERS], size: f64) -> Option<Inertia> {
     let mass = fitted[0];
     if !(mass > 0.0 && size > 0.0) {
         return None;
     }
     if pseudo_inertia(fitted).cholesky().is_some() {
-        return Some(NearestBody { body: Inertia(*fitted), cost: 0.0 });
+        return Some(Inertia(*fitted));
     }
     let (first, second) = (mass * size, mass * size * size);
     let scale =
@@ -45,7 +36,7 @@ pub(crate) fn nearest_body(normal: &DMatrix<f64>, fitted: &[f64; PARAMETERS], si
         return None;
     }
     let values = values.component_mul(&program.scale);
-    Some(NearestBody { body: Inertia(std::array::from_fn(|k| values[k])), cost: point.norm_squared() })
+    Some(Inertia(std::array::from_fn(|k| values[k])))
 }
 
 #[cfg(test)]
@@ -62,7 +53,7 @@ mod tests {
     fn a_body_that_can_exist_is_kept() {
         let body = Inertia::from_center_of_mass(2.0, Vector3::new(0.0, 0.0, 0.1), Matrix3::identity() * 0.01);
         let found = nearest_body(&normal(DEVIATIONS), &body.0, 0.1).unwrap();
-        assert_eq!((found.body, found.cost), (body, 0.0));
+        assert_eq!(found, body);
     }
 
     #[test]
@@ -70,10 +61,11 @@ mod tests {
         let mut fitted = Inertia::from_center_of_mass(2.0, Vector3::new(0.0, 0.0, 0.1), Matrix3::identity() * 0.002).0;
         fitted[6] -= 0.01;
         let found = nearest_body(&normal(DEVIATIONS), &fitted, 0.1).unwrap();
-        assert_eq!(found.body.physical_fault(0.0), None);
-        assert!(found.cost > 0.1 && found.cost < 2.0, "{}", found.cost);
+        assert_eq!(found.physical_fault(0.0), None);
+        let far: f64 = (0..PARAMETERS).map(|k| ((found.0[k] - fitted[k]) / DEVIATIONS[k]).powi(2)).sum();
+        assert!(far > 0.1 && far < 2.0, "{far}");
         // The exact mass stays, the inexact inertia moves.
-        assert!((found.body.mass() - 2.0).abs() < 0.01, "{}", found.body.mass());
+        assert!((found.mass() - 2.0).abs() < 0.01, "{}", found.mass());
         assert!(nearest_body(&normal(DEVIATIONS), &[-1.0; PARAMETERS], 0.1).is_none(), "no body has a negative mass");
     }
 }

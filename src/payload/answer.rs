@@ -40,6 +40,10 @@ pub enum Verdict {
     NoLoad,
     /// Something was added, and the logs do not determine its mass.
     MassNotDetermined,
+    /// A load, or other torque offsets: they explain the logs as well.
+    LoadOrOffsets,
+    /// What changed is nothing that a body on this link does.
+    NoBody,
 }
 
 /// What changed at a joint besides the load.
@@ -118,6 +122,8 @@ pub struct Payload {
     pub changed: Vec<Changed>,
     /// Joint by joint.
     pub joints: Vec<JointShare>,
+    /// Mass with a free torque offset at every joint; none where that leaves it open.
+    pub mass_with_free_offsets_kg: Option<Quantity>,
     /// The other estimator, where there are data for it.
     pub other: Option<Other>,
     /// What the numbers are as exact as.

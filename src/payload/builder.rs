@@ -4,7 +4,7 @@ use super::answer::{Changed, Estimator, Other, Payload, Quantity, SCALED_BY, Ver
 use super::controllers::Controllers;
 use super::determined::{Determined, determined};
 use super::equations::{CHANGES, Change, Equations, all_rows, baseline, differences};
-use super::estimate::{Estimate, Fitting, MATTERS};
+use super::estimate::{Estimate, Estimates, Fitting, MATTERS};
 use super::expected::Expected;
 use super::load_columns::LoadColumns;
 use super::matching::matched;
@@ -115,7 +115,7 @@ impl<'a> PayloadBuilder<'a> {
             let equations = differences(&model, (&before, &after), &matched, &arm, block_s);
             candidates.push(candidate(Estimator::Difference, equations, &torque, &after));
         }
-        candidates.retain(|candidate| candidate.estimate.blocks >= FEWEST_BLOCKS);
+        candidates.retain(|candidate| candidate.estimates.changed.blocks >= FEWEST_BLOCKS);
         candidates.sort_by(|a, b| a.uncertainty.total_cmp(&b.uncertainty));
         if candidates.is_empty() {
             let problem = format!(
@@ -194,17 +194,19 @@ impl<'a> PayloadBuilder<'a> {
                 .any(|(load, torque)| *load > MATTERS * torque && *load > 0.0);
             determined(estimate, reach, matters)
         };
-        let found = read(&best, &best.estimate);
+        let found = read(&best, &best.estimates.changed);
         if found.taken_off {
             let mass = found.raw_mass.map_or(0.0, |mass| -mass.value);
             let problem = format!("a load of {mass:.3} kg was taken off between them; give them in the other order");
             return Err(Error::request("BEFORE and AFTER", problem));
         }
+        let free = read(&best, &best.estimates.free_offsets);
+        let found = if free.verdict == Verdict::NoLoad && !free.taken_off { found.or_offsets() } else { found };
         let Determined { mut words, body, .. } = found.clone();
-        let changed = self.changed(&best.estimate);
+        let changed = self.changed(&best.estimates.changed);
         if !changed.is_empty() && found.mass.is_none() {
             // What offsets cannot be told from is said, not printed as a number of its own.
-            if let Some(mass) = read(&best, &best.plain).mass {
+            if let Some(mass) = read(&best, &best.estimates.plain).mass {
                 words.push(format!(
                     "with {} free to change, torques of the load and of the joints are not separated; if nothing but the load changed, \
                      it weighs {:.3} +- {:.3} kg",
@@ -214,13 +216,14 @@ impl<'a> PayloadBuilder<'a> {
                 ));
             }
         }
-        let joints = shares(self.robot, &best.equations, &best.estimate);
+        let joints = shares(self.robot, &best.equations, &best.estimates.changed);
         notes.extend(found.notes);
+        notes.extend(found.mass.and_then(|mass| offsets(&mass, &free)));
         notes.extend(super::shares::disagreement(&joints));
         let controllers = body.map(|(mass, center, inertia)| Controllers::new(mass, center, inertia));
         let other = other.map(|other| Other {
             estimator: other.estimator,
-            mass_kg: read(&other, &other.estimate).mass,
+            mass_kg: read(&other, &other.estimates.changed).mass,
             uncertainty: other.uncertainty,
         });
         let mut payload = Payload {
@@ -230,7 +233,7 @@ impl<'a> PayloadBuilder<'a> {
             verdict: found.verdict,
             estimator: best.estimator,
             matched_share,
-            blocks: best.estimate.blocks,
+            blocks: best.estimates.changed.blocks,
             uncertainty: best.uncertainty,
             mass_kg: found.mass,
             mass_below_kg: found.mass_below,
@@ -241,6 +244,7 @@ impl<'a> PayloadBuilder<'a> {
             not_determined: words,
             changed,
             joints,
+            mass_with_free_offsets_kg: free.mass,
             other,
             scaled_by: SCALED_BY,
             notes,
@@ -271,18 +275,15 @@ impl<'a> PayloadBuilder<'a> {
 struct Candidate {
     estimator: Estimator,
     equations: Equations,
-    /// Of the load alone.
-    plain: Estimate,
-    /// Of the load and what else changed.
-    estimate: Estimate,
+    estimates: Estimates,
     /// Root mean square of the uncertainty of the load's torque.
     uncertainty: f64,
 }
 
 fn candidate(estimator: Estimator, equations: Equations, torque: &[f64], after: &[LogRows]) -> Candidate {
-    let [plain, estimate] = Fitting::new(&equations, torque).run();
-    let uncertainty = uncertainty(&estimate, after);
-    Candidate { estimator, equations, plain, estimate, uncertainty }
+    let estimates = Fitting::new(&equations, torque).run();
+    let uncertainty = uncertainty(&estimates.changed, after);
+    Candidate { estimator, equations, estimates, uncertainty }
 }
 
 /// Root mean square over the rows after, of all joints, of the uncertainty of the load's torque.
@@ -292,9 +293,14 @@ fn uncertainty(estimate: &Estimate, after: &[LogRows]) -> f64 {
         if load.channels() == 0 {
             continue;
         }
-        let table = DMatrix::from_fn(load.samples(), PARAMETERS, |row, k| {
-            if arm.valid[row] { load.channel(k)[row] } else { 0.0 }
-        });
+        let table =
+            DMatrix::from_fn(
+                load.samples(),
+                PARAMETERS,
+                |row, k| {
+                    if arm.valid[row] { load.channel(k)[row] } else { 0.0 }
+                },
+            );
         gram += table.tr_mul(&table);
         rows += arm.rows();
     }
@@ -339,6 +345,24 @@ fn reach(robot: &Robot) -> f64 {
     let reach = links + robot.flange.translation.norm() + robot.joints.iter().map(slides).sum::<f64>();
     // An arm whose links have no length, as one of a single joint.
     if reach > 0.0 { reach } else { 1.0 }
+}
+
+/// A sentence on what a mass owes to offsets that stay.
+fn offsets(mass: &Quantity, free: &Determined) -> Option<String> {
+    /// Standard errors of the freer fit by which both may differ.
+    const DEVIATIONS: f64 = 3.0;
+    match free.mass {
+        Some(other) if (other.value - mass.value).abs() <= DEVIATIONS * other.standard_error.max(mass.standard_error) => None,
+        Some(other) => Some(format!(
+            "with a free torque offset at every joint the mass would be {:.3} +- {:.3} kg",
+            other.value, other.standard_error
+        )),
+        None => Some(
+            "with a free torque offset at every joint these logs would not determine the mass: it holds if offsets stayed as they were; move \
+             the arm through more attitudes"
+                .into(),
+        ),
+    }
 }
 
 /// What changed, in words.

@@ -126,10 +126,7 @@ mod tests {
             found.kuka_load,
             "$LOAD = {M 2.5, CM {X 10, Y -20, Z 100, A 0, B 0, C 0}, J {X 0.01, Y 0.02, Z 0.03}}"
         );
-        assert_eq!(
-            found.abb_loaddata,
-            "PERS loaddata load1 := [2.5, [10, -20, 100], [1, 0, 0, 0], 0.01, 0.02, 0.03];"
-        );
+        assert_eq!(found.abb_loaddata, "PERS loaddata load1 := [2.5, [10, -20, 100], [1, 0, 0, 0], 0.01, 0.02, 0.03];");
         assert_eq!(found.franka_desk["mass"], 2.5);
         assert_eq!(found.franka_desk["inertia"][4], 0.02);
         assert_eq!(found.franka_desk["transformation"].as_array().unwrap().len(), 16);

@@ -21,8 +21,11 @@ const LIMIT: f64 = 2.0;
 /// Standard errors beyond which a negative mass is a load that was taken off.
 const TAKEN_OFF: f64 = 1.0 / LARGEST_ERROR;
 
-/// Squared distance, as a chi-square of ten, that a fit may be from a body that can exist before that is said: one in a thousand.
-const NO_BODY: f64 = 29.6;
+/// Share of a mass by which the nearest body that can exist may differ from the fit before that is said.
+const MOVED: f64 = 0.05;
+
+/// Places of the moments of inertia among the ten parameters.
+const MOMENTS: [usize; 3] = [4, 6, 9];
 
 /// About how far the parts of a load are from each other, m, where its inertia says nothing.
 const SIZE: f64 = 0.05;
@@ -52,12 +55,33 @@ pub(super) struct Determined {
     pub body: Option<(f64, Vector3<f64>, Option<Matrix3<f64>>)>,
 }
 
+impl Determined {
+    /// Of a load that other torque offsets explain as well: its numbers are left out. No load stays none.
+    pub(super) fn or_offsets(self) -> Determined {
+        if self.verdict == Verdict::NoLoad || self.verdict == Verdict::NoBody {
+            return self;
+        }
+        Determined {
+            verdict: Verdict::LoadOrOffsets,
+            mass: None,
+            center: [None; 3],
+            inertia: [None; 6],
+            first_moment: [None; 3],
+            inertia_about_frame: [None; 6],
+            words: vec![
+                "all of it: with a free torque offset at every joint no load is left; move the arm through more attitudes".into(),
+            ],
+            body: None,
+            ..self
+        }
+    }
+}
+
 /// Of an estimate on an arm of so long a `reach`, m. `matters` says whether the load's torque is of a size that matters.
 pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Determined {
     let fitted: [f64; PARAMETERS] = std::array::from_fn(|k| estimate.load[k] * SCALE[k]);
-    let covariance = SMatrix::<f64, PARAMETERS, PARAMETERS>::from_fn(|i, j| {
-        estimate.covariance[(i, j)] * SCALE[i] * SCALE[j]
-    });
+    let covariance =
+        SMatrix::<f64, PARAMETERS, PARAMETERS>::from_fn(|i, j| estimate.covariance[(i, j)] * SCALE[i] * SCALE[j]);
     let visible = estimate.visible;
     let error = |k: usize| covariance[(k, k)].max(0.0).sqrt();
     let raw_mass = visible[0].then(|| Quantity { value: fitted[0], standard_error: error(0) });
@@ -85,18 +109,35 @@ pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Dete
         }
         return found;
     }
-    let body = (heavy && visible[..4].iter().all(|&v| v)).then(|| possible(&fitted, &covariance, &visible)).flatten();
-    if let Some((body, cost)) = body
-        && cost > NO_BODY
-    {
-        found.notes.push(format!(
-            "no body has the inertia that the torques ask for (chi-square {cost:.0} of ten): the nearest that can exist is given; look \
-             at the signs and constants of the torques; given is the mass {:.4} kg, fitted {:.4} kg",
-            body.mass(),
-            fitted[0]
+    if let Some(axis) = (0..3).find(|&axis| {
+        let k = MOMENTS[axis];
+        visible[k] && fitted[k] < -SIGNIFICANT * error(k)
+    }) {
+        let k = MOMENTS[axis];
+        found.verdict = Verdict::NoBody;
+        found.words.push(format!(
+            "all of it: the torques changed as no body makes them change (inertia about {} of {:.4} +- {:.4} kg m2); friction, offsets or \
+             the arm itself changed, or the load is on another link",
+            ["x", "y", "z"][axis],
+            fitted[k],
+            error(k)
         ));
+        return found;
     }
-    let values = body.map_or(fitted, |(body, _)| body.0);
+    let plain = SMatrix::<f64, PARAMETERS, PARAMETERS>::from_fn(|i, j| estimate.plain[(i, j)] * SCALE[i] * SCALE[j]);
+    let body = (heavy && visible[..4].iter().all(|&v| v)).then(|| possible(&fitted, &plain, &visible)).flatten();
+    if let Some(body) = body {
+        let moved = (body.mass() - fitted[0]).abs();
+        if moved > (SIGNIFICANT * error(0)).max(MOVED * fitted[0]) {
+            found.notes.push(format!(
+                "no body has the inertia that the torques ask for: given is the nearest that can exist, of {:.3} kg instead of {:.3} kg; \
+                 look at the signs and constants of the torques",
+                body.mass(),
+                fitted[0]
+            ));
+        }
+    }
+    let values = body.map_or(fitted, |body| body.0);
     if heavy {
         found.verdict = Verdict::Load;
         found.mass = Some(Quantity { value: values[0], standard_error: error(0) });
@@ -118,12 +159,12 @@ pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Dete
 /// Why a mass is not seen.
 const NO_TORQUE: &str = "no torque of these joints depends on it alone";
 
-/// The body that can exist nearest to the fit, with its squared distance; what is not visible is free.
+/// The body that can exist nearest to the fit: the best fit of those that can; what is not visible is free.
 fn possible(
     fitted: &[f64; PARAMETERS],
     covariance: &SMatrix<f64, PARAMETERS, PARAMETERS>,
     visible: &[bool; PARAMETERS],
-) -> Option<(Inertia, f64)> {
+) -> Option<Inertia> {
     let mass = fitted[0];
     let free = [mass, mass * SIZE, mass * SIZE, mass * SIZE].into_iter().chain([mass * SIZE * SIZE; 6]);
     let free: Vec<f64> = free.collect();
@@ -142,7 +183,7 @@ fn possible(
     });
     let inverse = correlation.cholesky()?.inverse();
     let normal = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| inverse[(i, j)] / (error[i] * error[j]));
-    nearest_body(&normal, fitted, SIZE).map(|found| (found.body, found.cost))
+    nearest_body(&normal, fitted, SIZE)
 }
 
 /// First moments and inertias about the frame, each where it is known to a part of the largest.
@@ -152,9 +193,8 @@ fn about_frame(
     visible: &[bool; PARAMETERS],
     error: impl Fn(usize) -> f64,
 ) {
-    let largest = |places: std::ops::Range<usize>| {
-        places.filter(|&k| visible[k]).map(|k| values[k].abs()).fold(0.0, f64::max)
-    };
+    let largest =
+        |places: std::ops::Range<usize>| places.filter(|&k| visible[k]).map(|k| values[k].abs()).fold(0.0, f64::max);
     let quantity = |k: usize, size: f64| {
         let quantity = Quantity { value: values[k], standard_error: error(k) };
         (visible[k] && quantity.standard_error <= LARGEST_ERROR * size).then_some(quantity)
@@ -240,13 +280,16 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
+    fn diagonal(errors: [f64; PARAMETERS]) -> DMatrix<f64> {
+        DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| if i == j { (errors[i] / SCALE[i]).powi(2) } else { 0.0 })
+    }
+
     /// An estimate of a body with these standard errors.
     fn estimate(body: &Inertia, errors: [f64; PARAMETERS], visible: [bool; PARAMETERS]) -> Estimate {
         Estimate {
             load: DVector::from_fn(PARAMETERS, |k, _| body.0[k] / SCALE[k]),
-            covariance: DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| {
-                if i == j { (errors[i] / SCALE[i]).powi(2) } else { 0.0 }
-            }),
+            covariance: diagonal(errors),
+            plain: diagonal(errors),
             visible,
             changes: Vec::new(),
             beta: DVector::zeros(PARAMETERS),

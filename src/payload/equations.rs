@@ -56,10 +56,8 @@ pub(super) fn baseline(model: &Model, before: &[LogRows], block_s: f64) -> DVect
         .map(|joint| {
             let mut rows = empty(model, joint, Layout { arm: size, dof: model.dof() });
             for (log, own) in before.iter().enumerate() {
-                append_arm(&mut rows, model, own, joint, |row| Key {
-                    cluster: own.block(row, block_s),
-                    before: Some(log),
-                    after: None,
+                append_arm(&mut rows, model, own, joint, |row| {
+                    Key::new((log, own.block(row, block_s)), Some(log), None)
                 });
             }
             rows
@@ -82,29 +80,16 @@ fn arm_size(model: &Model) -> usize {
 /// Rows of all logs: those after have the load and what changed.
 pub(super) fn all_rows(model: &Model, before: &[LogRows], after: &[LogRows], block_s: f64) -> Equations {
     let layout = Layout { arm: arm_size(model), dof: model.dof() };
-    let mut first = 0;
-    let mut clusters = |log: &LogRows| {
-        let own = first;
-        first += log.block(log.rows() - 1, block_s) + 1;
-        own
-    };
-    let firsts: Vec<usize> = before.iter().chain(after).map(&mut clusters).collect();
-    let (first_before, first_after) = firsts.split_at(before.len());
     let joints = (0..model.dof()).map(|joint| {
         let mut rows = empty(model, joint, layout);
         for (log, own) in before.iter().enumerate() {
-            append_arm(&mut rows, model, own, joint, |row| Key {
-                cluster: first_before[log] + own.block(row, block_s),
-                before: Some(log),
-                after: None,
-            });
+            append_arm(&mut rows, model, own, joint, |row| Key::new((log, own.block(row, block_s)), Some(log), None));
         }
         for (log, own) in after.iter().enumerate() {
             let start = rows.y.len();
-            append_arm(&mut rows, model, own, joint, |row| Key {
-                cluster: first_after[log] + own.block(row, block_s),
-                before: None,
-                after: Some(log),
+            let number = before.len() + log;
+            append_arm(&mut rows, model, own, joint, |row| {
+                Key::new((number, own.block(row, block_s)), None, Some(log))
             });
             let mut place = start;
             for row in valid(own, joint) {
@@ -128,7 +113,6 @@ pub(super) fn differences(
     let layout = Layout { arm: 0, dof: model.dof() };
     // A row of the side with fewer logs is in several differences: its noise stays in one cluster.
     let by_before = before.len() < after.len();
-    let longest = before.iter().chain(after).map(|log| log.block(log.rows() - 1, block_s) + 1).max().unwrap_or(1);
     let joints = (0..model.dof()).map(|joint| {
         let mut rows = empty(model, joint, layout);
         for (log, (own, matched)) in after.iter().zip(matched).enumerate() {
@@ -145,11 +129,11 @@ pub(super) fn differences(
                     .map(|(k, &b)| (now.columns.channel(k)[row] - then.columns.channel(k)[there]) * arm[b])
                     .sum();
                 rows.y.push(now.torque[row] - then.torque[there] - expected);
-                let cluster = match by_before {
-                    true => other * longest + before[other].block(there, block_s),
-                    false => log * longest + own.block(row, block_s),
+                let place = match by_before {
+                    true => (other, before[other].block(there, block_s)),
+                    false => (log, own.block(row, block_s)),
                 };
-                rows.keys.push(Key { cluster, before: Some(other), after: Some(log) });
+                rows.keys.push(Key::new(place, Some(other), Some(log)));
                 rows.columns.iter_mut().for_each(|column| column.push(0.0));
                 let place = rows.y.len() - 1;
                 set_change(&mut rows, model, own, joint, (row, place));

@@ -14,6 +14,13 @@ pub(super) const SIGNIFICANT: f64 = 4.0;
 /// constant does.
 pub(super) const MATTERS: f64 = 0.02;
 
+/// Square that a change must take off the residual, over what another torque constant of its joint would take off: where both
+/// explain it, the torque constant is the simpler reason, and the share that the joint shows of the load has it.
+const OVER_GAIN: f64 = 2.0;
+
+/// Fewest coarse clusters that standard errors come from.
+const FEWEST_COARSE: usize = 8;
+
 /// Share of its square that must be left of a direction over all other columns to be determined at all; below it is rounding.
 const INDEPENDENT: f64 = 1e-8;
 
@@ -27,6 +34,8 @@ pub(super) struct Estimate {
     pub load: DVector<f64>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
+    /// What it would be if all rows erred independently: the metric of the fit.
+    pub plain: DMatrix<f64>,
     /// Which of them any torque depends on.
     pub visible: [bool; PARAMETERS],
     /// What changed besides: joint, kind, change, standard error.
@@ -37,11 +46,24 @@ pub(super) struct Estimate {
     pub blocks: usize,
 }
 
+/// Fits of one load.
+#[derive(Debug, Clone)]
+pub(super) struct Estimates {
+    /// The load alone.
+    pub plain: Estimate,
+    /// The load with what else changed beyond doubt; the same where nothing did.
+    pub changed: Estimate,
+    /// The load with a free offset at every joint.
+    pub free_offsets: Estimate,
+}
+
 /// Equations in sums, ready to be fitted.
 pub(super) struct Fitting<'a> {
     equations: &'a Equations,
     layout: Layout,
     blocks: BTreeMap<Key, Sums>,
+    /// Sums of each joint, under its weight.
+    by_joint: Vec<Sums>,
     all: Sums,
     /// One over the variance of the residual of each joint.
     weights: Vec<f64>,
@@ -59,6 +81,7 @@ impl<'a> Fitting<'a> {
             equations,
             layout,
             blocks: BTreeMap::new(),
+            by_joint: joints,
             all: total([], layout.size()),
             weights: Vec::new(),
             torque: torque.to_vec(),
@@ -68,24 +91,31 @@ impl<'a> Fitting<'a> {
     }
 
     fn weigh(&mut self, weights: Vec<f64>) {
+        let joints = of_joints(&self.equations.joints, self.layout.size());
+        self.by_joint = joints.iter().zip(&weights).map(|(sums, &weight)| sums.times(weight)).collect();
         self.blocks = of_blocks(&self.equations.joints, &weights, self.layout.size());
         self.all = total(self.blocks.values(), self.layout.size());
         self.weights = weights;
     }
 
-    /// The load alone, and again with what else changed beyond doubt: the second is the same where nothing did.
-    pub(super) fn run(mut self) -> [Estimate; 2] {
+    /// The load alone, with what else changed beyond doubt, and with a free offset at every joint.
+    pub(super) fn run(mut self) -> Estimates {
         let plain = self.fit(&[]);
+        let offsets: Vec<usize> = (0..self.layout.dof)
+            .filter(|&joint| !self.equations.joints[joint].y.is_empty())
+            .map(|joint| self.layout.change(joint, 0))
+            .collect();
+        let free_offsets = self.fit(&offsets);
         let mut chosen: Vec<usize> = Vec::new();
         while let Some(next) = self.next(&chosen) {
             chosen.push(next);
         }
         if chosen.is_empty() {
-            return [plain.clone(), plain];
+            return Estimates { changed: plain.clone(), plain, free_offsets };
         }
         let free: Vec<usize> = (0..self.layout.arm + PARAMETERS).chain(chosen.iter().copied()).collect();
         self.weigh(weights(&of_joints(&self.equations.joints, self.layout.size()), &free));
-        [plain, self.fit(&chosen)]
+        Estimates { plain, changed: self.fit(&chosen), free_offsets }
     }
 
     /// The change that is most beyond doubt, beside those already `chosen`.
@@ -100,6 +130,19 @@ impl<'a> Fitting<'a> {
             *clusters.entry(key.cluster).or_insert_with(|| DVector::zeros(slope.len())) += slope;
         }
         let count = clusters.len() as f64;
+        // What another torque constant of each joint would take off: its column is the load's torque.
+        let mut load = DVector::zeros(beta.len());
+        load.rows_mut(self.layout.arm, PARAMETERS).copy_from(&beta.rows(self.layout.arm, PARAMETERS));
+        let by_gain: Vec<f64> = self
+            .by_joint
+            .iter()
+            .map(|sums| {
+                let (own, slope) = (&sums.gram * &load, load.dot(&(&sums.rhs - &sums.gram * &beta)));
+                let across = map.transpose() * &own;
+                let left = load.dot(&own) - across.dot(&(&inverse * &across));
+                if left > INDEPENDENT * load.dot(&own) { slope * slope / left } else { 0.0 }
+            })
+            .collect();
         let strength = |place: usize| -> Option<f64> {
             let own = self.all.gram[(place, place)];
             let across = map.transpose() * self.all.gram.column(place);
@@ -117,7 +160,8 @@ impl<'a> Fitting<'a> {
             // Its root mean square over the rows of the joint.
             let size = (sum / left).abs() * (own / self.weights[joint] / rows).sqrt();
             let strength = sum.abs() / error.max(f64::MIN_POSITIVE);
-            (strength > SIGNIFICANT && size > MATTERS * self.torque[joint]).then_some(strength)
+            let is_no_gain = sum * sum / left > OVER_GAIN * by_gain[joint];
+            (strength > SIGNIFICANT && size > MATTERS * self.torque[joint] && is_no_gain).then_some(strength)
         };
         let places = (self.layout.arm + PARAMETERS..self.layout.size()).filter(|place| !chosen.contains(place));
         let found = places.filter_map(|place| Some((place, strength(place)?)));
@@ -160,17 +204,21 @@ impl<'a> Fitting<'a> {
         let beta = &map * (&plain * &normal.rhs);
         let plain = &map * plain * map.transpose();
         let between = |cluster: fn(&Key) -> Option<usize>| {
-            jackknife(&self.blocks, &map, cluster).map(|(covariance, count)| (&map * covariance * map.transpose(), count))
+            jackknife(&self.blocks, &map, cluster)
+                .map(|(covariance, count)| (&map * covariance * map.transpose(), count))
         };
         let by_block = between(|key| Some(key.cluster));
         let blocks = by_block.as_ref().map_or(1, |(_, count)| *count);
+        let coarse = between(|key| Some(key.coarse)).filter(|(_, count)| *count >= FEWEST_COARSE);
         let by_log = [between(|key| key.before), between(|key| key.after)];
         let mut covariance = by_block.map_or_else(|| plain.clone(), |(covariance, _)| covariance);
-        let logs = by_log.into_iter().flatten().fold(DMatrix::zeros(size, size), |sum, (covariance, _)| sum + covariance);
-        // Never below the noise, nor below the spread between logs.
+        let logs =
+            by_log.into_iter().flatten().fold(DMatrix::zeros(size, size), |sum, (covariance, _)| sum + covariance);
+        // Never below the noise, nor below the spread between longer blocks and between logs.
         for k in 0..size {
             let own = covariance[(k, k)];
-            let least = plain[(k, k)].max(logs[(k, k)]);
+            let longer = coarse.as_ref().map_or(0.0, |(covariance, _)| covariance[(k, k)]);
+            let least = plain[(k, k)].max(logs[(k, k)]).max(longer);
             if own < least {
                 let factor = (least / own.max(f64::MIN_POSITIVE)).sqrt().min(1e150);
                 covariance.row_mut(k).scale_mut(factor);
@@ -189,6 +237,7 @@ impl<'a> Fitting<'a> {
             .collect();
         Estimate {
             load: beta.rows(arm, PARAMETERS).clone_owned(),
+            plain: own(&plain),
             covariance: load_covariance,
             visible,
             changes,

@@ -1,6 +1,6 @@
 //! The load that is expected, and whether the one found agrees.
 
-use super::answer::{Payload, Quantity};
+use super::answer::{Payload, Quantity, Verdict};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -84,9 +84,14 @@ impl Expected {
     pub(super) fn compare(&self, found: &Payload) -> Comparison {
         let mut reasons = Vec::new();
         let mut agrees = true;
-        let error = found.raw_mass.map_or(0.0, |mass| mass.standard_error);
+        let mass = found.mass_kg.or(found.raw_mass);
+        let error = mass.map_or(0.0, |mass| mass.standard_error);
         let tolerance_kg = self.tolerance_kg.unwrap_or(DEVIATIONS * error + OF_THE_MASS * self.mass_kg);
-        match found.raw_mass {
+        match mass {
+            // None is expected and none is found: that is decided with care for chance.
+            Some(_) if self.mass_kg == 0.0 && self.tolerance_kg.is_none() && found.verdict == Verdict::NoLoad => {
+                reasons.push("no load is expected, and none is found".into());
+            }
             Some(Quantity { value, standard_error })
                 if self.mass_kg == 0.0 || standard_error <= CONFIRMS * self.mass_kg =>
             {

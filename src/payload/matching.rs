@@ -77,9 +77,8 @@ pub(super) fn matched(before: &[LogRows], after: &[LogRows]) -> Vec<Vec<Option<(
         let start = sorted.partition_point(|entry| entry.0 < q - near.position[first]);
         let end = sorted.partition_point(|entry| entry.0 <= q + near.position[first]);
         let candidates = sorted[start..end].iter();
-        let distances = candidates.filter_map(|&(_, other, there)| {
-            Some((near.distance((log, row), (&before[other], there))?, other, there))
-        });
+        let distances = candidates
+            .filter_map(|&(_, other, there)| Some((near.distance((log, row), (&before[other], there))?, other, there)));
         distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other, there)| (other, there))
     };
     after.iter().map(|log| (0..log.rows()).map(|row| nearest(log, row)).collect()).collect()

@@ -43,11 +43,16 @@ impl LogRows {
             let channels = table.iter().map(|channel| downsample(channel, decimation)).collect::<Result<Vec<_>>>()?;
             Ok(Channels::from_vectors(&channels))
         };
+        let mut arm = prepared.regression(model)?;
+        for (joint, rows) in arm.iter_mut().enumerate() {
+            let has_equation = model.has_equation(joint);
+            rows.valid.iter_mut().zip(&rows.torque).for_each(|(ok, torque)| *ok &= has_equation && torque.is_finite());
+        }
         Ok(LogRows {
             time: downsample(&prepared.time, decimation)?,
             q: thinned(&prepared.motion.q)?,
             qd: thinned(&prepared.motion.qd)?,
-            arm: prepared.regression(model)?,
+            arm,
             load: prepared.regression(load)?.into_iter().map(|joint| joint.columns).collect(),
         })
     }

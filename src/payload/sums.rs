@@ -11,10 +11,25 @@ const RIDGE: f64 = 1e-11;
 pub(super) struct Key {
     /// Rows of one cluster may err together.
     pub cluster: usize,
+    /// The same of longer clusters.
+    pub coarse: usize,
     /// The log before the change that the row is of.
     pub before: Option<usize>,
     /// The log after it.
     pub after: Option<usize>,
+}
+
+/// Most blocks of a log, for numbers of blocks of all logs.
+const MOST: usize = 1 << 32;
+
+/// Blocks of a coarse cluster.
+const COARSE: usize = 4;
+
+impl Key {
+    /// Of block `block` of log `log`, numbers of their own for each.
+    pub(super) fn new((log, block): (usize, usize), before: Option<usize>, after: Option<usize>) -> Self {
+        Key { cluster: log * MOST + block, coarse: log * MOST + block / COARSE, before, after }
+    }
 }
 
 /// Rows of one joint: `y` is the sum of the columns, each times its parameter.
@@ -126,8 +141,7 @@ pub(super) fn weights(of_joints: &[Sums], free: &[usize]) -> Vec<f64> {
     let map = selection(size, free);
     let joints: Vec<Sums> = of_joints.iter().map(|sums| sums.mapped(&map)).collect();
     let inverse_of = |square: f64| if square > 0.0 { 1.0 / square } else { 0.0 };
-    let mut weights: Vec<f64> =
-        joints.iter().map(|sums| inverse_of(sums.square / sums.rows.max(1) as f64)).collect();
+    let mut weights: Vec<f64> = joints.iter().map(|sums| inverse_of(sums.square / sums.rows.max(1) as f64)).collect();
     for _ in 0..ROUNDS {
         let mut all = Sums::zeros(free.len());
         joints.iter().zip(&weights).for_each(|(sums, &weight)| all.add(sums, weight));
@@ -182,10 +196,8 @@ pub(super) fn jackknife(
         return None;
     }
     let all = total(blocks.values(), map.nrows()).mapped(map);
-    let without: Vec<DVector<f64>> = clusters
-        .values()
-        .map(|block| inverse(&(&all.gram - &block.gram)) * (&all.rhs - &block.rhs))
-        .collect();
+    let without: Vec<DVector<f64>> =
+        clusters.values().map(|block| inverse(&(&all.gram - &block.gram)) * (&all.rhs - &block.rhs)).collect();
     let mean = without.iter().fold(DVector::zeros(size), |sum, beta| sum + beta) / count as f64;
     let spread = without.iter().fold(DMatrix::zeros(size, size), |sum, beta| {
         let off = beta - &mean;
@@ -199,7 +211,7 @@ mod tests {
     use super::*;
 
     fn key(cluster: usize) -> Key {
-        Key { cluster, before: None, after: Some(0) }
+        Key::new((0, cluster), None, Some(0))
     }
 
     #[test]

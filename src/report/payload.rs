@@ -55,6 +55,10 @@ fn headline(payload: &Payload) -> String {
             format!("Verdict: no load is found; one above {} kg would have been", rounded(limit, limit))
         }
         (Verdict::NoLoad, ..) => "Verdict: no load is found".into(),
+        (Verdict::LoadOrOffsets, ..) => {
+            "Verdict: a load was added, or the torque offsets changed: both explain these logs".into()
+        }
+        (Verdict::NoBody, ..) => "Verdict: the torques changed, but not as a load on this link changes them".into(),
         _ => "Verdict: something was added, and these logs do not determine its mass".into(),
     }
 }

@@ -10,6 +10,7 @@ mod inputs;
 mod inspect;
 mod library;
 mod options;
+mod payload;
 mod reports;
 mod studies;
 #[cfg(unix)]

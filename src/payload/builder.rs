@@ -194,7 +194,17 @@ impl<'a> PayloadBuilder<'a> {
                 .any(|(load, torque)| *load > MATTERS * torque && *load > 0.0);
             determined(estimate, reach, matters)
         };
-        let found = read(&best, &best.estimates.changed);
+        let (mut used, mut found) = (&best.estimates.changed, read(&best, &best.estimates.changed));
+        let alone = read(&best, &best.estimates.plain);
+        if (found.taken_off || found.verdict == Verdict::NoBody) && alone.verdict == Verdict::Load && !alone.taken_off {
+            // Changes that leave no possible body are wrong torque constants in another guise.
+            notes.push(format!(
+                "{} would differ between the logs as well, but what that leaves is no body's torque: the load alone is given; torque \
+                 constants that differ between the joints look like that",
+                listed(&self.changed(used))
+            ));
+            (used, found) = (&best.estimates.plain, alone);
+        }
         if found.taken_off {
             let mass = found.raw_mass.map_or(0.0, |mass| -mass.value);
             let problem = format!("a load of {mass:.3} kg was taken off between them; give them in the other order");
@@ -203,7 +213,7 @@ impl<'a> PayloadBuilder<'a> {
         let free = read(&best, &best.estimates.free_offsets);
         let found = if free.verdict == Verdict::NoLoad && !free.taken_off { found.or_offsets() } else { found };
         let Determined { mut words, body, .. } = found.clone();
-        let changed = self.changed(&best.estimates.changed);
+        let changed = self.changed(used);
         if !changed.is_empty() && found.mass.is_none() {
             // What offsets cannot be told from is said, not printed as a number of its own.
             if let Some(mass) = read(&best, &best.estimates.plain).mass {
@@ -216,7 +226,7 @@ impl<'a> PayloadBuilder<'a> {
                 ));
             }
         }
-        let joints = shares(self.robot, &best.equations, &best.estimates.changed);
+        let joints = shares(self.robot, &best.equations, used);
         notes.extend(found.notes);
         notes.extend(found.mass.and_then(|mass| offsets(&mass, &free)));
         notes.extend(super::shares::disagreement(&joints));
@@ -233,7 +243,7 @@ impl<'a> PayloadBuilder<'a> {
             verdict: found.verdict,
             estimator: best.estimator,
             matched_share,
-            blocks: best.estimates.changed.blocks,
+            blocks: used.blocks,
             uncertainty: best.uncertainty,
             mass_kg: found.mass,
             mass_below_kg: found.mass_below,

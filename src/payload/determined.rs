@@ -83,8 +83,21 @@ pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Dete
     let covariance =
         SMatrix::<f64, PARAMETERS, PARAMETERS>::from_fn(|i, j| estimate.covariance[(i, j)] * SCALE[i] * SCALE[j]);
     let visible = estimate.visible;
+    let plain = SMatrix::<f64, PARAMETERS, PARAMETERS>::from_fn(|i, j| estimate.plain[(i, j)] * SCALE[i] * SCALE[j]);
     let error = |k: usize| covariance[(k, k)].max(0.0).sqrt();
     let raw_mass = visible[0].then(|| Quantity { value: fitted[0], standard_error: error(0) });
+    let is_seen = (0..PARAMETERS).any(|k| visible[k] && fitted[k].abs() > SIGNIFICANT * error(k)) && matters;
+    let nearest = |values: &[f64; PARAMETERS]| {
+        (is_seen && visible[..4].iter().all(|&v| v)).then(|| possible(values, &plain, &visible)).flatten()
+    };
+    let body = nearest(&fitted);
+    let lighter = visible[0] && fitted[0] < -TAKEN_OFF * error(0) && matters;
+    // A load that was taken off is a body with the other sign.
+    let taken_off = lighter
+        && match (body, nearest(&fitted.map(|value| -value))) {
+            (Some((_, put_on)), Some((_, taken_off))) => taken_off < put_on,
+            _ => true,
+        };
     let mut found = Determined {
         verdict: Verdict::MassNotDetermined,
         mass: None,
@@ -96,11 +109,9 @@ pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Dete
         words: Vec::new(),
         notes: Vec::new(),
         raw_mass,
-        taken_off: visible[0] && fitted[0] < -TAKEN_OFF * error(0) && matters,
+        taken_off,
         body: None,
     };
-    let is_seen = (0..PARAMETERS).any(|k| visible[k] && fitted[k].abs() > SIGNIFICANT * error(k)) && matters;
-    let heavy = visible[0] && error(0) <= LARGEST_ERROR * fitted[0];
     if !is_seen || found.taken_off {
         found.verdict = Verdict::NoLoad;
         match raw_mass {
@@ -109,35 +120,34 @@ pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Dete
         }
         return found;
     }
-    if let Some(axis) = (0..3).find(|&axis| {
-        let k = MOMENTS[axis];
-        visible[k] && fitted[k] < -SIGNIFICANT * error(k)
-    }) {
-        let k = MOMENTS[axis];
+    let moments = || MOMENTS.into_iter().filter(|&k| visible[k]);
+    let largest = moments().map(|k| fitted[k]).fold(0.0, f64::max);
+    if let Some(k) = moments().find(|&k| fitted[k] < -SIGNIFICANT * error(k) && fitted[k] < -largest) {
         found.verdict = Verdict::NoBody;
         found.words.push(format!(
-            "all of it: the torques changed as no body makes them change (inertia about {} of {:.4} +- {:.4} kg m2); friction, offsets or \
-             the arm itself changed, or the load is on another link",
-            ["x", "y", "z"][axis],
+            "all of it: the torques changed as no body makes them change (a moment of inertia of {:.4} +- {:.4} kg m2); friction, \
+             offsets or the arm itself changed, or the load is on another link",
             fitted[k],
             error(k)
         ));
         return found;
     }
-    let plain = SMatrix::<f64, PARAMETERS, PARAMETERS>::from_fn(|i, j| estimate.plain[(i, j)] * SCALE[i] * SCALE[j]);
-    let body = (heavy && visible[..4].iter().all(|&v| v)).then(|| possible(&fitted, &plain, &visible)).flatten();
-    if let Some(body) = body {
-        let moved = (body.mass() - fitted[0]).abs();
-        if moved > (SIGNIFICANT * error(0)).max(MOVED * fitted[0]) {
-            found.notes.push(format!(
-                "no body has the inertia that the torques ask for: given is the nearest that can exist, of {:.3} kg instead of {:.3} kg; \
-                 look at the signs and constants of the torques",
-                body.mass(),
-                fitted[0]
-            ));
-        }
+    // What a body cannot be is an error of the model; standard errors that know the scatter alone grow by it.
+    let misfit = body.map_or(0.0, |(_, cost)| cost * plain[(0, 0)] / covariance[(0, 0)].max(f64::MIN_POSITIVE));
+    let inflation = (misfit / PARAMETERS as f64).max(1.0);
+    let covariance = covariance * inflation;
+    let error = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+    let values = body.map_or(fitted, |(body, _)| body.0);
+    let heavy = visible[0] && error(0) <= LARGEST_ERROR * values[0];
+    if (values[0] - fitted[0]).abs() > MOVED * fitted[0].abs() {
+        found.notes.push(format!(
+            "no body has the inertia that the torques ask for: given is the nearest that can exist, of {:.3} kg instead of {:.3} kg, with \
+             standard errors {:.1} times as large; look at the constants of the torques",
+            values[0],
+            fitted[0],
+            inflation.sqrt()
+        ));
     }
-    let values = body.map_or(fitted, |body| body.0);
     if heavy {
         found.verdict = Verdict::Load;
         found.mass = Some(Quantity { value: values[0], standard_error: error(0) });
@@ -159,13 +169,14 @@ pub(super) fn determined(estimate: &Estimate, reach: f64, matters: bool) -> Dete
 /// Why a mass is not seen.
 const NO_TORQUE: &str = "no torque of these joints depends on it alone";
 
-/// The body that can exist nearest to the fit: the best fit of those that can; what is not visible is free.
+/// The body that can exist nearest to the fit, the best fit of those that can, with its squared distance; what is not visible is
+/// free.
 fn possible(
     fitted: &[f64; PARAMETERS],
     covariance: &SMatrix<f64, PARAMETERS, PARAMETERS>,
     visible: &[bool; PARAMETERS],
-) -> Option<Inertia> {
-    let mass = fitted[0];
+) -> Option<(Inertia, f64)> {
+    let mass = fitted[0].abs();
     let free = [mass, mass * SIZE, mass * SIZE, mass * SIZE].into_iter().chain([mass * SIZE * SIZE; 6]);
     let free: Vec<f64> = free.collect();
     // In units of the standard errors, so that the inverse is of correlations.

@@ -212,6 +212,7 @@ impl<'a> PayloadBuilder<'a> {
         }
         let free = read(&best, &best.estimates.free_offsets);
         let found = if free.verdict == Verdict::NoLoad && !free.taken_off { found.or_offsets() } else { found };
+        let found = if best.estimator == Estimator::JointFit { found.without_inertia() } else { found };
         let Determined { mut words, body, .. } = found.clone();
         let changed = self.changed(used);
         if !changed.is_empty() && found.mass.is_none() {

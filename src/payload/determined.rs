@@ -56,6 +56,18 @@ pub(super) struct Determined {
 }
 
 impl Determined {
+    /// Of a fit that holds what the model of the arm lacks: inertia about the centre, which acts as little as that, is left out.
+    pub(super) fn without_inertia(mut self) -> Determined {
+        if self.inertia.iter().any(Option::is_some) {
+            self.inertia = [None; 6];
+            self.words.push(
+                "inertia: in one fit what the model of the arm lacks acts as much as it does; log the same motion before and after".into(),
+            );
+        }
+        self.body = self.body.map(|(mass, center, _)| (mass, center, None));
+        self
+    }
+
     /// Of a load that other torque offsets explain as well: its numbers are left out. No load stays none.
     pub(super) fn or_offsets(self) -> Determined {
         if self.verdict == Verdict::NoLoad || self.verdict == Verdict::NoBody {

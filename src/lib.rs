@@ -26,6 +26,8 @@ pub mod dataset;
 
 pub mod diagnosis;
 
+pub mod payload;
+
 pub mod quality;
 
 pub mod scenario;

@@ -16,6 +16,7 @@ mod logs;
 mod measured;
 mod montecarlo;
 mod paper;
+mod payload;
 mod print;
 mod progress;
 mod robot;
@@ -71,6 +72,8 @@ enum Command {
     Excite(excite::Arguments),
     /// Say from logs what the model of an arm misses: effect, joint, size.
     Diagnose(diagnose::Arguments),
+    /// Find the load that was added to an arm between logs: mass, centre, inertia.
+    Payload(payload::Arguments),
     /// Measure the diagnosis: hide effects in simulated arms and count how often they are named.
     Blind(blind::Arguments),
     /// Repeat the identification on many draws of noise, plants or motions, and compare estimators and smoothing.
@@ -98,6 +101,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
         Command::Excite(arguments) => excite::run(&arguments, &cli.global),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &cli.global),
+        Command::Payload(arguments) => payload::run(&arguments, &cli.global),
         Command::Blind(arguments) => blind::run(&arguments, &cli.global),
         Command::Montecarlo(arguments) => montecarlo::run(&arguments, &cli.global),
         Command::Check(arguments) => check::run(&arguments, &cli.global),

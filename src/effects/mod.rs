@@ -64,6 +64,7 @@ pub use link_inertia_error::LinkInertiaError;
 pub use load_dependent_friction::LoadDependentFriction;
 pub use nonlinear_viscous_friction::NonlinearViscousFriction;
 pub use payload::Payload;
+pub(crate) use payload::seen_from_parent;
 pub use position_dependent_friction::PositionDependentFriction;
 pub use presliding_hysteresis::PreslidingHysteresis;
 pub use rotor_inertia::RotorInertia;

@@ -78,7 +78,7 @@ impl Effect for Payload {
 
 /// Parallel-axis theorem without the centre of mass, so that it is linear and holds for parameters that have a first
 /// moment but no mass.
-fn seen_from_parent(body: &Inertia, frame: &Pose) -> Inertia {
+pub(crate) fn seen_from_parent(body: &Inertia, frame: &Pose) -> Inertia {
     let Pose { rotation, translation: t } = frame;
     let first = rotation * body.first_moment();
     let moment = first + body.mass() * t;

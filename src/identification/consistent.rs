@@ -103,13 +103,15 @@ pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Con
 
 /// The program in the coordinates u: deviation of the base parameters in units of their uncertainty, then the standard
 /// parameters that are not kept. x = map u + offset are the standard parameters in units of `scale`.
-struct Program {
-    fitted: usize,
-    map: DMatrix<f64>,
-    offset: DVector<f64>,
-    scale: DVector<f64>,
+pub(super) struct Program {
+    pub(super) fitted: usize,
+    pub(super) map: DMatrix<f64>,
+    pub(super) offset: DVector<f64>,
+    pub(super) scale: DVector<f64>,
     /// Parameters from which the search starts and to which what torque does not see stays close.
-    nominal: DVector<f64>,
+    pub(super) nominal: DVector<f64>,
+    /// Parameters of a body and what it hangs on: ten inertial ones, then those that must be positive.
+    pub(super) stride: usize,
 }
 
 impl Program {
@@ -138,28 +140,28 @@ impl Program {
             put(column, base.regrouping().column(other).as_slice(), -scale[other]);
             column[other] = 1.0;
         }
-        Some(Program { fitted: base.len(), map, offset, scale, nominal })
+        Some(Program { fitted: base.len(), map, offset, scale, nominal, stride: STANDARD })
     }
 
-    fn parameters(&self, point: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn parameters(&self, point: &DVector<f64>) -> DVector<f64> {
         &self.map * point + &self.offset
     }
 
     /// The same unseen parameters with the fitted base parameters.
-    fn unchanged(&self, point: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn unchanged(&self, point: &DVector<f64>) -> DVector<f64> {
         let mut point = point.clone();
         point.rows_mut(0, self.fitted).fill(0.0);
         point
     }
 
-    fn is_feasible(&self, x: &DVector<f64>) -> bool {
+    pub(super) fn is_feasible(&self, x: &DVector<f64>) -> bool {
         self.log_barrier(x).is_some()
     }
 
     /// Sum of the logarithms of what must be positive; None outside.
     fn log_barrier(&self, x: &DVector<f64>) -> Option<f64> {
         let mut sum = 0.0;
-        for joint in x.as_slice().chunks(STANDARD) {
+        for joint in x.as_slice().chunks(self.stride) {
             let factor = pseudo_inertia(joint).cholesky()?;
             sum += 2.0 * factor.l_dirty().diagonal().iter().map(|v| v.ln()).sum::<f64>();
             for &value in &joint[PARAMETERS..] {
@@ -180,10 +182,10 @@ impl Program {
     }
 
     /// Follows the central path from the nominal parameters.
-    fn minimize(&self) -> DVector<f64> {
+    pub(super) fn minimize(&self) -> DVector<f64> {
         let start = self.map.clone().lu().solve(&(&self.nominal - &self.offset));
         let mut point = start.unwrap_or_else(|| DVector::zeros(self.map.ncols()));
-        let conditions = (CONDITIONS * self.scale.len() / STANDARD) as f64;
+        let conditions = (CONDITIONS * self.scale.len() / self.stride) as f64;
         let mut weight = (point.rows(0, self.fitted).norm_squared() / conditions).max(1.0);
         loop {
             self.center(&mut point, weight);
@@ -224,8 +226,8 @@ impl Program {
         let x = self.parameters(point);
         let mut slope = CLOSENESS * (&x - &self.nominal);
         let mut curvature = DMatrix::identity(x.len(), x.len()) * CLOSENESS;
-        for (joint, values) in x.as_slice().chunks(STANDARD).enumerate() {
-            let first = joint * STANDARD;
+        for (joint, values) in x.as_slice().chunks(self.stride).enumerate() {
+            let first = joint * self.stride;
             let inverse = pseudo_inertia(values).try_inverse().unwrap_or_else(Matrix4::zeros);
             let parts: [Matrix4<f64>; PARAMETERS] = std::array::from_fn(|k| inverse * unit_pseudo_inertia(k));
             for (i, a) in parts.iter().enumerate() {
@@ -250,7 +252,7 @@ impl Program {
 }
 
 /// Lower Cholesky factor of a matrix, found on its version with a unit diagonal.
-fn unit_cholesky(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(super) fn unit_cholesky(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let size = matrix.diagonal().map(f64::sqrt);
     if size.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
         return None;

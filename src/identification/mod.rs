@@ -3,6 +3,7 @@
 pub(crate) mod base_columns;
 mod bounded;
 pub mod consistent;
+mod consistent_body;
 pub mod effect_model;
 pub mod equations;
 pub(crate) mod estimators;
@@ -30,3 +31,5 @@ pub(crate) mod standard;
 mod streamed;
 pub mod tsqr;
 mod undetermined;
+
+pub(crate) use consistent_body::nearest_body;

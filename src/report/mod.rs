@@ -10,6 +10,7 @@ mod markdown;
 pub(crate) mod measured;
 pub(crate) mod montecarlo;
 pub(crate) mod paper;
+pub(crate) mod payload;
 pub(crate) mod quality;
 pub(crate) mod results;
 pub(crate) mod robot;

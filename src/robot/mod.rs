@@ -4,6 +4,7 @@ mod choice;
 mod coupling;
 pub mod description;
 mod file_kind;
+mod flange;
 mod inertia;
 mod mjcf;
 mod tree;

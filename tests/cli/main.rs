@@ -11,6 +11,7 @@ mod inputs;
 mod inspect;
 mod library;
 mod options;
+mod payload;
 mod reports;
 #[path = "../schema/mod.rs"]
 mod schema;

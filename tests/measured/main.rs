@@ -3,6 +3,7 @@
 
 mod descriptions;
 mod diagnosis;
+mod payload;
 
 use std::path::{Path, PathBuf};
 use tauscope::dataset;

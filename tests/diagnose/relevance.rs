@@ -33,7 +33,7 @@ fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
     assert!(found.iter().all(|one| one.member.placed.effect.about().name == "stribeck_friction"), "{found:?}");
     let [minor] = &conclusion.diagnosis.minor[..] else { panic!("{:?}", conclusion.diagnosis.minor) };
     assert_eq!(minor.failed.gate, Gate::Size);
-    assert!(minor.failed.value < 1.0 && (minor.size[1] - 0.6).abs() < 0.3, "{minor:?}");
+    assert!(minor.failed.value < 1.0 && (0.05..1.0).contains(&minor.size[1]), "{} {:?}", minor.failed.value, minor.size);
     assert_eq!(json["smaller_findings"][0]["effect"], "torque_offset");
     assert_eq!(json["smaller_findings"][0]["failed"]["gate"], "size");
     assert_eq!(json["criteria"]["share_of_torque"], 0.02);
@@ -46,9 +46,10 @@ fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
 
 #[test]
 fn a_small_effect_that_is_all_there_is_is_a_finding() {
-    let logs = logs(&with(&[offset(1, 0.6)]), 62, 3);
-    let (conclusion, _) = concluded(&logs, Criteria::default());
+    // Far from half of the torque, and a tenth of what the joint misses.
+    let logs = logs(&with(&[offset(1, 3.0)]), 62, 3);
+    let (conclusion, _) = concluded(&logs, Criteria { share_of_torque: 0.5, ..Criteria::default() });
     let [found] = &conclusion.diagnosis.found[..] else { panic!("{:?}", conclusion.diagnosis.minor) };
     let (value, std) = (found.member.placed.parameters[0], found.member.std[0]);
-    assert!((value - 0.6).abs() < 4.0 * std && std < 0.2, "{value} +- {std}");
+    assert!((value - 3.0).abs() < 4.0 * std && std < 1.0, "{value} +- {std}");
 }

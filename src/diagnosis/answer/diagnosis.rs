@@ -261,7 +261,7 @@ pub(super) fn not_found(
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable =
-                seen.map(|(_, std)| factor(family.effect) * std).filter(|size| *size > 0.0 && sizes.contains(size));
+                seen.map(|(_, std)| factor(family.effect) * std).filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
             NotFound { family, minimum_detectable, unit }
         })
         .collect()

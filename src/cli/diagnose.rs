@@ -65,7 +65,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',', help_heading = "Search")]
     candidates: Vec<String>,
     /// Least size of a finding, % of a joint's torque rms; a tenth of what the joint misses counts too.
-    #[arg(long, value_name = "PERCENT", default_value_t = 2.0)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 2.0, help_heading = "Search")]
     least_share: f64,
     /// Skip the simulation of the extended model along the held-out motions.
     #[arg(long, help_heading = "Simulation")]

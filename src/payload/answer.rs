@@ -2,7 +2,6 @@
 
 use super::controllers::Controllers;
 use super::equations::Change;
-use super::expected::Comparison;
 use serde::Serialize;
 
 /// Schema of `payload.json`.
@@ -83,6 +82,19 @@ pub struct Other {
     pub mass_kg: Option<Quantity>,
     /// Root mean square of the uncertainty of the load's torque, N m (N).
     pub uncertainty: f64,
+}
+
+/// The load found compared with the one expected.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Expected mass, kg.
+    pub mass_kg: f64,
+    /// By how much the mass may differ, kg.
+    pub tolerance_kg: f64,
+    /// Whether the load found agrees with all that was expected.
+    pub agrees: bool,
+    /// Why, a sentence each.
+    pub reasons: Vec<String>,
 }
 
 /// The load added between logs. What the logs do not determine is none here, and a sentence of `not_determined`.

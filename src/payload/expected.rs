@@ -1,8 +1,8 @@
 //! The load that is expected, and whether the one found agrees.
 
-use super::answer::{Payload, Quantity, Verdict};
+use super::answer::{Comparison, Payload, Quantity, Verdict};
 use crate::error::{Error, Result};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::path::Path;
 
 /// Standard errors by which mass and centre may differ where no tolerance is given.
@@ -26,19 +26,6 @@ pub struct Expected {
     pub center_m: Option<[f64; 3]>,
     /// By how much each coordinate of the centre may differ, m. Default: two standard errors.
     pub tolerance_m: Option<f64>,
-}
-
-/// A load beside the one expected.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// Expected mass, kg.
-    pub mass_kg: f64,
-    /// By how much the mass may differ, kg.
-    pub tolerance_kg: f64,
-    /// Whether the load found agrees with all that was expected.
-    pub agrees: bool,
-    /// Why, a sentence each.
-    pub reasons: Vec<String>,
 }
 
 impl Expected {

@@ -33,7 +33,12 @@ fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
     assert!(found.iter().all(|one| one.member.placed.effect.about().name == "stribeck_friction"), "{found:?}");
     let [minor] = &conclusion.diagnosis.minor[..] else { panic!("{:?}", conclusion.diagnosis.minor) };
     assert_eq!(minor.failed.gate, Gate::Size);
-    assert!(minor.failed.value < 1.0 && (0.05..1.0).contains(&minor.size[1]), "{} {:?}", minor.failed.value, minor.size);
+    assert!(
+        minor.failed.value < 1.0 && (0.05..1.0).contains(&minor.size[1]),
+        "{} {:?}",
+        minor.failed.value,
+        minor.size
+    );
     assert_eq!(json["smaller_findings"][0]["effect"], "torque_offset");
     assert_eq!(json["smaller_findings"][0]["failed"]["gate"], "size");
     assert_eq!(json["criteria"]["share_of_torque"], 0.02);

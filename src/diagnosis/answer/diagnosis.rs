@@ -260,8 +260,9 @@ pub(super) fn not_found(
             let unit = Placed::typical(*effect, family.joint).unit(index, session.model.robot());
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
-            let minimum_detectable =
-                seen.map(|(_, std)| factor(family.effect) * std).filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
+            let minimum_detectable = seen
+                .map(|(_, std)| factor(family.effect) * std)
+                .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
             NotFound { family, minimum_detectable, unit }
         })
         .collect()

@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     at: Option<String>,
     /// Load that is expected: a mass in kg, or a TOML file with mass_kg and, where wanted, tolerance_kg, center_m,
     /// tolerance_m. Exit code 1 if the load found differs. Default tolerance: two standard errors and 5 % of the mass.
-    #[arg(long, value_name = "MASS|TOML")]
+    #[arg(long, value_name = "MASS|TOML", allow_hyphen_values = true)]
     expect: Option<String>,
     /// By how much the mass may differ from the expected one, kg.
     #[arg(long, value_name = "KG", requires = "expect")]

@@ -187,7 +187,7 @@ fn the_text_has_numbers_frames_and_controllers() {
 
 /// A pendulum about y with a point of 2 kg at 0.5 m, swung by hand: tau = (J + m l^2) qdd + m g l cos q ... with friction.
 fn pendulum(first_moment: f64, inertia: f64, which: f64) -> String {
-    let mut log = "t,q,tau\n".to_owned();
+    let mut log = "t,q1,tau1\n".to_owned();
     for i in 0..2000 {
         let t = 0.01 * f64::from(i);
         let (mut q, mut qd, mut qdd) = (0.0, 0.0, 0.0);

@@ -91,10 +91,8 @@ pub(super) fn all_rows(model: &Model, before: &[LogRows], after: &[LogRows], blo
             append_arm(&mut rows, model, own, joint, |row| {
                 Key::new((number, own.block(row, block_s)), None, Some(log))
             });
-            let mut place = start;
-            for row in valid(own, joint) {
+            for (place, row) in (start..).zip(valid(own, joint)) {
                 set_change(&mut rows, model, own, joint, (row, place));
-                place += 1;
             }
         }
         rows

@@ -18,7 +18,7 @@ pub struct Criteria {
     pub contradicted_p: f64,
     /// Factor by which no joint's held-out residual may grow with a finding.
     pub worse: f64,
-    /// Least gain of the logarithm of the restricted likelihood by a law beside generic functions of all kinds: 3 are odds of
+    /// Least gain of the logarithm of the restricted likelihood by a law over generic functions of all kinds: 3 are odds of
     /// 20 to 1.
     pub beyond_structure: f64,
 }

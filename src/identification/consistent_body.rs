@@ -6,7 +6,7 @@ use crate::robot::{Inertia, PARAMETERS};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// The body nearest to `fitted` in the metric of its inverse covariance `normal`, `size` m being about how far its parts are from
-/// each other. Its squared distance stands beside it. None
+/// each other. Returned with its squared distance. None
 /// where the metric is not positive definite or the fitted mass is zero.
 pub(crate) fn nearest_body(normal: &DMatrix<f64>, fitted: &[f64; PARAMETERS], size: f64) -> Option<(Inertia, f64)> {
     let mass = fitted[0].abs();

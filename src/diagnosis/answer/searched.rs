@@ -1,4 +1,4 @@
-//! The search with its result reduced to what matters, and what is left unexplained then.
+//! The search with its result reduced to what matters, and the structure that stays unexplained.
 
 use crate::diagnosis::Options;
 use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};

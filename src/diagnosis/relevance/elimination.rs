@@ -57,6 +57,9 @@ pub fn eliminate(
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn with_scatter(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<()> {
+    if found.is_empty() {
+        return Ok(());
+    }
     let fit = HeldFit::new(session, &members(found), whitener)?;
     if let Some(scatters) = fit.scatters(&(0..found.len()).collect::<Vec<usize>>()) {
         found.iter_mut().zip(&scatters).for_each(|(found, scatter)| widen(&mut found.member, scatter));

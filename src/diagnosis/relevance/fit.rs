@@ -19,6 +19,8 @@ pub(super) struct HeldFit<'a> {
     baseline: usize,
     /// Columns of each member; empty where it is held.
     own: Vec<Range<usize>>,
+    /// Those of them that are linear in the effect's amplitudes: its law.
+    laws: Vec<Range<usize>>,
     products: BlockProducts,
 }
 
@@ -29,17 +31,17 @@ impl<'a> HeldFit<'a> {
     /// If a log is too short to differentiate.
     pub fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
         let baseline = session.train.baseline.len();
-        let mut own = Vec::new();
+        let (mut own, mut laws) = (Vec::new(), Vec::new());
         let mut place = baseline;
         for member in members {
             own.push(place..place + member.columns());
+            laws.push(place..place + linear(member.placed.effect).len().min(member.columns()));
             place += member.columns();
         }
         let with_torques = |side: &Side| -> Result<Vec<Column>> {
             let mut columns = session.all_columns(side, members)?;
-            for (member, own) in members.iter().zip(&own) {
-                let linear = own.start..own.start + linear(member.placed.effect).len().min(own.len());
-                columns.push(combined(&columns[linear], &member.factors));
+            for (member, law) in members.iter().zip(&laws) {
+                columns.push(combined(&columns[law.clone()], &member.factors));
             }
             Ok(columns)
         };
@@ -47,12 +49,17 @@ impl<'a> HeldFit<'a> {
         let white = whitener.apply_all(&train);
         let products =
             BlockProducts::new(&session.train.rows, whitener, &white, &whitener.apply(&session.train.torque));
-        Ok(HeldFit { session, train, test, baseline, own, products })
+        Ok(HeldFit { session, train, test, baseline, own, laws, products })
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
-    fn places(&self, kept: &[usize]) -> Vec<usize> {
+    pub fn places(&self, kept: &[usize]) -> Vec<usize> {
         (0..self.baseline).chain(kept.iter().flat_map(|&member| self.own[member].clone())).collect()
+    }
+
+    /// Places of the columns of a member's law.
+    pub fn law(&self, member: usize) -> Range<usize> {
+        self.laws[member].clone()
     }
 
     /// Residuals along the training and the held-out logs of the model with the members at `kept`.

@@ -3,10 +3,10 @@
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
-use crate::diagnosis::model::{Member, Session, linear};
+use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
-use crate::diagnosis::variance::gain_beside_generic_functions;
+use crate::diagnosis::variance::{gain_over_generic_functions, torques};
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -27,6 +27,8 @@ pub(super) struct Judge<'a> {
     /// All logs, with the columns of the model along them.
     all_logs: Session<'a>,
     all_columns: Vec<Column>,
+    /// Torque of the arm along them, `[joint][row]`, N m.
+    torques: Vec<Vec<f64>>,
 }
 
 /// A finding with its judgements.
@@ -73,7 +75,8 @@ impl<'a> Judge<'a> {
         let (least, unseen) = (least.collect(), whitener.on(&session.test.rows));
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.all_columns(&all_logs.train, members)?;
-        Ok(Judge { session, members, criteria, fit, unseen, least, baseline, all_logs, all_columns })
+        let torques = torques(&all_logs.arm, &all_logs.train.rows);
+        Ok(Judge { session, members, criteria, fit, unseen, least, baseline, all_logs, all_columns, torques })
     }
 
     /// Judges every member at `kept` but those that are held, which do not rest on residuals.
@@ -121,7 +124,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The largest factor on the residual of a joint of those that surely grow.
-    pub fn on_every_joint(&self, [before, after]: [&Column; 2]) -> Judgement {
+    fn on_every_joint(&self, [before, after]: [&Column; 2]) -> Judgement {
         let worse = self.worse_joints([before, after]).into_iter().map(|(_, factor)| factor);
         Judgement::at_most(Gate::EveryJoint, worse.fold(1.0, f64::max), self.criteria.worse)
     }
@@ -161,28 +164,17 @@ impl<'a> Judge<'a> {
         Normal::standard().inverse_cdf(1.0 - self.criteria.contradicted_p / count.max(1) as f64)
     }
 
-    /// What the member at `kept[index]` explains beside generic functions, with the others in the model; passed where the rows of that
+    /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; passed where the rows of that
     /// comparison are too long for its law.
     pub fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
-        let (member, threshold) = (&self.members[kept[index]], self.criteria.beyond_structure);
-        let baseline = self.session.train.baseline.len();
-        let (mut fixed, mut law) = (self.all_columns[..baseline].to_vec(), Vec::new());
-        let mut place = baseline;
-        for (other, member) in self.members.iter().enumerate() {
-            let own = &self.all_columns[place..place + member.columns()];
-            place += member.columns();
-            if other == kept[index] {
-                law.extend_from_slice(&own[..linear(member.placed.effect).len().min(own.len())]);
-            } else if kept.contains(&other) {
-                fixed.extend_from_slice(own);
-            }
-        }
-        let Session { train, arm, .. } = &self.all_logs;
-        let gains = member
-            .candidate
-            .joints()
-            .into_iter()
-            .map(|joint| gain_beside_generic_functions(train, arm, &fixed, &law, joint));
+        let threshold = self.criteria.beyond_structure;
+        let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
+        let fixed: Vec<Column> =
+            self.fit.places(&others).into_iter().map(|place| self.all_columns[place].clone()).collect();
+        let law = &self.all_columns[self.fit.law(kept[index])];
+        let joints = self.members[kept[index]].candidate.joints().into_iter();
+        let gains =
+            joints.map(|joint| gain_over_generic_functions(&self.all_logs.train, &self.torques, &fixed, law, joint));
         match gains.sum::<Option<f64>>() {
             Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold),
             None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },

@@ -1,9 +1,9 @@
-//! What a law of the library explains beside generic functions of all kinds.
+//! What a law of the library explains beyond generic functions of all kinds.
 
 use super::design::{Raw, Source};
-use super::map::{coloured_fit, torques};
+use super::map::coloured_fit;
 use super::mixed::fit;
-use crate::diagnosis::model::{Arm, Side};
+use crate::diagnosis::model::Side;
 use crate::diagnosis::regression::Column;
 
 /// Least share of a law's square that must be left in means over the rows of the mixed model for these to judge it.
@@ -11,16 +11,15 @@ const KEPT: f64 = 0.5;
 
 /// Gain of the logarithm of the restricted likelihood on one joint by the columns of a law as a random effect of their own, all other
 /// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that
-/// explains a part of what generic functions explain as well does not. None where the rows are too long for the law.
-pub fn gain_beside_generic_functions(
+/// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows are too long for the law.
+pub fn gain_over_generic_functions(
     side: &Side,
-    arm: &Arm,
+    torques: &[Vec<f64>],
     fixed: &[Column],
     law: &[Column],
     joint: usize,
 ) -> Option<f64> {
-    let torque = torques(arm, &side.rows);
-    let source = Source { rows: &side.rows, torque: &side.torque, fixed, arm: &torque };
+    let source = Source { rows: &side.rows, torque: &side.torque, fixed, arm: torques };
     let (raw, kept) = Raw::new(&source, joint).with_law(&source, law, joint);
     if kept < KEPT {
         return None;
@@ -32,7 +31,7 @@ pub fn gain_beside_generic_functions(
         rho,
         with = with.log_likelihood,
         without = without.log_likelihood,
-        "law beside generic functions"
+        "law over generic functions"
     );
     Some((with.log_likelihood - without.log_likelihood).max(0.0))
 }

@@ -18,6 +18,6 @@ mod mixed;
 mod sign_flips;
 
 pub use kinds::Kind;
-pub use laws::gain_beside_generic_functions;
+pub use laws::gain_over_generic_functions;
 pub use lines::Line;
-pub use map::{JointMap, Part, ResidualMap};
+pub use map::{JointMap, Part, ResidualMap, torques};

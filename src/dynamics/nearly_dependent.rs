@@ -4,7 +4,7 @@ use crate::linear::{inner_product, length};
 use nalgebra::DMatrix;
 
 /// Part by which a column's residual must be longer than that of one before it to be kept first: columns that a symmetric arm
-/// makes alike are told by their order, not by rounding.
+/// makes alike are ordered by their places, not by rounding.
 const LONGER: f64 = 1e-6;
 
 /// Coefficients below this are rounding of the factorisation.

@@ -62,7 +62,8 @@ pub(super) struct Fitting<'a> {
     equations: &'a Equations,
     layout: Layout,
     blocks: BTreeMap<Key, Sums>,
-    /// Sums of each joint, under its weight.
+    /// Sums of each joint, and the same under its weight.
+    joints: Vec<Sums>,
     by_joint: Vec<Sums>,
     all: Sums,
     /// One over the variance of the residual of each joint.
@@ -81,7 +82,8 @@ impl<'a> Fitting<'a> {
             equations,
             layout,
             blocks: BTreeMap::new(),
-            by_joint: joints,
+            joints,
+            by_joint: Vec::new(),
             all: total([], layout.size()),
             weights: Vec::new(),
             torque: torque.to_vec(),
@@ -91,8 +93,7 @@ impl<'a> Fitting<'a> {
     }
 
     fn weigh(&mut self, weights: Vec<f64>) {
-        let joints = of_joints(&self.equations.joints, self.layout.size());
-        self.by_joint = joints.iter().zip(&weights).map(|(sums, &weight)| sums.times(weight)).collect();
+        self.by_joint = self.joints.iter().zip(&weights).map(|(sums, &weight)| sums.times(weight)).collect();
         self.blocks = of_blocks(&self.equations.joints, &weights, self.layout.size());
         self.all = total(self.blocks.values(), self.layout.size());
         self.weights = weights;
@@ -114,7 +115,7 @@ impl<'a> Fitting<'a> {
             return Estimates { changed: plain.clone(), plain, free_offsets };
         }
         let free: Vec<usize> = (0..self.layout.arm + PARAMETERS).chain(chosen.iter().copied()).collect();
-        self.weigh(weights(&of_joints(&self.equations.joints, self.layout.size()), &free));
+        self.weigh(weights(&self.joints, &free));
         Estimates { plain, changed: self.fit(&chosen), free_offsets }
     }
 

@@ -1,6 +1,6 @@
 //! What the diagnosis says of the real arms, through the command and a dataset file as a user would.
 
-use super::folder;
+use super::{folder, printed};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -15,14 +15,12 @@ fn diagnosed(folder: &Path, urdf: &str, parts: &[(&str, &str, &str)], more: &[&s
         text += &format!("[[{table}]]\nfile = {}\n{keys}\n", quoted(file));
     }
     std::fs::write(work.path().join("d.toml"), text).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_tauscope"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tauscope"));
+    command
         .args(["diagnose", "--dataset", "d.toml", "--out", "out", "--no-resimulation", "--json"])
         .args(more)
-        .current_dir(work.path())
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+        .current_dir(work.path());
+    printed(&mut command)
 }
 
 /// Numbers of a list, N m.

@@ -5,7 +5,9 @@ mod descriptions;
 mod diagnosis;
 mod payload;
 
+use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use tauscope::dataset;
 use tauscope::effects::{self, Placed};
 use tauscope::identification::consistent::consistent;
@@ -27,6 +29,13 @@ fn folder() -> Option<PathBuf> {
         println!("skipped: no folder of measured logs");
     }
     found
+}
+
+/// What a command prints with `--json`; it must end well.
+fn printed(command: &mut Command) -> Value {
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn arm(folder: &Path, urdf: &str) -> Robot {

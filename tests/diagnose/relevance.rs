@@ -24,7 +24,7 @@ fn concluded(logs: &[Recording], criteria: Criteria) -> (Conclusion, Value) {
 
 #[test]
 fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
-    // 0.3 N m on a joint of 50 N m of torque is seen within 20 s, and no tenth of the Stribeck friction beside it.
+    // 0.6 N m is seen within 40 s, and is neither 2 % of the torque nor a tenth of what the Stribeck friction leaves.
     let mut stribeck = Placed::typical(find("stribeck_friction").unwrap(), 1);
     stribeck.parameters[0] = 20.0;
     let logs = logs(&with(&[stribeck, offset(1, 0.6)]), 61, 3);
@@ -44,9 +44,11 @@ fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
     assert_eq!(json["criteria"]["share_of_torque"], 0.02);
 
     // Whoever asks for smaller ones is not refused for the size.
-    let all = Criteria { share_of_torque: 0.001, ..Criteria::default() };
+    let all = Criteria { share_of_torque: 1e-4, ..Criteria::default() };
     let (conclusion, _) = concluded(&logs, all);
-    assert!(conclusion.diagnosis.minor.iter().all(|minor| minor.failed.gate != Gate::Size));
+    let refused: Vec<_> =
+        conclusion.diagnosis.minor.iter().map(|minor| (&minor.found.member.placed, minor.failed, &minor.size)).collect();
+    assert!(refused.iter().all(|(_, failed, _)| failed.gate != Gate::Size), "{refused:?}");
 }
 
 #[test]

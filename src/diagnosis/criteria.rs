@@ -13,11 +13,13 @@ pub struct Criteria {
     /// Highest p-value of the strength of a finding by its scatter between blocks of the training logs (two-sided t test):
     /// the p-value of the search takes the noise for known, this one does not.
     pub strength_p: f64,
-    /// One-sided level at which a held-out residual that grows with a finding contradicts it, shared among the held-out logs, or
-    /// the joints.
+    /// One-sided level at which a held-out residual that grows with a finding contradicts it, shared among the held-out logs.
     pub contradicted_p: f64,
-    /// Factor by which no joint's held-out residual may grow with a finding.
+    /// Factor over the baseline by which no joint's held-out residual may grow with a finding: the parameters of the arm are estimated
+    /// together, and every joint's prediction moves by a few percent with any.
     pub worse: f64,
+    /// One-sided level of that growth: one standard deviation, since no joint is to be worse.
+    pub worse_p: f64,
     /// Least gain of the logarithm of the restricted likelihood by a law over generic functions of all kinds: 3 are odds of
     /// 20 to 1.
     pub beyond_structure: f64,
@@ -30,7 +32,8 @@ impl Default for Criteria {
             share_of_excess: 0.1,
             strength_p: 0.01,
             contradicted_p: 0.05,
-            worse: 1.05,
+            worse: 1.1,
+            worse_p: 0.16,
             beyond_structure: 3.0,
         }
     }
@@ -46,7 +49,7 @@ pub enum Gate {
     Strength,
     /// No held-out log contradicts it: standard deviations by which the residual of the worst one grows.
     HeldOutLogs,
-    /// No joint is predicted worse: factor on the residual of the one that is worst.
+    /// No joint is predicted worse than by the baseline: factor on the residual of the one that is worst.
     EveryJoint,
     /// It explains more than generic functions do: gain of the logarithm of the restricted likelihood.
     BeyondStructure,

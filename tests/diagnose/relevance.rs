@@ -46,8 +46,12 @@ fn a_surely_seen_effect_that_is_too_small_to_matter_is_listed() {
     // Whoever asks for smaller ones is not refused for the size.
     let all = Criteria { share_of_torque: 1e-4, ..Criteria::default() };
     let (conclusion, _) = concluded(&logs, all);
-    let refused: Vec<_> =
-        conclusion.diagnosis.minor.iter().map(|minor| (&minor.found.member.placed, minor.failed, &minor.size)).collect();
+    let refused: Vec<_> = conclusion
+        .diagnosis
+        .minor
+        .iter()
+        .map(|minor| (&minor.found.member.placed, minor.failed, &minor.size))
+        .collect();
     assert!(refused.iter().all(|(_, failed, _)| failed.gate != Gate::Size), "{refused:?}");
 }
 

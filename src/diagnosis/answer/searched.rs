@@ -3,7 +3,7 @@
 use crate::diagnosis::Options;
 use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
 use crate::diagnosis::model::Session;
-use crate::diagnosis::relevance::{Minor, eliminate, with_scatter};
+use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
 use crate::diagnosis::search::{Selection, select};
 use crate::error::Result;
 
@@ -30,6 +30,9 @@ pub(super) fn found_that_matter(
     let mut selection = select(session, options, progress)?;
     let minor = eliminate(session, &mut selection.found, &selection.whitener, &options.criteria)?;
     if !minor.is_empty() {
+        selection.settle(session)?;
+    }
+    if hold_undetermined(session, &mut selection.found, &selection.whitener)? {
         selection.settle(session)?;
     }
     with_scatter(session, &mut selection.found, &selection.whitener)?;

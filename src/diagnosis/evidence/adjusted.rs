@@ -53,7 +53,7 @@ pub fn log_p_adjusted(session: &Session, whitener: &Whitener, fit: &Projection, 
 /// scores of whole blocks of the logs: right whatever the noise is within them, and however strong in each (Liang and
 /// Zeger, Biometrika 73, 1986).
 fn over_blocks(rows: usize, whitener: &Whitener, fit: &Projection, columns: &[Column], freedom: usize) -> f64 {
-    let columns: Vec<Column> = columns.iter().map(|column| fit.left_of(column.clone())).collect();
+    let columns = fit.left_of(columns.to_vec());
     let residual = Projection::new(&columns, &fit.residual).residual;
     let width = (rows / BLOCKS).clamp(SHORTEST_BLOCK, BLOCK);
     let (count, blocks) = (columns.len(), rows / width + 1);
@@ -103,7 +103,7 @@ fn happens_anywhere(candidate: &Candidate) -> bool {
 /// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit tells nothing: what the fit leaves of it
 /// is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
 pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, columns: &[Column], test: &Test) -> f64 {
-    let predicted = fit.left_of(combined(columns, &test.values));
+    let predicted = fit.left_of(vec![combined(columns, &test.values)]).remove(0);
     let all = predicted.dot(&predicted);
     if all.is_nan() || all <= 0.0 {
         return 0.0;

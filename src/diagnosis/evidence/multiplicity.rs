@@ -57,7 +57,8 @@ impl Multiplicity {
                 DMatrix::from_fn(count, DRAWS, |_, _| StandardNormal.sample(&mut source))
             })
             .collect();
-        let along_basis = through(&noise, fit.basis(), &vec![1.0; fit.basis().len()]);
+        let basis = fit.basis();
+        let along_basis = through(&noise, &basis, &vec![1.0; basis.len()]);
         let smallest = scanned
             .par_iter()
             .map(|one| BTreeMap::from([(one.kind, one.log_p(&noise, &along_basis))]))

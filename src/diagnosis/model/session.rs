@@ -64,6 +64,8 @@ pub struct Member {
     pub factors: Vec<f64>,
     /// Whether its parameters are not estimated from the rows: it has no columns in the model.
     pub held: bool,
+    /// Indices of parameters that the rows do not determine: they are held, amplitudes at zero, and their columns are zero.
+    pub fixed: Vec<usize>,
 }
 
 /// The noise under a model and the model's fit in its units.
@@ -105,10 +107,15 @@ impl<'a> Session<'a> {
         for member in members.iter().filter(|member| !member.held) {
             if data.training || member.candidate.log.is_none() {
                 let Candidate { placed, log, .. } = &member.candidate;
-                all.extend(
-                    columns_in(&self.arm, &data.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat(),
-                );
-                all.extend(self.tangents(data, &member.candidate, &member.factors)?);
+                let mut own =
+                    columns_in(&self.arm, &data.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat();
+                own.extend(self.tangents(data, &member.candidate, &member.factors)?);
+                for (column, index) in own.iter_mut().zip(member.places()) {
+                    if member.fixed.contains(&index) {
+                        *column = Column::default();
+                    }
+                }
+                all.extend(own);
             } else {
                 // What happened in a training log did not happen here.
                 all.extend(vec![Column::default(); member.columns()]);
@@ -202,16 +209,18 @@ impl<'a> Session<'a> {
         for member in members.iter_mut().filter(|member| !member.held) {
             let effect = member.placed.effect;
             for (k, index) in linear(effect).into_iter().enumerate() {
-                member.factors[k] = solved.values[place];
+                let is_fixed = member.fixed.contains(&index);
+                member.factors[k] = if is_fixed { 0.0 } else { solved.values[place] };
                 if !is_level(effect) {
-                    member.placed.parameters[index] = solved.values[place];
-                    member.std[index] = solved.std(place);
+                    member.placed.parameters[index] = member.factors[k];
+                    member.std[index] = if is_fixed { f64::INFINITY } else { solved.std(place) };
                 }
                 place += 1;
             }
             for index in shapes(effect) {
                 let fitted = member.candidate.placed.parameters[index];
-                (member.placed.parameters[index], member.std[index]) = (fitted, solved.std(place));
+                let std = if member.fixed.contains(&index) { f64::INFINITY } else { solved.std(place) };
+                (member.placed.parameters[index], member.std[index]) = (fitted, std);
                 place += 1;
                 if is_level(effect)
                     && let Some(flat) = flat_level(&self.arm, &self.train.rows, member.placed.joint, fitted)
@@ -290,6 +299,11 @@ impl Member {
         linear(self.placed.effect).len() + shapes(self.placed.effect).len()
     }
 
+    /// Index of the parameter of each of its columns.
+    pub fn places(&self) -> impl Iterator<Item = usize> + use<> {
+        linear(self.placed.effect).into_iter().chain(shapes(self.placed.effect))
+    }
+
     /// Whether the logs determine its size: some amplitude lies two standard deviations from zero.
     pub fn is_sized(&self) -> bool {
         linear(self.placed.effect)
@@ -300,7 +314,9 @@ impl Member {
     /// A candidate with the factors of its columns as part of the model.
     pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();
+        let absent = linear(placed.effect).into_iter().zip(&candidate.columns);
         Member {
+            fixed: absent.filter(|(_, column)| column.parts.is_empty()).map(|(index, _)| index).collect(),
             std: vec![0.0; placed.parameters.len()],
             factors: factors.to_vec(),
             candidate: candidate.clone(),

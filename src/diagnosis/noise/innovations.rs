@@ -7,6 +7,7 @@
 
 use crate::identification::noise::AutoregressiveNoise;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Share of the innovation's variance below which the state counts as known.
 const KNOWN: f64 = 1e-10;
@@ -19,6 +20,8 @@ pub(super) struct InnovationsFilter {
     rows: Vec<usize>,
     /// Of every row: what to do.
     steps: Vec<Step>,
+    /// Rows that need no state.
+    long_runs: Vec<Range<usize>>,
 }
 
 #[derive(Debug, Clone)]
@@ -66,7 +69,8 @@ impl InnovationsFilter {
             steps.push(Step { starts: begins, update });
         }
         let rows = (0..valid.len()).filter(|&row| valid[row]).collect();
-        InnovationsFilter { noise, rows, steps }
+        let long_runs = long_runs(&steps, order);
+        InnovationsFilter { noise, rows, steps, long_runs }
     }
 
     /// The noise.
@@ -91,27 +95,29 @@ impl InnovationsFilter {
         let order = coefficients.len();
         let mut state = vec![0.0; order];
         let mut white = Vec::with_capacity(self.rows.len());
-        // Where the last rows were all seen they are the state, which is taken from them when it is wanted again.
-        let (mut in_a_row, mut behind) = (0, false);
-        for (row, (step, &value)) in self.steps.iter().zip(signal).enumerate() {
-            if let Update::Known = step.update
-                && in_a_row >= order
-            {
-                let past = signal[row - order..row].iter().rev();
-                let predicted: f64 = coefficients.iter().zip(past).map(|(a, e)| a * e).sum();
-                white.push((value - predicted) * scale);
-                behind = true;
+        let mut long = self.long_runs.iter();
+        let mut next = long.next();
+        let mut row = 0;
+        while row < self.steps.len() {
+            // Where the last rows were all seen they are the state: a filter of finite length, lag by lag.
+            if let Some(run) = next.filter(|run| run.start == row) {
+                let first = white.len();
+                white.extend_from_slice(&signal[run.clone()]);
+                for (lag, a) in coefficients.iter().enumerate() {
+                    let past = &signal[run.start - lag - 1..run.end - lag - 1];
+                    white[first..].iter_mut().zip(past).for_each(|(x, e)| *x -= a * e);
+                }
+                white[first..].iter_mut().for_each(|x| *x *= scale);
+                state.iter_mut().zip(signal[run.end - order..run.end].iter().rev()).for_each(|(e, &past)| *e = past);
+                row = run.end;
+                next = long.next();
                 continue;
             }
-            if behind {
-                state.iter_mut().zip(signal[row - order..row].iter().rev()).for_each(|(e, &past)| *e = past);
-                behind = false;
-            }
+            let (step, value) = (&self.steps[row], signal[row]);
+            row += 1;
             if step.starts {
                 state.fill(0.0);
-                in_a_row = 0;
             }
-            in_a_row = if let Update::Unseen = step.update { 0 } else { in_a_row + 1 };
             let predicted: f64 = coefficients.iter().zip(&state).map(|(a, e)| a * e).sum();
             if !state.is_empty() {
                 state.rotate_right(1);
@@ -134,6 +140,26 @@ impl InnovationsFilter {
         }
         white
     }
+}
+
+/// Runs of rows whose prediction rests on rows that were all seen: known, and behind as many seen rows of the same log as the `order`.
+fn long_runs(steps: &[Step], order: usize) -> Vec<Range<usize>> {
+    let (mut runs, mut in_a_row): (Vec<Range<usize>>, usize) = (Vec::new(), 0);
+    for (row, step) in steps.iter().enumerate() {
+        if step.starts {
+            in_a_row = 0;
+        }
+        if let Update::Known = step.update
+            && in_a_row >= order
+        {
+            match runs.last_mut().filter(|run| run.end == row) {
+                Some(run) => run.end = row + 1,
+                None => runs.push(row..row + 1),
+            }
+        }
+        in_a_row = if let Update::Unseen = step.update { 0 } else { in_a_row + 1 };
+    }
+    runs
 }
 
 /// Covariance of the state one step ahead, in units of the innovation's variance.

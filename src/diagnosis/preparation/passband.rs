@@ -6,10 +6,11 @@
 //! and the one with the smallest residual is taken.
 
 use crate::diagnosis::logs::{LowPass, Rows, inner_power};
-use crate::diagnosis::regression::{Column, Projection, rms};
+use crate::diagnosis::regression::{Column, gram, rms, solve_normal};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::signal::ZeroPhaseLowPass;
+use nalgebra::{DMatrix, DVector};
 
 /// Factor by which the power of the torque must fall from one octave to the next, on every joint, for the torque to have been
 /// filtered: steps of friction fall by two, a motion without friction or noise by more, but it is not left out of the fit.
@@ -91,19 +92,29 @@ pub(super) fn lowest(edge_hz: f64) -> f64 {
 /// Mean over the joints of the logarithm of the residual of `torque` under `columns`, fitted at once to all joints with each joint's
 /// torque in units of its own residual.
 pub(super) fn left(rows: &Rows, torque: &Column, columns: &[Column]) -> f64 {
-    let mut scale = rms(&rows.valid, torque);
+    let columns: Vec<Column> = columns.iter().map(|column| column.masked(&rows.valid)).collect();
+    let torque = torque.masked(&rows.valid);
+    // The rounds differ in the joints' weights alone.
+    let of_joint = |joint: usize| {
+        let own: Vec<Column> = columns.iter().map(|column| column.only(&[joint])).collect();
+        let torque = torque.only(&[joint]);
+        let right = DVector::from_iterator(own.len(), own.iter().map(|column| column.dot(&torque)));
+        (gram(&own), right, torque.dot(&torque))
+    };
+    let products: Vec<_> = (0..rows.dof()).map(of_joint).collect();
+    let mut scale = rms(&rows.valid, &torque);
     for _ in 0..ROUNDS {
-        let weighed = |column: &Column| {
-            let mut column = column.masked(&rows.valid);
-            for (joint, values) in &mut column.parts {
-                let unit = scale[*joint].max(f64::MIN_POSITIVE);
-                values.iter_mut().for_each(|x| *x /= unit);
-            }
-            column
-        };
-        let columns: Vec<Column> = columns.iter().map(weighed).collect();
-        let relative = rms(&rows.valid, &Projection::new(&columns, &weighed(torque)).residual);
-        scale.iter_mut().zip(relative).for_each(|(scale, share)| *scale *= share);
+        let (mut normal, mut right) = (DMatrix::zeros(columns.len(), columns.len()), DVector::zeros(columns.len()));
+        for ((own, along, _), unit) in products.iter().zip(&scale) {
+            let weight = unit.max(f64::MIN_POSITIVE.sqrt()).powi(-2);
+            normal += own * weight;
+            right += along * weight;
+        }
+        let values = DVector::from_vec(solve_normal(normal, right).values);
+        for ((scale, (own, along, square)), valid) in scale.iter_mut().zip(&products).zip(&rows.valid) {
+            let left = (square - 2.0 * values.dot(along) + values.dot(&(own * &values))).max(0.0);
+            *scale = (left / valid.iter().filter(|ok| **ok).count().max(1) as f64).sqrt();
+        }
     }
     scale.iter().map(|scale| scale.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / scale.len() as f64
 }

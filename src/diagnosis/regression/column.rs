@@ -35,6 +35,18 @@ impl Column {
         self.parts.iter().find(|(own, _)| *own == joint).map(|(_, values)| values.as_slice())
     }
 
+    /// The values on a joint, zero over so many `rows` where there are none.
+    pub(super) fn part_mut(&mut self, joint: usize, rows: usize) -> &mut Vec<f64> {
+        let place = match self.parts.binary_search_by_key(&joint, |(own, _)| *own) {
+            Ok(place) => place,
+            Err(place) => {
+                self.parts.insert(place, (joint, vec![0.0; rows]));
+                place
+            }
+        };
+        &mut self.parts[place].1
+    }
+
     /// Inner product over all joints and rows.
     pub fn dot(&self, other: &Column) -> f64 {
         let parts = self.parts.iter().filter_map(|(joint, a)| Some(inner_product(a, other.part(*joint)?)));

@@ -4,10 +4,11 @@
 //! the complement of a column space, and score (Lagrange multiplier) tests with their chi-square and F p-values.
 //! It knows nothing of arms, effects or logs.
 
+mod basis;
 mod column;
 mod score;
 mod solution;
 
 pub use column::{Column, combined, rms};
 pub use score::{Projection, Test, fisher, log_survival};
-pub use solution::{Solved, gram, solve};
+pub use solution::{Solved, gram, solve, solve_normal};

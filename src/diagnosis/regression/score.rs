@@ -1,5 +1,6 @@
 //! Score tests of candidate columns against the residual of a fit.
 
+use super::basis::Basis;
 use super::column::Column;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -17,10 +18,13 @@ const DETERMINED: f64 = 0.5;
 /// Share of its norm that a basis column must keep beyond those before it.
 const INDEPENDENT: f64 = 1e-7;
 
+/// Columns that are made orthogonal to a basis at once.
+const AT_ONCE: usize = 16;
+
 /// A least-squares fit on whitened rows.
 #[derive(Debug, Clone)]
 pub struct Projection {
-    basis: Vec<Column>,
+    basis: Basis,
     /// Factors of which something is known beforehand.
     known: usize,
     /// Residual of the fit.
@@ -30,7 +34,7 @@ pub struct Projection {
 impl Projection {
     /// Fits `torque` by `columns`, both whitened.
     pub fn new(columns: &[Column], torque: &Column) -> Self {
-        let mut fit = Projection { basis: Vec::new(), known: 0, residual: torque.clone() };
+        let mut fit = Projection { basis: Basis::default(), known: 0, residual: torque.clone() };
         fit.extend(columns);
         fit
     }
@@ -57,38 +61,42 @@ impl Projection {
     }
 
     fn extend(&mut self, columns: &[Column]) {
-        for column in columns {
-            let norm = column.dot(column).sqrt();
-            if !(norm > 0.0 && norm.is_finite()) {
-                continue;
+        let norm = |column: &Column| column.dot(column).sqrt();
+        let usable = columns.iter().map(|column| (column, norm(column)));
+        let usable: Vec<(&Column, f64)> = usable.filter(|(_, norm)| *norm > 0.0 && norm.is_finite()).collect();
+        for together in usable.chunks(AT_ONCE) {
+            let rests = self.left_of(together.iter().map(|(column, _)| (*column).clone()).collect());
+            let mut new: Vec<Column> = Vec::new();
+            for (mut rest, (_, norm)) in rests.into_iter().zip(together) {
+                // Twice, since the first time leaves rounding of what it takes away.
+                for direction in new.iter().chain(&new) {
+                    let along = direction.dot(&rest);
+                    rest.add(-along, direction);
+                }
+                let left = rest.dot(&rest).sqrt();
+                if left > INDEPENDENT * norm {
+                    rest.scale(1.0 / left);
+                    let along = rest.dot(&self.residual);
+                    self.residual.add(-along, &rest);
+                    new.push(rest);
+                }
             }
-            let mut rest = self.left_of(column.clone());
-            let left = rest.dot(&rest).sqrt();
-            if left > INDEPENDENT * norm {
-                rest.scale(1.0 / left);
-                let along = rest.dot(&self.residual);
-                self.residual.add(-along, &rest);
-                self.basis.push(rest);
-            }
+            new.into_iter().for_each(|direction| self.basis.push(direction));
         }
-    }
-
-    fn without(&self, mut column: Column) -> Column {
-        for direction in &self.basis {
-            let along = direction.dot(&column);
-            column.add(-along, direction);
-        }
-        column
     }
 
     /// Orthonormal columns that span what was fitted.
-    pub fn basis(&self) -> &[Column] {
-        &self.basis
+    pub fn basis(&self) -> Vec<Column> {
+        self.basis.columns()
     }
 
-    /// The part of a whitened column that is orthogonal to the fit.
-    pub fn left_of(&self, column: Column) -> Column {
-        self.without(self.without(column))
+    /// The parts of whitened columns that are orthogonal to the fit.
+    pub fn left_of(&self, mut columns: Vec<Column>) -> Vec<Column> {
+        for _ in 0..2 {
+            let along = self.basis.along(&columns);
+            self.basis.subtract(&mut columns, &along);
+        }
+        columns
     }
 
     /// Sum of squares of the residual.
@@ -122,7 +130,8 @@ impl Projection {
         // A column that does nothing must not hide the others of its group.
         let norms: Vec<f64> = norms.into_iter().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
         let count = columns.len();
-        let along = DMatrix::from_fn(self.basis.len(), count, |b, c| self.basis[b].dot(&columns[c]) / norms[c]);
+        let mut along = self.basis.along(columns);
+        along.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column /= *norm);
         let mut gram = DMatrix::from_fn(count, count, |r, c| {
             if r <= c { columns[r].dot(&columns[c]) / (norms[r] * norms[c]) } else { 0.0 }
         });

@@ -1,7 +1,9 @@
 //! Least squares on whitened columns; directions that the rows do not determine stay at zero.
 
+use super::basis::on_joint;
 use super::column::Column;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use std::collections::BTreeSet;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
 const SINGULAR: f64 = 1e-12;
@@ -24,14 +26,19 @@ pub struct Solved {
 
 /// Fits whitened torque by whitened columns; directions that the rows do not determine stay at zero.
 pub fn solve(columns: &[Column], torque: &Column) -> Solved {
-    let mut normal = gram(columns);
+    let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| column.dot(torque)));
+    solve_normal(gram(columns), right)
+}
+
+/// The same from the inner products of the columns with each other and with the torque.
+pub fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) -> Solved {
     let norms: Vec<f64> = normal.diagonal().iter().map(|&n| if n > 0.0 { n.sqrt() } else { 1.0 }).collect();
     for (r, row_norm) in norms.iter().enumerate() {
         for (c, norm) in norms.iter().enumerate() {
             normal[(r, c)] /= row_norm * norm;
         }
     }
-    let right = DVector::from_iterator(columns.len(), columns.iter().zip(&norms).map(|(c, norm)| c.dot(torque) / norm));
+    right.iter_mut().zip(&norms).for_each(|(value, norm)| *value /= norm);
     let SymmetricEigen { eigenvectors: directions, eigenvalues } = SymmetricEigen::new(normal);
     let least = SINGULAR * eigenvalues.max();
     let variances = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
@@ -88,8 +95,20 @@ impl Solved {
 /// Inner products of all columns.
 pub fn gram(columns: &[Column]) -> DMatrix<f64> {
     let count = columns.len();
-    let mut gram = DMatrix::from_fn(count, count, |r, c| if r <= c { columns[r].dot(&columns[c]) } else { 0.0 });
-    gram.fill_lower_triangle_with_upper_triangle();
+    let known = |r: usize, c: usize| columns[r].dot_beforehand(&columns[c]);
+    let mut gram = DMatrix::from_fn(count, count, known);
+    let joints: BTreeSet<usize> =
+        columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
+    for joint in joints {
+        let (places, values) = on_joint(columns, joint);
+        let matrix = DMatrix::from_vec(values.len() / places.len(), places.len(), values);
+        let own = matrix.tr_mul(&matrix);
+        for (r, &row) in places.iter().enumerate() {
+            for (c, &column) in places.iter().enumerate() {
+                gram[(row, column)] += own[(r, c)];
+            }
+        }
+    }
     gram
 }
 

@@ -3,7 +3,7 @@
 use super::fit::HeldFit;
 use super::gates::{Judge, Judged};
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
-use crate::diagnosis::model::{Member, Session, is_level, linear, shapes};
+use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
 use crate::error::Result;
@@ -91,9 +91,8 @@ fn least_that_fails(judge: &Judge, kept: &[usize], criteria: &Criteria) -> Optio
 /// Makes the standard deviations of a member at least those of its scatter between blocks, in the order of its columns.
 fn widen(member: &mut Member, scatter: &[f64]) {
     let effect = member.placed.effect;
-    let places = linear(effect).into_iter().chain(shapes(effect));
     // A level is no factor of a column: its deviation comes from the rows at it.
-    for (index, &std) in places.zip(scatter).filter(|_| !is_level(effect)) {
+    for (index, &std) in member.places().zip(scatter).filter(|_| !is_level(effect)) {
         member.std[index] = member.std[index].max(std);
     }
 }

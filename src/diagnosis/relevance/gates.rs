@@ -123,27 +123,27 @@ impl<'a> Judge<'a> {
         Judgement::at_most(Gate::HeldOutLogs, worst, self.contradicted(starts.len() - 1))
     }
 
-    /// The largest factor on the residual of a joint of those that surely grow.
+    /// The largest factor on the baseline's residual of a joint of those that grow with a finding.
     fn on_every_joint(&self, [before, after]: [&Column; 2]) -> Judgement {
-        let worse = self.worse_joints([before, after]).into_iter().map(|(_, factor)| factor);
-        Judgement::at_most(Gate::EveryJoint, worse.fold(1.0, f64::max), self.criteria.worse)
+        let valid = &self.session.test.rows.valid;
+        let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
+        let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
+        Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.criteria.worse)
     }
 
-    /// Joints whose held-out residual surely grows from `before` to `after`, with the factor.
-    fn worse_joints(&self, [before, after]: [&Column; 2]) -> Vec<(usize, f64)> {
+    /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] each.
+    fn growing_joints(&self, [before, after]: [&Column; 2]) -> impl Iterator<Item = usize> {
         let rows = &self.session.test.rows;
-        let [old, new] = [before, after].map(|residual| rms(&rows.valid, residual));
-        let surely = self.contradicted(old.len());
-        let grows = |&joint: &usize| {
-            new[joint] > old[joint] && Gains::new(&self.unseen, before, after, &[joint], rows.len()).growth() > surely
-        };
-        (0..old.len()).filter(grows).map(|joint| (joint, new[joint] / old[joint])).collect()
+        let surely = Normal::standard().inverse_cdf(1.0 - self.criteria.worse_p);
+        (0..rows.dof())
+            .filter(move |&joint| Gains::new(&self.unseen, before, after, &[joint], rows.len()).growth() > surely)
     }
 
     /// The joint that the model with the members at `kept` predicts worst over the baseline, if it is predicted worse.
     pub fn worse_than_baseline(&self, kept: &[usize]) -> Option<(usize, f64)> {
         let [_, after] = self.fit.residuals(kept);
-        let worse = self.worse_joints([&self.baseline, &after]).into_iter();
+        let [old, new] = [&self.baseline, &after].map(|residual| rms(&self.session.test.rows.valid, residual));
+        let worse = self.growing_joints([&self.baseline, &after]).map(|joint| (joint, new[joint] / old[joint]));
         worse.filter(|(_, factor)| *factor > self.criteria.worse).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 

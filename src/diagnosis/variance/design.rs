@@ -8,11 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Rows that are averaged to one: 20 ms become 80 ms, since what generic functions follow is slower than that, and noise that
-/// lasts for a few rows is nearly white over them.
+/// lasts for a few rows is nearly white over them. At least half of them must be valid.
 const TOGETHER: usize = 4;
-
-/// Fewest valid ones among them.
-const FEWEST: usize = 2;
 
 /// Share of a fixed column that must be left over the others for it to be more than rounding.
 const ROUNDING: f64 = 1e-5;
@@ -40,6 +37,8 @@ pub(super) struct Design {
     pub time: Vec<usize>,
     /// Log of each row.
     pub log: Vec<usize>,
+    /// Rows of 20 ms in an averaged one.
+    pub together: usize,
 }
 
 impl Design {
@@ -48,6 +47,12 @@ impl Design {
         self.kinds.retain(|(kind, _)| kind.is_some());
         self
     }
+}
+
+/// Rows that are averaged to one: [`TOGETHER`], or as many as hold one independent value where torque went through a low-pass before it
+/// was logged. Functions could fit what is between these.
+pub(super) fn together(rows: &Rows) -> usize {
+    TOGETHER.max((1.0 / rows.share_as_logged()).round() as usize)
 }
 
 /// Averages over consecutive rows of each log, where enough of them are valid.
@@ -61,7 +66,7 @@ struct Averages {
 impl Averages {
     fn new(rows: &Rows, joint: usize) -> Self {
         let mut averages = Averages { members: Vec::new(), log: Vec::new(), runs: Vec::new(), time: Vec::new() };
-        let (mut clock, mut open) = (0, None);
+        let (mut clock, mut open, together) = (0, None, together(rows));
         for log in 0..rows.logs.len() {
             let close = |open: &mut Option<usize>, averages: &mut Averages| {
                 if let Some(start) = open.take() {
@@ -69,11 +74,11 @@ impl Averages {
                 }
             };
             let (start, end) = (rows.starts[log], rows.starts[log + 1]);
-            for from in (start..end).step_by(TOGETHER) {
-                let all = from..(from + TOGETHER).min(end);
+            for from in (start..end).step_by(together) {
+                let all = from..(from + together).min(end);
                 let members: Vec<usize> = all.filter(|&row| rows.valid[joint][row]).collect();
                 clock += 1;
-                if members.len() < FEWEST {
+                if 2 * members.len() < together {
                     close(&mut open, &mut averages);
                     continue;
                 }
@@ -119,6 +124,7 @@ pub(super) struct Raw {
     runs: Vec<Range<usize>>,
     time: Vec<usize>,
     log: Vec<usize>,
+    together: usize,
 }
 
 impl Raw {
@@ -151,6 +157,7 @@ impl Raw {
             runs: averages.runs,
             time: averages.time,
             log: averages.log,
+            together: together(source.rows),
         }
     }
 
@@ -222,6 +229,7 @@ impl Raw {
             runs: self.runs.clone(),
             time: self.time.clone(),
             log: self.log.clone(),
+            together: self.together,
         }
     }
 

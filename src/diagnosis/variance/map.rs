@@ -1,6 +1,6 @@
 //! The map of what is missing: per joint, the size of what the residual follows.
 
-use super::design::{Design, Raw, Source};
+use super::design::{Design, Raw, Source, together};
 use super::kinds::Kind;
 use super::lines::{Line, lines};
 use super::mixed::{Fit, fit};
@@ -23,8 +23,8 @@ const MOST_CORRELATED: f64 = 0.8;
 /// Share of the noise from which a part is reported: less changes the residual by 3 %.
 const CLEAR: f64 = 0.25;
 
-/// Time that a row of the regression stands for, s.
-const ROW_S: f64 = 0.08;
+/// Time that a row of the logs stands for, s.
+const ROW_S: f64 = 0.02;
 
 /// What the residual of every joint follows.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -33,7 +33,8 @@ pub struct ResidualMap {
     pub joints: Vec<JointMap>,
 }
 
-/// What the residual of one joint follows. Torques are root mean squares over means of 80 ms, N m or N.
+/// What the residual of one joint follows. Torques are root mean squares over means of 80 ms, or longer where torque was
+/// low-pass filtered before it was logged, N m or N.
 #[derive(Debug, Clone, Serialize)]
 pub struct JointMap {
     /// The joint, counted from 0.
@@ -145,10 +146,11 @@ fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
     parts.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     let rows = source.rows;
     let valid = rows.torque[joint].iter().zip(&rows.valid[joint]).filter(|(_, ok)| **ok).map(|(x, _)| *x);
+    let averaged_s = ROW_S * together(rows) as f64;
     let per_log = rows.logs.iter().map(|log| {
         let channel = log.torque.channel(joint);
         let finite: Vec<f64> = channel.iter().copied().filter(|x| x.is_finite()).collect();
-        white_noise(&finite) * (log.period / ROW_S).sqrt()
+        white_noise(&finite) * (log.period / averaged_s).sqrt()
     });
     let sensor_noise = per_log.fold(0.0, f64::max);
     JointMap {

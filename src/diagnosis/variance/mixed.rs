@@ -1,12 +1,11 @@
 //! Restricted maximum likelihood of the strengths of random effects.
 
 use super::design::Design;
-use super::kinds::Kind;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use std::ops::Range;
 
-/// Rounds of the fixed point; strengths that matter settle within half as many.
+/// Most rounds of the fixed point, and the change of every strength, over itself and the noise, at which it has settled.
 const ROUNDS: usize = 40;
+const SETTLED: f64 = 1e-3;
 
 /// Strength, over that of the noise, at which a kind counts as absent.
 const ABSENT: f64 = 1e-6;
@@ -74,14 +73,20 @@ impl Posterior {
 
 /// Fits strengths and noise.
 pub(super) fn fit(design: &Design) -> Fit {
-    let rows = design.y.len();
-    let free = (rows.saturating_sub(design.rank)).max(1) as f64;
+    let free = (design.y.len().saturating_sub(design.rank)).max(1) as f64;
+    let noise = (design.y.norm_squared() / free).max(f64::MIN_POSITIVE);
+    fit_from(design, vec![0.1 * noise; design.kinds.len()], noise)
+}
+
+/// The same from these strengths and this noise; those that are absent stay so.
+pub(super) fn fit_from(design: &Design, mut strengths: Vec<f64>, mut noise: f64) -> Fit {
+    let free = (design.y.len().saturating_sub(design.rank)).max(1) as f64;
     let square = design.y.norm_squared();
-    let mut noise = (square / free).max(f64::MIN_POSITIVE);
-    // A kind without functions, as of other joints where there are none, stays absent.
-    let start = |(_, range): &(Option<Kind>, Range<usize>)| if range.is_empty() { 0.0 } else { 0.1 * noise };
-    let mut strengths: Vec<f64> = design.kinds.iter().map(start).collect();
+    // A kind without functions, as of other joints where there are none, is absent.
+    let empty = design.kinds.iter().zip(&mut strengths).filter(|((_, range), _)| range.is_empty());
+    empty.for_each(|(_, strength)| *strength = 0.0);
     for _ in 0..ROUNDS {
+        let before = (strengths.clone(), noise);
         let Some(posterior) = Posterior::new(design, &strengths, noise) else {
             strengths.fill(0.0);
             noise = (square / free).max(f64::MIN_POSITIVE);
@@ -111,6 +116,10 @@ pub(super) fn fit(design: &Design) -> Fit {
         let right = design.right.select_rows(&posterior.columns);
         let left = square - 2.0 * mean.dot(&right) + mean.dot(&(gram * &mean));
         noise = (left / (free - taken).max(1.0)).max(f64::MIN_POSITIVE);
+        let moved = before.0.iter().zip(&strengths).map(|(old, new)| (new - old).abs() / (new + noise));
+        if moved.fold((noise - before.1).abs() / noise, f64::max) < SETTLED {
+            break;
+        }
     }
     settled(design, strengths, noise)
 }
@@ -153,6 +162,7 @@ fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::kinds::Kind;
     use super::*;
     use crate::random::stream;
     use rand_distr::{Distribution, StandardNormal};
@@ -179,6 +189,7 @@ pub(super) mod tests {
             runs: std::iter::once(0..rows).collect(),
             time: (0..rows).collect(),
             log: vec![0; rows],
+            together: 4,
         }
     }
 

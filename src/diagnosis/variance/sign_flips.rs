@@ -11,10 +11,13 @@ use crate::random::stream;
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
-/// Averaged rows in a block: 2 s, several times what joint torque noise remembers; in short logs less, for enough blocks.
-const LONGEST_BLOCK: usize = 25;
-const SHORTEST_BLOCK: usize = 8;
+/// Rows of 20 ms in a block: 2 s, several times what joint torque noise remembers; in short logs less, for enough blocks.
+const LONGEST_BLOCK: usize = 100;
+const SHORTEST_BLOCK: usize = 32;
 const BLOCKS: usize = 30;
+
+/// Fewest averaged rows in a block: neighbours are nearly independent.
+const LEAST_ROWS: usize = 2;
 
 /// Draws: with a hundred tests the smallest adjusted p-value is 0.02.
 const DRAWS: usize = 4999;
@@ -56,7 +59,8 @@ pub(super) fn p_values(design: &Design, fit: &Fit, seed: u64, joint: usize) -> V
 
 /// Block of each row: rows of one log that lie close together in time.
 fn blocks(design: &Design) -> Vec<usize> {
-    let length = (design.time.len() / BLOCKS).clamp(SHORTEST_BLOCK, LONGEST_BLOCK);
+    let bounds = [SHORTEST_BLOCK, LONGEST_BLOCK].map(|rows| (rows / design.together).max(LEAST_ROWS));
+    let length = (design.time.len() / BLOCKS).clamp(bounds[0], bounds[1]);
     let mut blocks = Vec::with_capacity(design.time.len());
     let mut open: Option<(usize, usize, usize)> = None;
     for (&time, &log) in design.time.iter().zip(&design.log) {

@@ -2,7 +2,7 @@
 
 use super::arm::ArmArguments;
 use super::logs::LogArguments;
-use super::{DONE, Global, corrected, print, progress};
+use super::{DONE, Global, corrected, interrupt, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
@@ -23,6 +23,7 @@ use crate::scenario::{Arm, Scenario};
 use crate::simulation::engine::EngineKind;
 use clap::ArgGroup;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Header of the written scenario.
 const EXTENDED_NOTE: &str = "\
@@ -67,12 +68,28 @@ pub(super) struct Arguments {
     /// Least size of a finding, % of a joint's torque rms; a tenth of what the joint misses counts too.
     #[arg(long, value_name = "PERCENT", default_value_t = 2.0, help_heading = "Search")]
     least_share: f64,
+    /// Time for the search, as 60s or 2min; what is known by then is written, marked as unfinished. Ctrl-C does the same.
+    #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Search")]
+    budget: Option<Duration>,
     /// Skip the simulation of the extended model along the held-out motions.
     #[arg(long, help_heading = "Simulation")]
     no_resimulation: bool,
     /// Forward dynamics of that simulation: rapier, or the project's own, the same to rounding.
     #[arg(long, value_enum, default_value = "rapier", help_heading = "Simulation")]
     engine: EngineKind,
+}
+
+/// A time in seconds or minutes: "60", "60s", "1.5min".
+fn time(text: &str) -> std::result::Result<Duration, String> {
+    let number = text.trim_end_matches(char::is_alphabetic);
+    let unit = match &text[number.len()..] {
+        "" | "s" => 1.0,
+        "min" | "m" => 60.0,
+        _ => f64::NAN,
+    };
+    let seconds = number.trim().parse::<f64>().map_or(f64::NAN, |value| value * unit);
+    let time = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
+    time.ok_or_else(|| "give a time above zero, as 60s or 2min".into())
 }
 
 /// Diagnoses and writes the results folder.
@@ -89,23 +106,34 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     let [train, test, reference] = logs;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let mut answer = Diagnosis::of(&robot)
+    let stop = interrupt::flag()?;
+    let mut diagnosis = Diagnosis::of(&robot)
         .train(train)
         .test(test)
         .reference(reference)
         .present(present(arguments, scenario.as_ref(), &robot)?)
         .options(options)
         .labels(arguments.labels())
+        .stop(stop)
         .progress(|progress| match progress {
-            Progress::Screened => bar.set_message("testing every effect on every joint"),
+            Progress::Screened => bar.set_message("fitting the arm"),
+            Progress::Map(map) => {
+                bar.set_message("testing every effect on every joint");
+                if let Some(table) = report::followed(&robot, &map) {
+                    bar.println(format!("First answer, while the search for laws goes on:\n{table}"));
+                }
+            }
             Progress::Found(found) => {
                 bar.set_message(format!("{found} found, testing for the next"));
                 bar.inc(1);
                 // How many rounds it takes depends on what is found: one more at the least, and the simulation behind.
                 bar.set_length(bar.position() + 2);
             }
-        })
-        .run()?;
+        });
+    if let Some(budget) = arguments.budget {
+        diagnosis = diagnosis.budget(budget);
+    }
+    let mut answer = diagnosis.run()?;
     if let Outcome::Concluded(conclusion) = &mut answer.outcome {
         bar.inc(1);
         bar.set_length(bar.position() + 1);
@@ -229,4 +257,17 @@ fn present(arguments: &Arguments, scenario: Option<&Scenario>, robot: &Robot) ->
         spec.place(robot).map_err(|problem| Error::input(path, None, "effect", problem))
     };
     scenario.effects.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_seconds_and_minutes() {
+        for (text, seconds) in [("60", 60), ("60s", 60), ("2min", 120), ("0.5m", 30)] {
+            assert_eq!(time(text), Ok(Duration::from_secs(seconds)), "{text}");
+        }
+        assert!(["", "0", "-1s", "nan", "5 parsecs", "s"].iter().all(|text| time(text).is_err()));
+    }
 }

@@ -29,11 +29,12 @@ mod regression;
 mod relevance;
 mod search;
 mod variance;
+mod watch;
 
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_SCENARIO, EXTENDED_URDF,
-    Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome, Progress,
-    ResidualStructure, Resimulation, Scope, Share, torque,
+    Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome, ResidualStructure,
+    Resimulation, Scope, Share, torque,
 };
 pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;
@@ -47,6 +48,7 @@ pub use regression::{Column, Projection, rms};
 pub use relevance::Minor;
 pub use search::{Found, Verdict};
 pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
+pub use watch::Progress;
 
 use crate::effects;
 use crate::error::{Error, Result};

@@ -9,19 +9,14 @@ use crate::diagnosis::logs::{
     CleanLogs, Consequence, GivenLog, Screened, all_faults, check_held_out, check_length, correct, refuse_twice,
     screen_all, shared_verdict, still_joints,
 };
+use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::robot::Robot;
-
-/// How far a diagnosis has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
-    /// The logs are screened; the search begins.
-    Screened,
-    /// A round of the search ended with so many effects found.
-    Found(usize),
-}
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 /// A diagnosis in the making, from [`Diagnosis::of`]. [`DiagnosisBuilder::run`] makes it.
 #[must_use = "nothing is diagnosed before `run`"]
@@ -35,7 +30,7 @@ pub struct DiagnosisBuilder<'a> {
     options: Options,
     corrects: bool,
     labels: [String; 3],
-    progress: Box<dyn FnMut(Progress) + 'a>,
+    watch: Watch<'a>,
 }
 
 impl Diagnosis {
@@ -76,7 +71,7 @@ impl Diagnosis {
             options: Options::default(),
             corrects: true,
             labels: ["training logs", "test logs", "reference logs"].map(str::to_owned),
-            progress: Box::new(|_| ()),
+            watch: Watch::idle(),
         }
     }
 }
@@ -163,7 +158,20 @@ impl<'a> DiagnosisBuilder<'a> {
 
     /// Receives how far it has come.
     pub fn progress(mut self, progress: impl FnMut(Progress) + 'a) -> Self {
-        self.progress = Box::new(progress);
+        self.watch.report_to(progress);
+        self
+    }
+
+    /// Ends the search after this time, counted from [`DiagnosisBuilder::run`]. What is known by then is the answer, marked as
+    /// unfinished; judging it takes a little longer.
+    pub fn budget(mut self, budget: Duration) -> Self {
+        self.watch.end_after(budget);
+        self
+    }
+
+    /// Ends the search in the same way once `stop` is raised.
+    pub fn stop(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.watch.end_on(stop);
         self
     }
 
@@ -173,7 +181,8 @@ impl<'a> DiagnosisBuilder<'a> {
     /// If there is no training log, a log cannot be used at all, is too short, is given twice, or does not fit the arm; an
     /// option out of range; a motion that leaves the parameters undetermined.
     pub fn run(self) -> Result<Answer> {
-        let DiagnosisBuilder { present, truth, options, labels, mut progress, .. } = self;
+        let DiagnosisBuilder { present, truth, options, labels, mut watch, .. } = self;
+        watch.start();
         options.check()?;
         let mut robot = self.robot.clone();
         let [train, test, reference] = [(self.train, "training"), (self.test, "test"), (self.reference, "reference")]
@@ -214,8 +223,8 @@ impl<'a> DiagnosisBuilder<'a> {
         let input = logs.input(present);
         let Observed { model, left_out } = observed(&robot, &input, &still)?;
         faults.extend(left_out);
-        progress(Progress::Screened);
-        let concluded = conclude(&model, &input, &options, &mut |found| progress(Progress::Found(found)))?;
+        watch.tell(Progress::Screened);
+        let concluded = conclude(&model, &input, &options, &mut watch)?;
         let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));
         Ok(Answer { robot, alpha, logs, faults, description, outcome })
     }

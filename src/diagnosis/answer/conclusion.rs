@@ -12,13 +12,14 @@ use super::searched::{Searched, found_that_matter};
 use super::traces::Evidence;
 use crate::channels::Channels;
 use crate::diagnosis::Options;
-use crate::diagnosis::lack_of_fit::disagreement;
+use crate::diagnosis::lack_of_fit::{disagreement, mapped};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{Arm, Known, Member, Session, Side};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined, rms};
 use crate::diagnosis::search::{Found, Selection};
 use crate::diagnosis::variance::ResidualMap;
+use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -51,7 +52,7 @@ pub(super) struct Concluded<'a> {
     seed: u64,
 }
 
-/// Diagnoses the arm of `model`; `progress` receives the number of effects found so far.
+/// Diagnoses the arm of `model`; `watch` hears how far it has come, and may end the search.
 ///
 /// # Errors
 /// If there is no log, a log is too short or does not fit the arm, or a joint hardly moves.
@@ -59,7 +60,7 @@ pub(super) fn conclude<'a>(
     model: &'a Model,
     input: &Input<'a>,
     options: &Options,
-    progress: &mut dyn FnMut(usize),
+    watch: &mut Watch,
 ) -> Result<Concluded<'a>> {
     let robot = model.robot();
     let mut logs = input.train.iter().chain(&input.test).chain(&input.reference);
@@ -80,7 +81,7 @@ pub(super) fn conclude<'a>(
     let described = Known { effects: input.present.clone(), ..Known::nothing(robot, options.trust) };
     let (known, before) = match input.reference.is_empty() {
         true => (described, Vec::new()),
-        false => identified(model, described, &input.reference, options, progress)?,
+        false => identified(model, described, &input.reference, options, watch)?,
     };
     let (early, late) = split(&input.train);
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
@@ -89,17 +90,26 @@ pub(super) fn conclude<'a>(
     let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
     let simulation = as_described(&session, &input.present)?;
     let map = residual_map(&session, options)?;
-    let mut searched = Searched::new(&mut session, options, progress)?;
+    watch.tell(Progress::Map(map.clone()));
+    let mut searched = Searched::new(&mut session, options, watch)?;
     let mut inertias = None;
     if options.trust == Trust::Nominal && input.reference.is_empty() {
         let free = Known { arm: Arm::new(robot, Trust::Structure), ..known };
-        if let Some(free) = all_inertias(&session, &searched, free, train, test, options, progress)? {
+        if let Some(free) = all_inertias(&session, &searched, free, train, test, options, watch)? {
             (session, searched) = (free.session, free.searched);
             inertias = Some(free.gain);
         }
     }
     let present = input.present.clone();
-    let circumstances = Circumstances { simulation, before, inertias, held_out_from_training: held_out, present, map };
+    let circumstances = Circumstances {
+        simulation,
+        before,
+        inertias,
+        held_out_from_training: held_out,
+        present,
+        map,
+        unfinished: watch.has_ended(),
+    };
     answer(session, searched, circumstances, options)
 }
 
@@ -109,7 +119,7 @@ fn identified<'a>(
     described: Known<'a>,
     reference: &[&'a Recording],
     options: &Options,
-    progress: &mut dyn FnMut(usize),
+    watch: &mut Watch,
 ) -> Result<(Known<'a>, Vec<Found>)> {
     let (early, late) = split(reference);
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
@@ -120,7 +130,7 @@ fn identified<'a>(
         Ok(session) => session,
         Err(_) => Session::knowing(model, options.trust, described, reference, reference)?,
     };
-    let found = found_that_matter(&mut session, options, progress)?.0.found;
+    let found = found_that_matter(&mut session, options, watch)?.0.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
     Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
 }
@@ -130,7 +140,13 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
     let mut all = session.over_all_logs();
     let noise = all.noise_under(&all.train.baseline);
     all.settle(&mut [], &noise.whitener)?;
-    Ok(ResidualMap::new(&all.train, &all.train.baseline, &all.arm, options.alpha, options.seed))
+    map_of(&all, &[], options)
+}
+
+/// What the residual of the model with `members` follows in the logs that `session` is identified from.
+fn map_of(session: &Session, members: &[Member], options: &Options) -> Result<ResidualMap> {
+    let columns = session.all_columns(&session.train, members)?;
+    Ok(ResidualMap::new(&session.train, &columns, &session.arm, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
@@ -169,6 +185,8 @@ struct Circumstances {
     present: Vec<Placed>,
     /// What the residual of the baseline follows.
     map: ResidualMap,
+    /// Whether the search was ended before it was done.
+    unfinished: bool,
 }
 
 fn answer<'a>(
@@ -177,7 +195,8 @@ fn answer<'a>(
     circumstances: Circumstances,
     options: &Options,
 ) -> Result<Concluded<'a>> {
-    let Circumstances { simulation, before, inertias, held_out_from_training, present, map } = circumstances;
+    let Circumstances { simulation, before, inertias, held_out_from_training, present, map, unfinished } =
+        circumstances;
     let Searched { selection, minor, mut unexplained } = searched;
     let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
         selection;
@@ -196,6 +215,8 @@ fn answer<'a>(
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
     }
+    let left = map_of(&session.over_all_logs(), &members, options)?;
+    unexplained.extend(mapped(&left, &unexplained, options.alpha));
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
@@ -253,6 +274,7 @@ fn answer<'a>(
         minor,
         unexplained,
         map,
+        unfinished,
         next_experiment,
         evidence,
     };

@@ -140,6 +140,8 @@ pub struct Diagnosis {
     pub inertias: Option<Gain>,
     /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.
     pub map: ResidualMap,
+    /// Whether the search was ended before it was done: effects may be missing, and rivals of names.
+    pub unfinished: bool,
     /// Structure without a name.
     pub unexplained: Vec<Unexplained>,
     /// Effects not found.

@@ -62,6 +62,9 @@ pub(super) struct Document {
     unexplained: Vec<Unexplained>,
     next_experiment: String,
     data_quality: Vec<Quality>,
+    /// Whether the search was ended before it was done.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    unfinished: bool,
 }
 
 /// An effect found that does not matter.
@@ -222,6 +225,7 @@ impl Document {
                 "training logs",
                 diagnosis.logs.held_out_from_training.then(|| held_out.to_owned()),
             ),
+            ("unfinished", "search", notices::unfinished(diagnosis)),
             ("mixed_rates", "t", notices::mixed_rates(diagnosis)),
             ("sampling_delay", "tau", notices::sampling(robot, diagnosis)),
             ("smooth_friction", "tau", notices::smooth_friction(robot, diagnosis)),
@@ -280,6 +284,7 @@ impl Document {
             }),
             not_found: not_found.collect(),
             unexplained: unexplained.collect(),
+            unfinished: diagnosis.unfinished,
             next_experiment: diagnosis.next_experiment.clone(),
             data_quality,
         }

@@ -11,6 +11,7 @@ use crate::diagnosis::lack_of_fit::Unexplained;
 use crate::diagnosis::model::{Known, Session};
 use crate::diagnosis::regression::rms;
 use crate::diagnosis::search::Found;
+use crate::diagnosis::watch::Watch;
 use crate::effects::Site;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -54,19 +55,23 @@ pub(super) fn all_inertias<'a>(
     train: &[&Recording],
     test: &[&Recording],
     options: &Options,
-    progress: &mut dyn FnMut(usize),
+    watch: &mut Watch,
 ) -> Result<Option<Free<'a>>> {
     let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
     let Searched { selection, unexplained: left, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
     let left = surely_left(left);
-    if bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS {
+    if (bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS) || watch.is_over() {
         return Ok(None);
     }
     let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
-    let searched = Searched::new(&mut session, options, progress)?;
+    let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
     let left_free = surely_left(&searched.unexplained);
+    // Half a search is no comparison.
+    if watch.is_over() {
+        return Ok(None);
+    }
     if left_free > left || (left_free == left && free.found.len() >= selection.found.len()) {
         return Ok(None);
     }

@@ -21,7 +21,7 @@ mod resimulation;
 mod searched;
 mod traces;
 
-pub use builder::{DiagnosisBuilder, Progress};
+pub use builder::DiagnosisBuilder;
 pub use derived::Derived;
 pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope, predicts_worse};
 pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_SCENARIO, EXTENDED_URDF};

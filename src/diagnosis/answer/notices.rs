@@ -25,6 +25,15 @@ pub fn remedy(faults: &[DataFault]) -> String {
     }
 }
 
+/// What is said of a search that was ended before it was done.
+pub fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.unfinished.then(|| {
+        "the search was ended before it was done: effects may be missing, and other names for those found; give it more time with --budget, or \
+         none"
+            .to_owned()
+    })
+}
+
 /// What is said of logs of several rates.
 pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();

@@ -5,6 +5,7 @@ use crate::diagnosis::lack_of_fit::{Unexplained, unexplained};
 use crate::diagnosis::model::Session;
 use crate::diagnosis::relevance::{Minor, eliminate, hold_undetermined, with_scatter};
 use crate::diagnosis::search::{Selection, select};
+use crate::diagnosis::watch::Watch;
 use crate::error::Result;
 
 /// What was found in some logs.
@@ -25,9 +26,9 @@ pub(super) struct Searched {
 pub(super) fn found_that_matter(
     session: &mut Session,
     options: &Options,
-    progress: &mut dyn FnMut(usize),
+    watch: &mut Watch,
 ) -> Result<(Selection, Vec<Minor>)> {
-    let mut selection = select(session, options, progress)?;
+    let mut selection = select(session, options, watch)?;
     let minor = eliminate(session, &mut selection.found, &selection.whitener, &options.criteria)?;
     if !minor.is_empty() {
         selection.settle(session)?;
@@ -44,9 +45,12 @@ impl Searched {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Self> {
-        let (selection, minor) = found_that_matter(session, options, progress)?;
-        let unexplained = unexplained(session, &selection, options.alpha)?;
+    pub fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
+        let (selection, minor) = found_that_matter(session, options, watch)?;
+        let unexplained = match watch.is_over() {
+            true => Vec::new(),
+            false => unexplained(session, &selection, options.alpha)?,
+        };
         Ok(Searched { selection, minor, unexplained })
     }
 }

@@ -5,9 +5,11 @@
 
 mod disagreement;
 mod harmonics;
+mod mapped;
 mod structure;
 mod unexplained;
 
 pub use disagreement::{LOGS_DISAGREE, disagreement};
+pub use mapped::mapped;
 pub use structure::Unexplained;
 pub use unexplained::unexplained;

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 /// Share of the level of named effects at which training and held-out logs together show structure: the columns are many and
 /// general, and what they find cannot be checked against a law.
-const STRICTER: f64 = 0.2;
+pub(super) const STRICTER: f64 = 0.2;
 
 /// Share of the level of named effects at which the training logs by themselves make structure sure.
 const SURE: f64 = 0.02;
@@ -24,7 +24,7 @@ const SUGGESTED: f64 = 0.1;
 
 /// Least share of what is left on a joint that structure must have to be worth telling: with many rows that of any simplification of
 /// a simulator or a sensor is sure.
-const WORTH_TELLING: f64 = 0.03;
+pub(super) const WORTH_TELLING: f64 = 0.03;
 
 /// A name is empty beside structure when what it adds to that is more likely than this without it.
 const EMPTY: f64 = 1e-3;

@@ -13,6 +13,7 @@ use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::model::{Candidate, Member, Moved, Session, columns_in};
+use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
 /// Candidates that may be refused one after the other before the search ends.
@@ -29,8 +30,9 @@ pub(super) fn search(
     candidates: Vec<Candidate>,
     multiplicity: &Multiplicity,
     options: &Options,
+    watch: &mut Watch,
 ) -> Result<bool> {
-    if !session.apart {
+    if !session.apart || watch.is_over() {
         return Ok(false);
     }
     let mut all_logs = session.over_all_logs();
@@ -40,7 +42,8 @@ pub(super) fn search(
     let mut more = false;
     // What happens once is in one log.
     let mut round = Round::over_all_logs(&mut all_logs, &mut known, candidates, options)?;
-    while known.len() < options.max_findings && refused.len() < REFUSALS {
+    while known.len() < options.max_findings && refused.len() < REFUSALS && !watch.is_over() {
+        watch.tell(Progress::Found(known.len()));
         // What the smoothing or extremes mimic is so in all of them.
         let standing = |candidate: &Candidate, _: f64| match is_confirmable(candidate) {
             true => Standing::MayWin,
@@ -72,7 +75,7 @@ pub(super) fn search(
             }
         }
     }
-    narrow(&all_logs, &mut known, &round, multiplicity)?;
+    narrow(&all_logs, &mut known, &round, multiplicity, watch)?;
     for (finding, known) in found.iter_mut().zip(&known) {
         finding.set_alternatives(known.alternatives.clone());
     }

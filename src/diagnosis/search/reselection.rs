@@ -7,6 +7,7 @@ use super::found::{Alternative, Found, beside_play, members};
 use super::round::Round;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Family, Noise, Session};
+use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
 /// What a contest for the name of a finding came to beside all others.
@@ -57,12 +58,17 @@ pub(super) fn rename(
     everywhere: &[Candidate],
     multiplicity: &Multiplicity,
     alpha: f64,
+    watch: &mut Watch,
 ) -> Result<bool> {
     let mut changed = false;
     if found.len() < 2 {
         return Ok(changed);
     }
     for index in (0..found.len()).filter(|&index| can_be_asked(&found[index])).collect::<Vec<_>>() {
+        if watch.is_over() {
+            break;
+        }
+        watch.tell(Progress::Found(found.len()));
         let Some(Again { others, noise: Noise { whitener, fit }, contest }) =
             Again::new(session, found, index, everywhere, multiplicity)?
         else {
@@ -99,7 +105,13 @@ pub(super) fn rename(
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn narrow(session: &Session, found: &mut [Found], round: &Round, multiplicity: &Multiplicity) -> Result<()> {
+pub(super) fn narrow(
+    session: &Session,
+    found: &mut [Found],
+    round: &Round,
+    multiplicity: &Multiplicity,
+    watch: &mut Watch,
+) -> Result<()> {
     // Where much is left, rows tell rivals apart by what is wrong with both.
     let open = |found: &Found| {
         let much_left = round.whitener.much_is_left(&found.member.candidate.joints());
@@ -108,6 +120,10 @@ pub(super) fn narrow(session: &Session, found: &mut [Found], round: &Round, mult
     let mimicked =
         |family: Family| round.all.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));
     for index in (0..found.len()).filter(|&index| open(&found[index])).collect::<Vec<_>>() {
+        if watch.is_over() {
+            break;
+        }
+        watch.tell(Progress::Found(found.len()));
         let Some(Again { others, contest: Contest { winner, alternatives, .. }, .. }) =
             Again::new(session, found, index, &round.all, multiplicity)?
         else {

@@ -14,6 +14,7 @@ use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
 use crate::diagnosis::model::{Candidate, Family, Member, Noise, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
+use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 use std::collections::BTreeMap;
 
@@ -51,11 +52,11 @@ pub struct Selection {
     pub sensitivity: BTreeMap<Family, (usize, f64)>,
 }
 
-/// Searches for effects until no more pass. `progress` receives the number of effects found so far.
+/// Searches for effects until no more pass, or `watch` ends the search; it hears the number of effects found so far.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut(usize)) -> Result<Selection> {
+pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let (mut in_a_row, mut asked) = (0, 0);
@@ -69,8 +70,8 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
-    while found.len() < options.max_findings && in_a_row < REFUSALS {
-        progress(found.len());
+    while found.len() < options.max_findings && in_a_row < REFUSALS && !watch.is_over() {
+        watch.tell(Progress::Found(found.len()));
         // Nothing makes those surer of which only the training logs tell.
         let standing = |candidate: &Candidate, level: f64| match strictness(candidate) {
             share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
@@ -96,6 +97,7 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         }
         let members = members(&found);
         let contest = contest(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
+        watch.tell(Progress::Found(found.len()));
         let Chosen { winner, alternatives, whitener: under } = better_unseen(session, &members, contest)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
         let Round { whitener, fit, .. } = &round;
@@ -127,11 +129,11 @@ pub fn select(session: &mut Session, options: &Options, progress: &mut dyn FnMut
         }
     }
     let dropped = drop_superfluous(session, &mut found)?;
-    let renamed = rename(session, &mut found, &round.all, &multiplicity, options.alpha)?;
+    let renamed = rename(session, &mut found, &round.all, &multiplicity, options.alpha, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
     drop(scan);
-    if all_logs::search(session, &mut found, all, &multiplicity, options)? || renamed || dropped {
+    if all_logs::search(session, &mut found, all, &multiplicity, options, watch)? || renamed || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
     let held_out = tell_rms(session, &mut found, &whitener)?;

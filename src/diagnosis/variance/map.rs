@@ -27,7 +27,7 @@ const CLEAR: f64 = 0.25;
 const ROW_S: f64 = 0.02;
 
 /// What the residual of every joint follows.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ResidualMap {
     /// The joints that have an equation.
     pub joints: Vec<JointMap>,
@@ -35,7 +35,7 @@ pub struct ResidualMap {
 
 /// What the residual of one joint follows. Torques are root mean squares over means of 80 ms, or longer where torque was
 /// low-pass filtered before it was logged, N m or N.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointMap {
     /// The joint, counted from 0.
     pub joint: usize,
@@ -56,7 +56,7 @@ pub struct JointMap {
 }
 
 /// A part of the residual that follows one kind of generic functions.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
     /// What it follows.
     pub follows: Kind,
@@ -74,6 +74,11 @@ impl JointMap {
     /// The parts that are significant and stand clear of the noise, the largest first.
     pub fn reported(&self) -> impl Iterator<Item = &Part> {
         self.parts.iter().filter(|part| part.significant && part.rms >= CLEAR * self.noise)
+    }
+
+    /// The spectral lines that stand clear of the noise, the strongest first.
+    pub fn reported_lines(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().filter(|line| line.rms >= CLEAR * self.noise)
     }
 }
 

@@ -1,9 +1,9 @@
 //! The answer in a few lines.
 
-use crate::diagnosis::notices::{effort, extrapolation, mixed_rates, remedy, sampling, with_unit};
+use crate::diagnosis::notices::{effort, extrapolation, mixed_rates, remedy, sampling, unfinished, with_unit};
 use crate::diagnosis::{
     Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NOT_SIZED,
-    NamedParameter, Play, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
+    NamedParameter, Play, ResidualMap, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
 };
 use crate::report::console::{by_joint, significant, table};
 use crate::robot::Robot;
@@ -36,7 +36,7 @@ pub(crate) fn lines(
             low_pass.hz
         )
     }));
-    let notes = mixed_rates(diagnosis).into_iter().chain(sampling(robot, diagnosis));
+    let notes = unfinished(diagnosis).into_iter().chain(mixed_rates(diagnosis)).chain(sampling(robot, diagnosis));
     let notes = notes.chain(extrapolation(robot, diagnosis));
     lines.extend(notes.map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
@@ -67,7 +67,7 @@ pub(crate) fn lines(
     lines.push(String::new());
     lines.push(errors(robot, diagnosis, resimulation));
     lines.push(String::new());
-    lines.extend(followed(robot, diagnosis));
+    lines.extend(followed(robot, &diagnosis.map));
     if !diagnosis.found.is_empty() {
         let closed = percent(diagnosis.errors.gap_closed);
         let mut line = format!("The findings close {closed} of the gap to the noise");
@@ -273,10 +273,10 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
 }
 
 /// What the residual of the baseline follows, for the joints on which it follows anything.
-fn followed(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn followed(robot: &Robot, map: &ResidualMap) -> Option<String> {
     let (unit, names) = by_joint(robot);
     let title = format!("residual in all logs, rms in {unit}");
-    let rows = diagnosis.map.joints.iter().filter_map(|map| {
+    let rows = map.joints.iter().filter_map(|map| {
         let parts =
             map.reported().take(MENTIONED).map(|part| format!("{} {}", part.follows.title(), significant(part.rms)));
         let lines = map.lines.iter().map(|line| format!("{} Hz {}", significant(line.hz), significant(line.rms)));

@@ -79,10 +79,11 @@ pub(super) struct Arguments {
     engine: EngineKind,
 }
 
-/// A time in seconds or minutes: "60", "60s", "1.5min".
+/// A time in seconds, milliseconds or minutes: "60", "60s", "500ms", "1.5min".
 fn time(text: &str) -> std::result::Result<Duration, String> {
     let number = text.trim_end_matches(char::is_alphabetic);
     let unit = match &text[number.len()..] {
+        "ms" => 1e-3,
         "" | "s" => 1.0,
         "min" | "m" => 60.0,
         _ => f64::NAN,
@@ -265,7 +266,7 @@ mod tests {
 
     #[test]
     fn times_in_seconds_and_minutes() {
-        for (text, seconds) in [("60", 60), ("60s", 60), ("2min", 120), ("0.5m", 30)] {
+        for (text, seconds) in [("60", 60), ("60s", 60), ("2min", 120), ("0.5m", 30), ("3000ms", 3)] {
             assert_eq!(time(text), Ok(Duration::from_secs(seconds)), "{text}");
         }
         assert!(["", "0", "-1s", "nan", "5 parsecs", "s"].iter().all(|text| time(text).is_err()));

@@ -46,6 +46,24 @@ pub fn changed(name: &str, rows: impl Iterator<Item = usize>, change: impl Fn(&s
 const TEST: [&str; 2] = ["--test", "out/held_out.csv"];
 
 #[test]
+fn a_search_that_is_ended_says_what_is_known_by_then() {
+    let out = ["--out", "of_budget"];
+    let base = ["diagnose", "--robot", "arm.urdf", "--train", "out/recording.csv", "--json", "--no-resimulation"];
+    let told = json(&LOGS.tauscope(&[&base[..], &TEST, &out, &["--budget", "1ms"]].concat()[..]));
+    assert_eq!((&told["unfinished"], &told["verdict"]), (&Value::Bool(true), &Value::from("unexplained")));
+    assert!(told["findings"].as_array().unwrap().is_empty());
+    // The map is there, and what it shows is no noise.
+    let left = &told["unexplained"][0];
+    assert_eq!(
+        (&left["joint"], &left["structure"]),
+        (&Value::from("joint_2"), &Value::from("follows the joint's speed"))
+    );
+    let bad = LOGS.tauscope(&[&base[..], &TEST, &out, &["--budget", "5 parsecs"]].concat()[..]);
+    assert_eq!(bad.status.code(), Some(2));
+    assert!(text(&bad.stderr).contains("give a time above zero"), "{}", text(&bad.stderr));
+}
+
+#[test]
 fn a_diagnosis_is_written_whole() {
     let more = ["--candidates", "stribeck_friction,backlash", "--gravity", "0,0,-9.81"];
     let output = diagnose("out/recording.csv", &[&TEST[..], &more].concat());

@@ -70,7 +70,7 @@ impl Basis {
             }
         }
         for (place, known) in self.beforehand.iter().enumerate().filter(|(_, known)| !known.is_empty()) {
-            for (c, column) in columns.iter_mut().enumerate() {
+            for (c, column) in columns.iter_mut().enumerate().filter(|(c, _)| along[(place, *c)] != 0.0) {
                 column.beforehand.resize(column.beforehand.len().max(known.len()), 0.0);
                 column.beforehand.iter_mut().zip(known).for_each(|(x, y)| *x -= along[(place, c)] * y);
             }

@@ -4,7 +4,7 @@
 //! counts as noise. The mixed model's tests need no model of the noise.
 
 use super::structure::{STRICTER, Unexplained, WORTH_TELLING};
-use crate::diagnosis::variance::{JointMap, ResidualMap};
+use crate::diagnosis::variance::{JointMap, Kind, ResidualMap};
 
 /// What a spectral line is.
 const LINE: &str = "oscillates at a fixed frequency";
@@ -18,7 +18,9 @@ pub fn mapped(map: &ResidualMap, known: &[Unexplained], alpha: f64) -> Vec<Unexp
 }
 
 fn largest(own: &JointMap, joints: f64, level: f64) -> Option<Unexplained> {
-    let parts = own.reported().map(|part| (part.rms, part.follows.meaning(), part.family_wise_p));
+    // A constant torque is a law of the library, which has been tested.
+    let parts = own.reported().filter(|part| part.follows != Kind::Offset);
+    let parts = parts.map(|part| (part.rms, part.follows.meaning(), part.family_wise_p));
     let lines = own.reported_lines().map(|line| (line.rms, LINE, (joints * line.p).min(1.0)));
     let (rms, structure, p) = parts.chain(lines).filter(|(_, _, p)| *p <= level).max_by(|a, b| a.0.total_cmp(&b.0))?;
     let share = (rms / own.residual).powi(2).min(1.0);
@@ -36,7 +38,7 @@ fn largest(own: &JointMap, joints: f64, level: f64) -> Option<Unexplained> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::variance::{Kind, Line, Part};
+    use crate::diagnosis::variance::{Line, Part};
 
     fn map(rms: f64, p: f64, line: Option<(f64, f64)>) -> ResidualMap {
         let part = Part { follows: Kind::SlowTime, rms, p, family_wise_p: p, significant: true };

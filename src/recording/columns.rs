@@ -9,7 +9,7 @@ use super::names::{self, Part, QUANTITIES, Quantity, TRUE};
 use super::{Recording, Signals};
 use crate::channels::Channels;
 use crate::error::{Error, Result};
-use families::{Place, any_position, base, best_family, candidates, numbers_in_names, own_names};
+use families::{Place, any_position, base, behind_prefix, best_family, candidates, numbers_in_names, own_names};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -102,6 +102,9 @@ impl Layout {
             if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
                 understood
                     .push(format!("joints are taken by the numbers in their names, {first} for {name} and so on"));
+            } else if let Some((found, prefix)) = behind_prefix(&meanings, &names) {
+                understood.push(format!("the names of the joints differ by the prefix {prefix}"));
+                numbers = found;
             }
         }
         let mut used = BTreeSet::new();
@@ -125,6 +128,12 @@ impl Layout {
                     Place::Number(number) => number + 1 - base.unwrap_or(1),
                 };
                 let second = found[usize::from(truth)][quantity].insert(number, candidate.column);
+                if let Some(first) = second.filter(|first| demand.lenient && header[*first] == header[candidate.column])
+                {
+                    found[usize::from(truth)][quantity].insert(number, first);
+                    understood.push(format!("{} stands twice in the header: the first is used", header[first]));
+                    continue;
+                }
                 if let Some(first) = second {
                     let problem = format!("holds the same as column {}; leave one of them out", header[first]);
                     return Err(Error::input(path, line, &header[candidate.column], problem));
@@ -422,7 +431,12 @@ impl Resolver<'_> {
         } else {
             format!("no column {accepted}, though there are positions of {count} joints")
         };
-        let cure = if found.is_empty() { CURE_OF_SIGNALS } else { "" };
+        let of_rows = |column: &String| ["name", "joint", "joint_name"].contains(&column.to_lowercase().as_str());
+        let cure = match found.is_empty() {
+            true if self.header.iter().any(of_rows) => CURE_OF_LONG,
+            true => CURE_OF_SIGNALS,
+            false => "",
+        };
         Err(self.missing(&column, &reason, cure))
     }
 
@@ -446,6 +460,10 @@ const CURE_OF_TIME: &str = "; without one, give the sampling rate in a dataset: 
 /// What helps where positions or torques are not there.
 const CURE_OF_SIGNALS: &str =
     "; if another file holds them, name both in a dataset: [[train]] files = [\"q.csv\", \"tau.csv\"]";
+
+/// What helps where each row is of one joint.
+const CURE_OF_LONG: &str = "; each row holds one joint: make one row of each time, as pandas does with pivot(index=\"time\", \
+                            columns=\"name\"), and join the two levels of names by \"/\"";
 
 #[cfg(test)]
 mod tests;

@@ -137,6 +137,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut mended = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, &sources[0], &mut layout, &mut columns, &mut header, lines.len(), map)?;
     mended.extend(clock.mended);
+    mended.extend(rates::without_whole(&layout, &mut columns, &mut lines));
     mended.extend(rates::without_repeats(&layout, &mut columns, &mut lines));
     let mut rows = Rows { header, lines, columns };
     let rejected = rows.sieve(&layout, unreadable);

@@ -44,6 +44,9 @@ pub const QUANTITIES: [Quantity; 4] = [
             "dof_position",
             "jpos",
             "state",
+            "winkel",
+            "posicion",
+            "posizione",
         ],
     },
     Quantity {
@@ -64,6 +67,10 @@ pub const QUANTITIES: [Quantity; 4] = [
             "dof_vel",
             "dof_velocity",
             "jvel",
+            "geschwindigkeit",
+            "vitesse",
+            "velocidad",
+            "velocita",
         ],
     },
     Quantity {
@@ -89,12 +96,20 @@ pub const QUANTITIES: [Quantity; 4] = [
             "dof_effort",
             "qfrc_actuator",
             "load",
+            "drehmoment",
+            "moment",
+            "couple",
+            "coppia",
         ],
     },
 ];
 
 /// Words for the current of a motor, which stands in for its torque.
-const CURRENT: [&str; 5] = ["current", "currents", "motor_current", "motor_currents", "amps"];
+const CURRENT: [&str; 7] = ["current", "currents", "motor_current", "motor_currents", "amps", "cur", "curr"];
+
+/// Units that stand behind a name without brackets.
+const UNIT_WORDS: [&str; 14] =
+    ["deg", "degs", "degree", "degrees", "dps", "degps", "rad", "rads", "radps", "rps", "nm", "mnm", "pct", "percent"];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
 const MEASURED: [&str; 16] = [
@@ -180,6 +195,18 @@ pub struct Meaning {
 /// All ways to understand a column's name, the most likely first.
 pub fn meanings(column: &str) -> Vec<Meaning> {
     let (column, _) = without_unit(column);
+    let mut out = readings(column);
+    // A joint may be called like a unit: that comes first.
+    if let Some((stem, unit)) = column.rsplit_once(['_', ' ', '.'])
+        && UNIT_WORDS.contains(&unit.to_lowercase().as_str())
+    {
+        out.extend(readings(stem));
+    }
+    out
+}
+
+/// The ways to understand a name without a unit.
+fn readings(column: &str) -> Vec<Meaning> {
     let (truth, name) = column.strip_suffix(TRUE).map_or((false, column), |name| (true, name));
     let own = words(name);
     let wanted = own.iter().any(|word| WANTED.contains(&word.as_str()))
@@ -267,6 +294,13 @@ fn named(name: &str) -> Option<Meaning> {
             return meaning(found, parts[0], format!("#/{}", parts[1]), 1);
         }
     }
+    // The arm or the namespace of a joint stands before it.
+    if let [joint @ .., last] = parts
+        && joint.len() > 1
+        && let Some(found) = quantity(&words(last))
+    {
+        return meaning(found, &joint.join("/"), format!("#/{last}"), 1);
+    }
     let [part] = parts else { return None };
     // One word before or behind the joint's name.
     let (before, behind) = part.split_once(['_', ' '])?;
@@ -340,7 +374,7 @@ fn without_unit(name: &str) -> (&str, Option<&str>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
         let Some(inside) = name.strip_suffix(close) else { continue };
         let Some((stem, unit)) = inside.rsplit_once(open) else { continue };
-        let letters = unit.chars().any(|letter| letter.is_alphabetic() || letter == '°');
+        let letters = unit.chars().any(|letter| letter.is_alphabetic() || ['°', '%'].contains(&letter));
         if letters && !stem.trim().is_empty() {
             return (stem.trim(), Some(unit.trim()));
         }
@@ -417,6 +451,7 @@ pub fn time(column: &str, place: usize) -> Option<Time> {
             factor = factor_of(&whole);
             STAMP
         }
+        "zeit" | "temps" | "tiempo" | "tempo" => STAMP,
         "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
         "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,
         "t" | "time" => STAMP,

@@ -1,6 +1,8 @@
 //! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
+mod wrapped;
+
 use super::columns::Layout;
 use super::lenient::ColumnMap;
 use super::source::Source;
@@ -80,6 +82,7 @@ pub fn clock(
         if let (Source::Text(text), true) = (source, backward(&columns[column]) > 0.0) {
             clock.mended.extend(zeros_lost(&text.cells(column), &mut columns[column]));
         }
+        clock.mended.extend(wrapped::undo(&mut columns[column]));
         clock.mended.extend(time_unit::in_seconds(columns, layout, map.time_factor));
         if layout.time_is_index && columns[column].windows(2).all(|pair| pair[1] - pair[0] == 1.0) {
             let problem = "missing column: no column of time (t or time, in s), the first counts the rows; give the sampling rate \

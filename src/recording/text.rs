@@ -1,16 +1,19 @@
 //! Tables in text as programs write them: what separates the cells, what stands above the header, lists within cells, and
 //! messages without a header.
 
+mod cells;
+mod encoding;
+mod header;
+
 use super::labels;
 use super::names;
 use crate::error::{Error, Result};
 use ::csv::{ByteRecord, ReaderBuilder};
+use cells::{date, is_empty, not_a_number, number};
 use std::path::Path;
 
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
-
 /// What may stand between two cells, besides blanks.
-const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
+const SEPARATORS: [u8; 4] = [b',', b';', b'\t', b'|'];
 
 /// A table in text, of which the header is understood.
 pub struct Text {
@@ -61,18 +64,13 @@ impl Text {
     ///
     /// # Errors
     /// Those of [`Text::open`].
-    pub fn new(path: &Path, mut bytes: Vec<u8>) -> Result<Text> {
-        if bytes.starts_with(BYTE_ORDER_MARK) {
-            bytes.drain(..BYTE_ORDER_MARK.len());
-        }
-        blank_comments(&mut bytes);
-        if bytes.starts_with(b"\xFF\xFE")
-            || bytes.starts_with(b"\xFE\xFF")
-            || bytes.iter().take(1000).any(|&byte| byte == 0)
-        {
-            let problem = "the file is no text in UTF-8 (UTF-16, or no text at all); export it as CSV in UTF-8";
+    pub fn new(path: &Path, bytes: Vec<u8>) -> Result<Text> {
+        let Some(mut bytes) = encoding::utf8_lines(bytes) else {
+            let problem = "the file is no text; export it as CSV";
             return Err(Error::input(path, None, "header", problem));
-        }
+        };
+        blank_comments(&mut bytes);
+        header::blank_titles(&mut bytes);
         if bytes.trim_ascii().is_empty() {
             let problem = "the file is empty; a header and one row per sample go here";
             return Err(Error::input(path, None, "header", problem));
@@ -109,7 +107,8 @@ impl Text {
                 _ => (0..width).map(|place| format!("{name}[{place}]")).collect(),
             })
             .collect();
-        let cells: Vec<String> = first.iter().zip(&text.widths).flat_map(|(cell, &width)| cells(cell, width)).collect();
+        let cells: Vec<String> =
+            first.iter().zip(&text.widths).flat_map(|(cell, &width)| of_width(cell, width)).collect();
         text.header = labels::named(flat, &cells);
         Ok(text)
     }
@@ -172,7 +171,9 @@ impl Text {
                     None => Err(not_a_number(cell)),
                 }
             };
-            let fault = if record.len() != self.widths.len() {
+            // A separator behind the last cell.
+            let more = record.iter().skip(self.widths.len()).all(|cell| cell.trim_ascii().is_empty());
+            let fault = if record.len() < self.widths.len() || !more {
                 let (cells, names) = (record.len(), self.widths.len());
                 let problem = format!("{cells} cells where the header names {names} columns; was the row cut off?");
                 Some((format!("column {}", cells.min(names)), problem))
@@ -334,85 +335,16 @@ fn list(cell: &str) -> Vec<&str> {
         .collect()
 }
 
-fn cells(cell: &str, width: usize) -> Vec<String> {
+fn of_width(cell: &str, width: usize) -> Vec<String> {
     match width {
         1 => vec![cell.to_owned()],
         _ => list(cell).into_iter().map(str::to_owned).collect(),
     }
 }
 
-/// What programs write for a value that is not there.
-fn is_empty(cell: &[u8]) -> bool {
-    let cell = cell.trim_ascii();
-    cell.is_empty()
-        || ["none", "null", "na", "n/a", "-", "--"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
-}
-
-fn not_a_number(cell: &[u8]) -> String {
-    let cell = String::from_utf8_lossy(cell).replace(char::from(OPEN_QUOTE), "\"");
-    match cell.trim() {
-        "" => "the cell is empty; a number goes here".to_owned(),
-        text if text.contains('"') => format!("'{text}' has a quote that is not closed"),
-        text => format!("'{text}' is not a number"),
-    }
-}
-
-/// A cell as a number; `decimal_comma` takes 1,5 for 1.5.
-fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
-    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
-    let plain = cell.parse().ok();
-    if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
-        return cell.replace(',', ".").parse().ok();
-    }
-    plain
-}
-
-/// Seconds of a date with a time, from 1970, or of a time of day, from midnight: `2024-05-01 12:00:00.004`.
-fn date(cell: &[u8]) -> Option<f64> {
-    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
-    let (day, clock) = match cell.split_once(['T', ' ']) {
-        Some((day, clock)) => (Some(day), clock),
-        None => (None, cell),
-    };
-    // A zone shifts all rows alike.
-    let clock = clock.trim_end_matches('Z');
-    let clock = clock.split_once(['+', ' ']).map_or(clock, |(clock, _)| clock);
-    let clock = clock.rsplit_once('-').map_or(clock, |(clock, _)| clock);
-    let mut parts = clock.split(':');
-    let mut next = || parts.next()?.replace(',', ".").parse::<f64>().ok();
-    let (hours, minutes, seconds) = (next()?, next()?, next()?);
-    let days = match day {
-        None => 0.0,
-        Some(day) => {
-            let mut parts = day.split(['-', '/']);
-            let mut next = || parts.next()?.parse::<i64>().ok();
-            let (year, month, day) = (next()?, next()?, next()?);
-            days_from_1970(year, month, day) as f64
-        }
-    };
-    Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
-}
-
-/// Days of the Gregorian calendar.
-fn days_from_1970(year: i64, month: i64, day: i64) -> i64 {
-    let year = if month <= 2 { year - 1 } else { year };
-    let era = year.div_euclid(400);
-    let of_era = year - era * 400;
-    let of_year = (153 * (month + if month > 2 { -3 } else { 9 }) + 2) / 5 + day - 1;
-    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn dates_are_seconds() {
-        assert_eq!(date(b"1970-01-02T00:00:01.5Z"), Some(86401.5));
-        assert_eq!(date(b"2024-02-29 12:00:00"), Some(1_709_208_000.0));
-        assert_eq!(date(b"00:01:02.25"), Some(62.25));
-        assert_eq!((date(b"1.5"), date(b"x:y:z"), date(b"")), (None, None, None));
-    }
 
     #[test]
     fn lists_in_cells() {

@@ -97,6 +97,44 @@ pub fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<Str
     names.into_iter().zip(parts).map(|(name, (_, number))| (name, number + 1 - lowest)).collect()
 }
 
+/// What stands between a prefix and the joint behind it.
+const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
+
+/// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
+/// by the file's behind one: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
+pub fn behind_prefix(meanings: &[Vec<Meaning>], names: &[String]) -> Option<(BTreeMap<String, usize>, String)> {
+    let own: Vec<&str> = {
+        let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == names::POSITION);
+        let named = readings.filter_map(|meaning| match &meaning.joint {
+            Joint::Name(name) => Some(name.as_str()),
+            Joint::Number(_) => None,
+        });
+        named.collect()
+    };
+    let first = names.first()?;
+    let before = |long: &str, short: &str| {
+        let prefix = long.strip_suffix(short)?;
+        prefix.ends_with(SEPARATORS).then(|| prefix.to_owned())
+    };
+    let of_file = own.iter().filter_map(|name| before(name, first)).map(|prefix| (prefix, true));
+    let of_robot = own.iter().filter_map(|name| before(first, name)).map(|prefix| (prefix, false));
+    let mut fits: Vec<(BTreeMap<String, usize>, String)> = Vec::new();
+    for (prefix, in_file) in of_file.chain(of_robot) {
+        let called = |joint: &String| match in_file {
+            true => Some(format!("{prefix}{joint}")),
+            false => joint.strip_prefix(prefix.as_str()).map(str::to_owned),
+        };
+        let all: Option<Vec<String>> =
+            names.iter().map(|joint| called(joint).filter(|name| own.contains(&name.as_str()))).collect();
+        if let Some(all) = all
+            && !fits.iter().any(|(_, other)| *other == prefix)
+        {
+            fits.push((all.into_iter().zip(1..).collect(), prefix));
+        }
+    }
+    if fits.len() == 1 { fits.pop() } else { None }
+}
+
 /// The readings of positions in the family that most columns share.
 fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
     let mut families: BTreeMap<&str, Vec<&Meaning>> = BTreeMap::new();

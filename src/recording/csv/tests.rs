@@ -65,8 +65,11 @@ fn comments_above_the_header() {
             false => assert!(outcome.unwrap_err().contains("missing column"), "{text}"),
         }
     }
+    // UTF-16 is read; what is no text is not.
     std::fs::write(&path, [0xFF, 0xFE, b't', 0, b',', 0]).unwrap();
-    assert!(read(&path, None).unwrap_err().to_string().contains("UTF-8"));
+    assert!(read(&path, None).unwrap_err().to_string().contains("missing column"));
+    std::fs::write(&path, [7, 0, 0, 0, 9, 9, 0, 0, 1, 2, 3, 0]).unwrap();
+    assert!(read(&path, None).unwrap_err().to_string().contains("no text"));
 }
 
 #[test]

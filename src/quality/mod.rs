@@ -15,7 +15,6 @@ pub use motion::JointSummary;
 
 use crate::channels::Channels;
 use crate::error::Result;
-use crate::identification::reversals::{NoiseGains, Slow};
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Rejected, Sieved};
 use crate::recording::resample::{self, Clock};
@@ -222,14 +221,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
     if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
         let known = with_all_torques(recording);
         let recording: &Recording = &known;
-        // Over a long gap there is nothing to look at, and more even steps than memory has.
-        let torn = recording.duration() * clock.rate_hz > MOSTLY_GAPS * recording.samples() as f64;
-        let longest = resample::longest_stretch(recording).filter(|_| torn);
-        let even = match longest {
-            Some(rows) => resample::evenly(&recording.slice(rows)),
-            None if clock.is_irregular() => resample::evenly(recording),
-            None => recording.clone(),
-        };
+        let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
         let view = View::new(&even)?;
         summaries = motion::summaries(&view, robot);
         findings.extend(channels::findings(&view, &sieved.recording));
@@ -286,11 +278,11 @@ fn with_all_torques(recording: &Recording) -> Cow<'_, Recording> {
     Cow::Owned(log)
 }
 
-/// A log whose time has so many more even steps than rows is looked at in its longest stretch.
-const MOSTLY_GAPS: f64 = 10.0;
-
 /// Time over which positions are smoothed for the checks, s.
 const SMOOTHING_S: f64 = 0.08;
+
+/// A joint slower than this is not known to move, rad/s or m/s.
+const BAND: f64 = 0.03;
 
 /// A log at even steps with what all checks need of it.
 struct View<'a> {
@@ -301,8 +293,6 @@ struct View<'a> {
     qd: Channels,
     qdd: Channels,
     tau: Channels,
-    /// Speed below which the direction of each joint is not certain.
-    slow: Vec<Slow>,
 }
 
 impl<'a> View<'a> {
@@ -317,29 +307,18 @@ impl<'a> View<'a> {
             }
             Ok(out)
         };
-        let (q, qd) = (smooth(&log.q, 0)?, smooth(&log.q, 1)?);
-        let gains = NoiseGains::new(log.samples(), |impulse| {
-            let both = [0, 1].map(|degree| {
-                let mut out = impulse.to_vec();
-                SavitzkyGolay::new(window, 4, degree, period, Edge::Polynomial)?.apply(impulse, &mut out)?;
-                Ok(out)
-            });
-            let [passed, rate] = both;
-            Ok([passed?, rate?])
-        })?;
-        let slow = |joint| Slow::new(qd.channel(joint), gains.velocity_noise(log.q.channel(joint), q.channel(joint)));
-        let slow = (0..log.joints()).map(slow).collect();
-        Ok(View { log, period, q, qd, slow, qdd: smooth(&log.q, 2)?, tau: smooth(&log.tau, 0)? })
+        Ok(View {
+            log,
+            period,
+            q: smooth(&log.q, 0)?,
+            qd: smooth(&log.q, 1)?,
+            qdd: smooth(&log.q, 2)?,
+            tau: smooth(&log.tau, 0)?,
+        })
     }
 
     fn dof(&self) -> usize {
         self.log.joints()
-    }
-
-    /// Samples at which a joint surely moves.
-    fn surely_moves(&self, joint: usize) -> impl Fn(f64) -> bool {
-        let band = self.slow[joint].standing;
-        move |velocity| velocity.abs() > band
     }
 
     /// A column as the file may call it, with the joint.

@@ -1,19 +1,12 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
-use super::{Finding, Kind, Severity, View, size_quantile};
+use super::{BAND, Finding, Kind, Severity, View, size_quantile};
 use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
 use std::f64::consts::{PI, TAU};
 
-/// A joint that stays within this hardly moves, rad; so does one whose path over its range does not stand clear of the noise. A tenth
-/// of it, in m, where it slides.
+/// A joint that stays within this hardly moves, rad or m; so does one that is never faster than twice the band.
 const STILL: f64 = 0.02;
-
-/// Range of a joint that slides over that of one that turns: an arm of a tenth of a metre.
-pub const SLIDES: f64 = 0.1;
-
-/// The fastest speed of a joint that moves is more than so many times that which noise may give its velocity.
-const CLEAR: f64 = 2.0;
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
 const SLOW_CLOCK: f64 = 0.5;
@@ -42,9 +35,6 @@ pub struct JointSummary {
     pub unexplained: Option<f64>,
     /// Time by which the torque lags the motion, s, where it can be estimated.
     pub dead_time_s: Option<f64>,
-    /// Whether the joint hardly moves: within 0.02 rad (2 mm), or no faster than the noise of its positions lets it seem.
-    #[serde(skip)]
-    pub is_still: bool,
 }
 
 /// Summaries of all joints.
@@ -57,28 +47,25 @@ pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
             let limits = robot.map(|robot| robot.joints[joint].limits);
             let span = limits.map(|limits| limits.upper - limits.lower).filter(|span| span.is_finite() && *span > 0.0);
             let fastest = limits.map(|limits| limits.velocity).filter(|v| v.is_finite());
-            let slides = robot.is_some_and(|robot| robot.joints[joint].kind == JointKind::Prismatic);
-            let least = if slides { SLIDES * STILL } else { STILL };
             JointSummary {
                 name: view.log.joints[joint].clone(),
                 range,
                 range_share: span.map(|span| (range[1] - range[0]) / span),
                 speed,
                 speed_share: fastest.map(|fastest| speed / fastest),
-                reversals: reversals(view.qd.channel(joint), view.surely_moves(joint)),
+                reversals: reversals(view.qd.channel(joint)),
                 torque_rms: root_mean_square(view.log.tau.channel(joint)),
                 unexplained: None,
                 dead_time_s: None,
-                is_still: range[1] - range[0] < least || speed < CLEAR * view.slow[joint].uncertain,
             }
         })
         .collect()
 }
 
-fn reversals(velocity: &[f64], moves: impl Fn(f64) -> bool) -> usize {
+fn reversals(velocity: &[f64]) -> usize {
     let mut direction = 0.0;
     let mut count = 0;
-    for &v in velocity.iter().filter(|v| moves(**v)) {
+    for &v in velocity.iter().filter(|v| v.abs() > BAND) {
         if direction * v < 0.0 {
             count += 1;
         }
@@ -90,7 +77,7 @@ fn reversals(velocity: &[f64], moves: impl Fn(f64) -> bool) -> usize {
 /// Findings about the motion.
 pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) -> Vec<Finding> {
     let mut out = Vec::new();
-    let still = |s: &JointSummary| s.is_still;
+    let still = |s: &JointSummary| s.range[1] - s.range[0] < STILL || s.speed < 2.0 * BAND;
     if summaries.iter().all(still) && view.period > SLOW_CLOCK {
         let text = format!(
             "samples are {:.3e} s apart, and nothing moves: is the time in ms, us or ns? Convert it to s, or give the unit in a dataset \
@@ -100,8 +87,7 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "t", text)];
     }
     if summaries.iter().all(still) {
-        let text =
-            "no joint moves by more than 0.02 rad (2 mm), or faster than its noise: nothing can be identified from it";
+        let text = "no joint moves by more than 0.02 rad or faster than 0.06 rad/s: nothing can be identified from it";
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "q", text)];
     }
     for (joint, summary) in summaries.iter().enumerate() {
@@ -125,11 +111,10 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
         }
         if still(summary) {
             let text = format!(
-                "the joint hardly moves ({:.4} {unit}, at most {:.3} {unit}/s): its friction and inertia cannot be found from \
+                "the joint hardly moves ({:.4} rad, at most {:.3} rad/s): its friction and inertia cannot be found from \
                  this log",
                 summary.range[1] - summary.range[0],
-                summary.speed,
-                unit = if revolute { "rad" } else { "m" },
+                summary.speed
             );
             out.push(Finding::new(Kind::HardlyMoves, Severity::Warning, place, text));
         }

@@ -7,7 +7,7 @@
 
 use super::motion::JointSummary;
 use super::velocity::vertex;
-use super::{Finding, Kind, Severity, View};
+use super::{BAND, Finding, Kind, Severity, View};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::identification::model::Model;
@@ -51,8 +51,7 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     for joint in 0..view.dof() {
         let tau = view.tau.channel(joint);
         let silent = tau.iter().all(|v| *v == tau[0] || v.is_nan());
-        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.surely_moves(joint))
-            .filter(|_| !silent);
+        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint)).filter(|_| !silent);
         let Some(fit) = fit else { continue };
         summaries[joint].unexplained = Some(fit.unexplained(tau, 0));
         if robot.is_some() {
@@ -101,8 +100,8 @@ struct JointFit {
 }
 
 impl JointFit {
-    fn new(columns: &Channels, rows: &[usize], velocity: &[f64], moves: impl Fn(f64) -> bool) -> Option<JointFit> {
-        let kept: Vec<usize> = (0..rows.len()).filter(|&row| moves(velocity[row])).collect();
+    fn new(columns: &Channels, rows: &[usize], velocity: &[f64]) -> Option<JointFit> {
+        let kept: Vec<usize> = (0..rows.len()).filter(|&row| velocity[row].abs() > BAND).collect();
         if kept.len() < ROWS_PER_COLUMN * columns.channels() {
             return None;
         }

@@ -1,6 +1,6 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay.
 
-use super::{Finding, Kind, Severity, View, correlation};
+use super::{BAND, Finding, Kind, Severity, View, correlation};
 use crate::channels::Channels;
 use crate::linear::root_mean_square;
 use std::f64::consts::PI;
@@ -22,14 +22,11 @@ const SLOWEST_GEAR: f64 = 5.0;
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
-/// A joint whose root mean square speed is less than this many times what noise makes of a position is compared with nothing.
-const CLEAR: f64 = 3.0;
-
 /// Findings about the velocity columns, and the factor by which the clock is wrong; none where there are none.
 pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
     let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
-    let compared = |joint| view.log.has_velocity(joint) && moves_beyond_noise(view, joint);
+    let compared = |joint| view.log.has_velocity(joint) && root_mean_square(view.qd.channel(joint)) > BAND;
     let moving: Vec<bool> = (0..view.dof()).map(compared).collect();
     let clock = clock_factor(view, logged, &moving);
     out.extend(clock.map(|factor| clock_finding(factor, moving.iter().filter(|moving| **moving).count())));
@@ -78,11 +75,6 @@ pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
         }
     }
     (out, clock)
-}
-
-/// Whether the speed of a joint stands clear of the noise of its positions.
-fn moves_beyond_noise(view: &View, joint: usize) -> bool {
-    root_mean_square(view.qd.channel(joint)) > CLEAR * view.slow[joint].uncertain
 }
 
 /// Slope and unexplained part of a logged velocity over the change of position.

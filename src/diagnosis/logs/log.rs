@@ -4,7 +4,6 @@ use super::cutoffs::{ORDER, clear_of_noise};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
-use crate::identification::reversals::{NoiseGains, Slow};
 use crate::recording::Recording;
 use crate::signal::{ZeroPhaseLowPass, block_means, smooth_derivatives};
 use std::f64::consts::PI;
@@ -41,8 +40,6 @@ pub struct Log {
     pub block: usize,
     /// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion.
     pub noisy: Vec<bool>,
-    /// Speed below which the direction of each joint is not certain, from its own speed and noise, as in identification.
-    pub slow: Vec<Slow>,
     /// Measured positions, rad or m.
     measured: Channels,
     /// [`Log::clear`], once it has been computed.
@@ -64,10 +61,8 @@ impl Log {
         let (motion, low_pass) = smooth(recording, cutoffs_hz)?;
         let is_smoother = cutoffs_hz.iter().any(|hz| *hz < whole_hz);
         let whole = if is_smoother { Some(smooth(recording, &vec![whole_hz; cutoffs_hz.len()])?.0) } else { None };
-        let slow = low_pass.iter().enumerate().map(|(joint, low_pass)| slow(recording, &motion, joint, low_pass));
         Ok(Log {
             time: recording.time.clone(),
-            slow: slow.collect::<Result<_>>()?,
             motion,
             whole,
             torque: recording.tau.clone(),
@@ -146,20 +141,6 @@ impl Log {
             Err(_) => self.blocks(torque),
         }
     }
-}
-
-/// Speed below which the direction of a joint is not certain.
-fn slow(recording: &Recording, motion: &Motion, joint: usize, low_pass: &ZeroPhaseLowPass) -> Result<Slow> {
-    let period = 1.0 / recording.rate_hz();
-    let gains = NoiseGains::new(recording.samples(), |impulse| {
-        let mut passed = impulse.to_vec();
-        low_pass.apply_in_place(&mut passed)?;
-        let [mut rate, mut second] = [passed.clone(), passed.clone()];
-        smooth_derivatives(&passed, period, &mut rate, &mut second)?;
-        Ok([passed, rate])
-    })?;
-    let noise = gains.velocity_noise(recording.q.channel(joint), motion.q.channel(joint));
-    Ok(Slow::new(motion.qd.channel(joint), noise))
 }
 
 /// The motion of a log with the positions of each joint smoothed by a low-pass, which is returned too.

@@ -8,12 +8,15 @@ use super::log::{BLOCK_S, Log, MEMORY, MEMORY_OF_ENDS};
 use super::low_pass::LowPass;
 use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
-use crate::identification::reversals::Slow;
 use crate::recording::Recording;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Rows on either side of one in which the direction of a joint is not certain that go with it.
+/// Velocity under which the direction of a joint is not certain, rad/s or m/s, but no more than this share of the joint's
+/// fastest and no less than the least; and the rows on either side that go with it.
+const REVERSAL_BAND: f64 = 0.03;
+const BAND_SHARE: f64 = 0.1;
+const LEAST_BAND: f64 = 0.003;
 const REVERSAL_NEIGHBOURS: usize = 2;
 
 /// Length of the memory of the low-pass that torque went through before it was logged, in periods of its cut-off.
@@ -93,7 +96,7 @@ impl Rows {
             let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
             // What torque there was before and after the log, its low-pass knew.
             let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
-            let ends = rests(recording, &log.slow)
+            let ends = rests(recording)
                 .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / lowest_hz).max(unknown_s)));
             for (joint, joint_cutoff_hz) in cutoffs_hz.iter().enumerate() {
                 // A torque that is not a number is one that must not be used.
@@ -227,13 +230,13 @@ impl Rows {
 }
 
 /// Whether all joints rest at the start and at the end of a log.
-fn rests(recording: &Recording, slow: &[Slow]) -> [bool; 2] {
+fn rests(recording: &Recording) -> [bool; 2] {
     let samples = recording.samples();
     let end = ((END_S * recording.rate_hz()) as usize).clamp(1, samples - 1);
     let moved = |from: usize| {
         (0..recording.joints()).any(|joint| {
             let q = recording.q.channel(joint);
-            (q[from + end] - q[from]).abs() > slow[joint].standing * END_S
+            (q[from + end] - q[from]).abs() > REVERSAL_BAND * END_S
         })
     };
     [!moved(0), !moved(samples - 1 - end)]
@@ -244,7 +247,8 @@ fn rests(recording: &Recording, slow: &[Slow]) -> [bool; 2] {
 /// all the time keeps more.
 fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
     let speed = log.motion.qd.channel(joint);
-    let band = log.slow[joint].standing;
+    let fastest = speed.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let band = REVERSAL_BAND.min((BAND_SHARE * fastest).max(LEAST_BAND));
     let is_slow = |block: &[f64], band: f64| {
         let turns = block.iter().any(|v| v.signum() != block[0].signum());
         turns || block.iter().any(|v| v.abs() < band)

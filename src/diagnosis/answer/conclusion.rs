@@ -216,7 +216,7 @@ fn answer<'a>(
         unexplained.push(other);
     }
     let left = map_of(&session.over_all_logs(), &members, options)?;
-    unexplained.extend(mapped(&left, &unexplained, options.alpha));
+    unexplained.extend(mapped(&left, &session.cutoffs_hz, &unexplained, options.alpha));
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);

@@ -58,6 +58,14 @@ fn a_search_that_is_ended_says_what_is_known_by_then() {
         (&left["joint"], &left["structure"]),
         (&Value::from("joint_2"), &Value::from("follows the joint's speed"))
     );
+    let lines = text(
+        &LOGS
+            .tauscope(
+                &[&base[..4], &["out/recording.csv", "--no-resimulation"], &TEST, &out, &["--budget", "1ms"]].concat(),
+            )
+            .stdout,
+    );
+    assert!(lines.contains("no effect found so far explains") && lines.contains("the search was ended"), "{lines}");
     let bad = LOGS.tauscope(&[&base[..], &TEST, &out, &["--budget", "5 parsecs"]].concat()[..]);
     assert_eq!(bad.status.code(), Some(2));
     assert!(text(&bad.stderr).contains("give a time above zero"), "{}", text(&bad.stderr));

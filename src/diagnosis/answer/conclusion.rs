@@ -211,7 +211,9 @@ fn answer<'a>(
     let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
     let trained = session.residual_on(&session.train, &members, &whitener)?;
     let left = [(&session.train.rows, &trained), (test, &extended)];
-    for other in disagreement(left, &baseline, &noise_floor, &prediction_std) {
+    // What a search that was ended has not looked for is no disagreement.
+    let disagreement = disagreement(left, &baseline, &noise_floor, &prediction_std).into_iter();
+    for other in disagreement.filter(|_| !unfinished) {
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
     }

@@ -92,6 +92,7 @@ pub(crate) fn stopped_lines(faults: &[DataFault]) -> String {
 /// What explains nothing: all that was tried.
 fn none(diagnosis: &Diagnosis) -> String {
     match diagnosis.scope.candidates.as_slice() {
+        _ if diagnosis.unfinished => "no effect found so far".into(),
         [] => "no effect of the library".into(),
         tried => format!("none of the effects tried ({})", tried.join(", ")),
     }

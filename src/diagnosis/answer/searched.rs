@@ -35,8 +35,8 @@ pub(super) fn found_that_matter(
     }
     if hold_undetermined(session, &mut selection.found, &selection.whitener)? {
         selection.settle(session)?;
+        with_scatter(session, &mut selection.found, &selection.whitener)?;
     }
-    with_scatter(session, &mut selection.found, &selection.whitener)?;
     Ok((selection, minor))
 }
 

@@ -1,7 +1,7 @@
-//! Structure that the mixed model shows in what the extended model leaves, on joints of which the block tests say nothing.
+//! Structure that the mixed model shows in the residual of the extended model, on joints where the block tests are not significant.
 //!
-//! The block tests take the noise for what is left at high frequency or between moments: a slow, periodic or wandering residual then
-//! counts as noise. The mixed model's tests need no model of the noise.
+//! The block tests estimate the noise spectrum from the residual itself, so that a slow, periodic or wandering residual is part of that
+//! noise. The tests of the mixed model need no noise spectrum.
 
 use super::structure::{STRICTER, Unexplained, WORTH_TELLING};
 use crate::diagnosis::variance::{JointMap, Kind, ResidualMap};

@@ -61,10 +61,8 @@ impl Column {
     /// Adds `factor` times `other`.
     pub fn add(&mut self, factor: f64, other: &Column) {
         for (joint, values) in &other.parts {
-            match self.parts.binary_search_by_key(joint, |(own, _)| *own) {
-                Ok(place) => self.parts[place].1.iter_mut().zip(values).for_each(|(x, y)| *x += factor * y),
-                Err(place) => self.parts.insert(place, (*joint, values.iter().map(|y| factor * y).collect())),
-            }
+            let own = self.part_mut(*joint, values.len());
+            own.iter_mut().zip(values).for_each(|(x, y)| *x += factor * y);
         }
         self.beforehand.resize(self.beforehand.len().max(other.beforehand.len()), 0.0);
         self.beforehand.iter_mut().zip(&other.beforehand).for_each(|(x, y)| *x += factor * y);

@@ -12,7 +12,7 @@ use crate::effects::{Parameter, Role};
 use crate::error::Result;
 
 /// Holds the parameters of the effects `found` that the training logs do not determine, by the scatter between their blocks; tells
-/// whether there were any.
+/// whether there were any. All standard deviations then hold that scatter.
 ///
 /// # Errors
 /// If a log is too short to differentiate.

@@ -21,8 +21,6 @@ pub(super) struct Fit {
     pub residual: DVector<f64>,
     /// Fitted part of each kind over the rows, N m.
     pub parts: Vec<DVector<f64>>,
-    /// Degrees of freedom that the random effects take.
-    pub freedom: f64,
     /// Logarithm of the restricted likelihood, but for what no strength changes.
     pub log_likelihood: f64,
 }
@@ -131,14 +129,12 @@ fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
     let mut fit = Fit {
         residual: design.y.clone(),
         parts: vec![DVector::zeros(rows); strengths.len()],
-        freedom: 0.0,
         log_likelihood: -0.5 * (free * noise.ln() + square / noise),
         strengths,
         noise,
     };
     let Some(posterior) = Posterior::new(design, &fit.strengths, noise) else { return fit };
     let mean = posterior.mean(design, noise);
-    let covariance = posterior.factor.inverse();
     let mut place = 0;
     let mut log_prior = 0.0;
     for (k, (_, range)) in design.kinds.iter().enumerate() {
@@ -148,8 +144,6 @@ fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
         }
         let own = place..place + range.len();
         place = own.end;
-        let spread: f64 = own.clone().map(|i| covariance[(i, i)]).sum();
-        fit.freedom += (own.len() as f64 - spread / strength).max(0.0);
         fit.parts[k] = design.z.columns(range.start, range.len()) * mean.rows(own.start, own.len());
         fit.residual -= &fit.parts[k];
         log_prior += own.len() as f64 * strength.ln();

@@ -51,12 +51,12 @@ impl Payload {
     ///
     /// ```
     /// use tauscope::payload::Payload;
-    /// use tauscope::recording::csv;
+    /// use tauscope::recording;
     /// use tauscope::robot::{self, InertiaCheck};
     ///
     /// let robot = robot::load("tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-    /// let before = csv::load("tests/reference/payload/before.csv")?;
-    /// let after = csv::load("tests/reference/payload/after.csv")?;
+    /// let before = recording::load("tests/reference/payload/before.csv", None)?;
+    /// let after = recording::load("tests/reference/payload/after.csv", None)?;
     ///
     /// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
     ///

@@ -27,12 +27,18 @@ pub(crate) fn signals(name: &str, array: &PyReadonlyArray2<'_, f64>, joints: usi
         }
         return Ok(table);
     }
+    let whole = view.as_slice();
     let cells = table.as_mut_slice();
     for start in (0..rows).step_by(BLOCK) {
         let end = rows.min(start + BLOCK);
         for joint in 0..joints {
-            for (row, cell) in (start..end).zip(&mut cells[joint * rows + start..joint * rows + end]) {
-                *cell = view[[row, joint]];
+            let signal = &mut cells[joint * rows + start..joint * rows + end];
+            match whole {
+                Some(whole) => {
+                    let own = whole[start * joints..end * joints].chunks_exact(joints);
+                    own.zip(signal).for_each(|(row, cell)| *cell = row[joint]);
+                }
+                None => (start..end).zip(signal).for_each(|(row, cell)| *cell = view[[row, joint]]),
             }
         }
     }

@@ -21,6 +21,10 @@ Logs = Union[AnyLog, Sequence[AnyLog]]
 Scenario = Union[PathLike, Mapping[str, Any], Answer]
 
 
+PARTS = ("t", "q", "qd", "qdd", "tau", "joints", "name")
+"""What a log has where it is given as a dictionary."""
+
+
 class Call:
     """A command in the making."""
 
@@ -54,6 +58,11 @@ class Call:
 
     def _log(self, name: str, log: AnyLog) -> str:
         if isinstance(log, Mapping):
+            unknown = [key for key in log if key not in PARTS]
+            if unknown:
+                raise TauscopeError(f"{name}: a log has no `{unknown[0]}`; it has {', '.join(PARTS)}")
+            if missing := [key for key in ("t", "q") if key not in log]:
+                raise TauscopeError(f"{name}: `{missing[0]}` is missing")
             log = Log(**log)
         if not isinstance(log, Log):
             try:
@@ -66,6 +75,7 @@ class Call:
 
     def scenario(self, scenario: Scenario) -> str:
         """The file of a scenario."""
+        # An answer is a mapping, too.
         if isinstance(scenario, Answer):
             for name in ("extended.toml", "scenario.toml"):
                 if name in scenario.files:
@@ -73,7 +83,10 @@ class Call:
             raise TauscopeError(f"scenario: `{scenario.command}` wrote none")
         if self.scratch is None:
             self.scratch = tempfile.TemporaryDirectory(prefix="tauscope_")
-        return _scenario.written(scenario, Path(self.scratch.name))
+        path = _scenario.written(scenario, Path(self.scratch.name))
+        if isinstance(scenario, Mapping):
+            self.names[path] = "scenario"
+        return path
 
     def options(self, **options: Any) -> None:
         """Options of the command by their names; what is None or False is left out."""
@@ -101,6 +114,8 @@ class Call:
         try:
             found = _tauscope.call(arguments, folder.path if folder.is_own else None)
         finally:
+            # Names of logs are free again, whatever keeps this frame alive.
+            self.kept.clear()
             if self.scratch is not None:
                 self.scratch.cleanup()
         code, document, text, error, told = found
@@ -111,7 +126,11 @@ class Call:
             raised = TauscopeError(self._named(error))
             # A log that cannot be used is refused after the report on it.
             raised.answer = made if document else None
-            raise raised
+            try:
+                raise raised
+            finally:
+                # Else the error and this frame would keep each other, and the answer's files.
+                del raised
         return made
 
     def _named(self, text: str) -> str:

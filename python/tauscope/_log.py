@@ -36,6 +36,8 @@ class Log:
             raise TauscopeError(f"t: has {self.t.ndim} dimensions; give the time of every sample, s")
         self.q = states("q", q, None)
         shape = (len(self.t), self.q.shape[1])
+        if shape[1] == 0:
+            raise TauscopeError("q: has no joints; give an array of samples x joints")
         self.qd = self.qdd = self.tau = None
         for signal, value in [("qd", qd), ("qdd", qdd), ("tau", tau)]:
             if value is not None:

@@ -73,6 +73,7 @@ def test_wrong_options_are_refused(runs, arm):
         ({"budget": -1}, "--budget"),
         ({"scenario": 3}, "scenario: give a path"),
         ({"scenario": {"name": object()}}, "scenario: "),
+        ({"scenario": {"name": "x"}}, "scenario:1: schema: missing field"),
     ]:
         with pytest.raises(tauscope.TauscopeError) as refused:
             tauscope.diagnose(arm, runs.training, **options)

@@ -28,6 +28,7 @@ def test_arrays_are_not_copied():
         ({"qd": np.zeros((50, 5))}, "qd: is 50 x 5; 50 samples (t) x 6 joints (q) are wanted"),
         ({"tau": np.zeros((6, 50))}, "tau: is 6 x 50"),
         ({"tau": np.zeros(50)}, "tau: has 1 dimensions"),
+        ({"q": np.zeros((50, 0))}, "q: has no joints"),
         ({"joints": ["a"]}, "joints: give a list of 6 names"),
     ],
 )
@@ -47,6 +48,10 @@ def test_messages_name_the_log(arm, runs):
         tauscope.identify(arm, 3)
     with pytest.raises(tauscope.TauscopeError, match="--train: give at least one log"):
         tauscope.identify(arm)
+    with pytest.raises(tauscope.TauscopeError, match="^train: a log has no `torque`; it has t, q"):
+        tauscope.identify(arm, {"t": log.t, "q": log.q, "torque": log.tau})
+    with pytest.raises(tauscope.TauscopeError, match="^train: `q` is missing"):
+        tauscope.identify(arm, {"t": log.t})
     with pytest.raises(tauscope.TauscopeError, match="none.csv"):
         tauscope.identify(arm, "none.csv")
 

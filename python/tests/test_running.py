@@ -77,3 +77,10 @@ def test_the_command_is_there():
         assert done.stdout == f"tauscope {tauscope.__version__}\n"
     refused = subprocess.run([os.fspath(program), "inspect", "none.csv"], capture_output=True, text=True, check=False)
     assert refused.returncode == 2 and "none.csv" in refused.stderr
+
+
+def test_other_libraries_can_be_loaded_after_it():
+    """A library that takes the room for static variables of threads keeps OpenMP, and so Pinocchio, from being loaded."""
+    words = [sys.executable, "-c", "import tauscope, ctypes, ctypes.util as u; ctypes.CDLL(u.find_library('gomp') or None)"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -25,4 +25,4 @@ echo "== tests"
 "$place/clean/bin/python" -m pytest -q -p no:cacheprovider python/tests
 
 echo "== notebook"
-MPLBACKEND=agg "$place/clean/bin/python" tests/python/notebook.py docs/tour.ipynb "$place"
+"$place/clean/bin/python" tests/python/notebook.py docs/tour.ipynb "$place"

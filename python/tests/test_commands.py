@@ -9,7 +9,7 @@ import tauscope
 from conftest import ARM, PAYLOAD, ROOT, SHORT
 
 CANDIDATES = ["stribeck_friction", "torque_offset"]
-CLOCKS = {"seconds", "file", "folder", "log", "logs", "baseline"}
+CLOCKS = {"seconds", "median_seconds", "file", "folder", "log", "logs", "baseline"}
 
 
 def without(value, keys):
@@ -140,7 +140,7 @@ def test_check(command, tmp_path):
 
 
 def test_blind(command, tmp_path):
-    scenario, effect = ROOT / "tests" / "scenarios" / "pendulum.toml", "torque_offset:pivot"
+    scenario, effect = ROOT / "tests" / "scenarios" / "fixed_links.toml", "torque_offset:joint_2"
     options = ["--effect", effect, "--runs", "1", "--severity", "3", "--correlation", "0"]
     wanted = command("blind", "--scenario", scenario, *options, "--out", tmp_path)
     found = tauscope.blind(scenario, effect=effect, runs=1, severity=3.0, correlation=[0.0])

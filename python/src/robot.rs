@@ -22,6 +22,9 @@ pub(crate) struct Arm {
 
 type Array<'py> = PyReadonlyArray2<'py, f64>;
 
+/// Names of standard parameters, sums of them in words, and the matrix that makes the sums.
+type Sums<'py> = (Vec<String>, Vec<String>, Bound<'py, PyArray2<f64>>);
+
 #[pymethods]
 impl Arm {
     #[new]
@@ -181,7 +184,7 @@ impl Arm {
 
     /// The base parameters of the arm with its drives: names of the standard parameters, sums in words, and the matrix that makes the
     /// sums.
-    fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<(Vec<String>, Vec<String>, Bound<'py, PyArray2<f64>>)> {
+    fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Sums<'py>> {
         let model = py.detach(|| Model::new(&self.robot));
         let base = model.base();
         let sums = base.groupings().iter().map(|sum| sum.name.clone()).collect();

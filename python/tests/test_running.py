@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import tauscope
-from conftest import ARM
+from conftest import ARM, PAYLOAD
 
 WAITING = """
 import sys, tauscope
@@ -84,3 +84,17 @@ def test_other_libraries_can_be_loaded_after_it():
     words = [sys.executable, "-c", "import tauscope, ctypes, ctypes.util as u; ctypes.CDLL(u.find_library('gomp') or None)"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_warnings_are_pythons(tmp_path):
+    header, *rows = (PAYLOAD / "before.csv").read_text().split()
+    turned = header.split(",").index("tau_j2")
+    cells = [row.split(",") for row in rows]
+    lines = [",".join([*row[:turned], str(-float(row[turned])), *row[turned + 1 :]]) for row in cells]
+    (tmp_path / "turned.csv").write_text("\n".join([header, *lines]))
+    unit = [[float(row == column) for column in range(5)] for row in range(5)]
+    dataset = tmp_path / "dataset.toml"
+    dataset.write_text(f'schema = "tauscope.dataset/1"\n[[train]]\nfile = "turned.csv"\n[motors]\ncoupling = {unit}\n')
+    with pytest.warns(UserWarning, match="corrected.toml is not written"):
+        found = tauscope.inspect(tmp_path / "turned.csv", PAYLOAD / "arm.urdf", dataset=dataset)
+    assert found.joints[0].name == "j1"

@@ -153,7 +153,7 @@ impl Arm {
         let inertial = given.as_ref().unwrap_or(&self.inertial);
         if inertial.len() != self.inertial.len() {
             let problem = format!("has {} numbers; ten per body are wanted, {}", inertial.len(), self.inertial.len());
-            return Err(wrong("inertial", problem));
+            return Err(wrong("inertial_parameters", problem));
         }
         let torque = py.detach(|| dynamics::torques(&self.robot, &self.chain, inertial, &motion, drives));
         array(py, torque)

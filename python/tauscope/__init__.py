@@ -33,6 +33,9 @@ from ._robot import BaseParameters, Robot
 from ._scenario import read_scenario
 from ._tauscope import TauscopeError, __version__
 
+# The answer that a command gave before it refused a log.
+TauscopeError.answer = None
+
 __all__ = [
     "Answer",
     "BaseParameters",

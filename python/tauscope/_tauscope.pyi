@@ -1,7 +1,7 @@
 """The compiled part."""
 
 import os
-from typing import Mapping, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ __version__: str
 class TauscopeError(ValueError):
     """Bad input: the text says what is wrong, where, and what to do."""
 
-    answer: object
+    answer: Any
 
 class Arm:
     name: str

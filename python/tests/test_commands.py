@@ -103,8 +103,9 @@ def test_payload(command, tmp_path):
     from_arrays = tauscope.payload(arm, *(tauscope.Log.read(file, arm) for file in files), expect=3.0)
     assert from_arrays.mass_kg.value == wanted["mass_kg"]["value"]
     assert from_arrays.code == 1
-    with pytest.raises(tauscope.TauscopeError, match="^after: give at least one log"):
+    with pytest.raises(tauscope.TauscopeError, match="^after: give at least one log") as refused:
         tauscope.payload(arm, files[0])
+    assert refused.value.answer is None
 
 
 def test_excite(command, tmp_path):

@@ -85,7 +85,7 @@ def test_base_parameters(arm):
         ({"qdd": np.zeros(6)}, "qdd: has 1 dimensions; give an array of samples x 6 joints"),
         ({"q": "text"}, "q: is no array of numbers"),
         ({"qd": [[1.0], [1.0, 2.0]]}, "qd: is no array of numbers"),
-        ({"inertial_parameters": [1.0]}, "inertial: has 1 numbers; ten per body are wanted, 60"),
+        ({"inertial_parameters": [1.0]}, "inertial_parameters: has 1 numbers; ten per body are wanted, 60"),
     ],
 )
 def test_errors_name_the_argument(arm, change, message):

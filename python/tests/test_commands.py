@@ -141,11 +141,19 @@ def test_check(command, tmp_path):
 
 
 def test_blind(command, tmp_path):
-    scenario, effect = ROOT / "tests" / "scenarios" / "fixed_links.toml", "torque_offset:joint_2"
+    # An arm of one joint with limits, which a blind motion needs.
+    urdf = (ROOT / "tests" / "reference" / "pendulum.urdf").read_text()
+    urdf = urdf.replace("continuous", "revolute").replace("<limit ", '<limit lower="-3" upper="3" ')
+    (tmp_path / "arm.urdf").write_text(urdf)
+    scenario = tmp_path / "scenario.toml"
+    text = (ROOT / "tests" / "scenarios" / "pendulum.toml").read_text()
+    scenario.write_text(text.replace("../reference/pendulum.urdf", "arm.urdf"))
+    effect = "torque_offset:pivot"
     options = ["--effect", effect, "--runs", "1", "--severity", "3", "--correlation", "0"]
-    wanted = command("blind", "--scenario", scenario, *options, "--out", tmp_path)
+    wanted = command("blind", "--scenario", scenario, *options, "--out", tmp_path / "out")
     found = tauscope.blind(scenario, effect=effect, runs=1, severity=3.0, correlation=[0.0])
     assert without(found.to_dict(), CLOCKS) == without(wanted, CLOCKS)
+    assert found.classes[0].failed == 0 and len(found.runs) == 1
 
 
 def test_effects_and_robot(command, arm):

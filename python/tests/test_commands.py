@@ -162,9 +162,15 @@ def test_effects_and_robot(command, arm):
     assert arm.describe().to_dict() == command("robot", ARM)
 
 
-def test_paper_and_view_are_there():
-    with pytest.raises(tauscope.TauscopeError, match="scenario"):
-        tauscope.paper("none.toml")
+def test_paper(command, tmp_path):
+    scenario = ROOT / "scenarios" / "paper.toml"
+    wanted = command("paper", scenario, "--out", tmp_path)
+    found = tauscope.paper(scenario)
+    assert without(found.to_dict(), CLOCKS) == without(wanted, CLOCKS)
+    assert found.file("figure_7_torque.svg").read_text() == (tmp_path / "figure_7_torque.svg").read_text()
+
+
+def test_view_and_any_command():
     with pytest.raises(tauscope.TauscopeError, match="is not there"):
         tauscope.view("nowhere")
     assert tauscope.command("effects", "backlash").to_dict() == tauscope.effects("backlash").to_dict()

@@ -145,8 +145,13 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
 
 /// What the residual of the model with `members` follows in the logs that `session` is identified from.
 fn map_of(session: &Session, members: &[Member], options: &Options) -> Result<ResidualMap> {
-    let columns = session.all_columns(&session.train, members)?;
-    Ok(ResidualMap::new(&session.train, &columns, &session.arm, options.alpha, options.seed))
+    map_on(session, &session.train, members, options)
+}
+
+/// The same in the logs of one side, to which all columns of the model are fitted.
+fn map_on(session: &Session, side: &Side, members: &[Member], options: &Options) -> Result<ResidualMap> {
+    let columns = session.all_columns(side, members)?;
+    Ok(ResidualMap::new(side, &columns, &session.arm, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
@@ -226,7 +231,11 @@ fn answer<'a>(
         unexplained.push(other);
     }
     let left = map_of(&session.over_all_logs(), &members, options)?;
-    unexplained.extend(mapped(&left, &session.cutoffs_hz, &unexplained, options.alpha));
+    let apart = || {
+        Ok([map_on(&session, &session.train, &members, options)?, map_on(&session, &session.test, &members, options)?])
+    };
+    let followed = mapped(&left, &session.cutoffs_hz, &unexplained, options.alpha, apart)?;
+    unexplained.extend(followed);
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);

@@ -62,10 +62,10 @@ pub struct Part {
     pub follows: Kind,
     /// Its size: its share of the square of all parts' sum, so that parts that cancel do not count twice.
     pub rms: f64,
-    /// Probability of as much without it, given all other kinds.
-    pub p: f64,
+    /// Probability of as much without it, given all other kinds; None where the logs are too short for a test.
+    pub p: Option<f64>,
     /// The same for the best of all kinds on all joints (Holm, 1979).
-    pub family_wise_p: f64,
+    pub family_wise_p: Option<f64>,
     /// Whether it is significant at the level of the diagnosis.
     pub significant: bool,
 }
@@ -74,6 +74,11 @@ impl JointMap {
     /// The parts that are significant and stand clear of the noise, the largest first.
     pub fn reported(&self) -> impl Iterator<Item = &Part> {
         self.parts.iter().filter(|part| part.significant && part.rms >= CLEAR * self.noise)
+    }
+
+    /// The p-value of a kind, among all others but not adjusted for their number; None where it is not tested.
+    pub fn p(&self, kind: Kind) -> Option<f64> {
+        self.parts.iter().find(|part| part.follows == kind)?.p
     }
 
     /// The spectral lines that stand clear of the noise, the strongest first.
@@ -145,7 +150,7 @@ fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
         .zip(p)
         .filter_map(|(((kind, _), part), p)| {
             let follows = (*kind)?;
-            Some(Part { follows, rms: size(part), p, family_wise_p: p, significant: false })
+            Some(Part { follows, rms: size(part), p, family_wise_p: None, significant: false })
         })
         .collect();
     parts.sort_by(|a, b| b.rms.total_cmp(&a.rms));
@@ -208,12 +213,13 @@ fn residual(source: &Source, joint: usize) -> Vec<f64> {
 
 /// Adjusts the p-values for the number of kinds and joints, the smallest first.
 fn adjust(joints: &mut [JointMap], alpha: f64) {
-    let mut all: Vec<&mut Part> = joints.iter_mut().flat_map(|joint| &mut joint.parts).collect();
-    all.sort_by(|a, b| a.p.total_cmp(&b.p));
-    let (count, mut least) = (all.len(), 0.0f64);
-    for (rank, part) in all.into_iter().enumerate() {
-        least = least.max((count - rank) as f64 * part.p).min(1.0);
-        part.family_wise_p = least;
+    let parts = joints.iter_mut().flat_map(|joint| &mut joint.parts);
+    let mut tested: Vec<(f64, &mut Part)> = parts.filter_map(|part| Some((part.p?, part))).collect();
+    tested.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (count, mut least) = (tested.len(), 0.0f64);
+    for (rank, (p, part)) in tested.into_iter().enumerate() {
+        least = least.max((count - rank) as f64 * p).min(1.0);
+        part.family_wise_p = Some(least);
         part.significant = least <= alpha;
     }
 }

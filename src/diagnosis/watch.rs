@@ -26,7 +26,7 @@ pub struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Reports to nobody and never ends.
+    /// Reports nothing and never ends.
     pub(super) fn idle() -> Self {
         Watch { progress: Box::new(|_| ()), budget: None, stop: None, deadline: None, ended: false }
     }
@@ -51,7 +51,7 @@ impl<'a> Watch<'a> {
         self.deadline = self.budget.and_then(|budget| Instant::now().checked_add(budget));
     }
 
-    /// Tells how far it has come.
+    /// Reports how far it has come.
     pub(super) fn tell(&mut self, progress: Progress) {
         (self.progress)(progress);
     }

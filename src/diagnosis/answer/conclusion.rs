@@ -14,7 +14,7 @@ use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::lack_of_fit::{disagreement, mapped};
 use crate::diagnosis::logs::{Input, split};
-use crate::diagnosis::model::{Arm, Known, Member, Session, Side};
+use crate::diagnosis::model::{Arm, DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined, rms};
 use crate::diagnosis::search::{Found, Selection};
@@ -149,9 +149,9 @@ fn map_of(session: &Session, members: &[Member], options: &Options) -> Result<Re
 }
 
 /// The same in the logs of one side, to which all columns of the model are fitted.
-fn map_on(session: &Session, side: &Side, members: &[Member], options: &Options) -> Result<ResidualMap> {
-    let columns = session.all_columns(side, members)?;
-    Ok(ResidualMap::new(side, &columns, &session.arm, options.alpha, options.seed))
+fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
+    let columns = session.all_columns(data, members)?;
+    Ok(ResidualMap::new(data, &columns, &session.arm, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
@@ -214,7 +214,7 @@ fn answer<'a>(
         sensitivity,
     } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
-    let valid = |side: &'_ Side| side.rows.valid.clone();
+    let valid = |data: &'_ DataSet| data.rows.valid.clone();
     let train = session.baseline_residual_on(&session.train, &first_whitener)?;
     let baseline = session.baseline_residual_on(&session.test, &first_whitener)?;
     let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;

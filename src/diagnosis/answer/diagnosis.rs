@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 const FIRM: f64 = 0.7;
 const FIRM_ABOVE_NOISE: f64 = 0.9;
 
-/// Factor on what is left of the held-out logs, in squares over the noise, from which an effect predicts them worse than none: noise in
+/// Factor on the held-out residual, in squares over the noise, from which an effect predicts them worse than none: noise in
 /// the estimate of what is there makes less.
 const WORSE: f64 = 1.1;
 
@@ -86,7 +86,7 @@ pub struct LogSummary {
     pub passband: Option<LowPass>,
     /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width of tanh(v / width); zero for a plain sign.
     pub sign_widths: Vec<f64>,
-    /// Whether each joint has an equation: its torque is logged, and it surely moves. The numbers of a joint without one
+    /// Whether each joint has an equation: its torque is logged, and it moves. The numbers of a joint without one
     /// mean nothing.
     pub equations: Vec<bool>,
     /// Whether the last part of the training logs was held out for want of test logs.
@@ -154,7 +154,7 @@ pub struct Diagnosis {
     pub evidence: Evidence,
 }
 
-/// The answer in a word; `inertias` tells whether those of the description are wrong as a whole.
+/// The answer in a word; `inertias`: whether those of the description are wrong as a whole.
 pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> Verdict {
     let some = |verdict: Verdict| found.iter().any(|found| found.verdict == verdict);
     match (some(Verdict::OneOf), some(Verdict::Named) || inertias) {
@@ -165,7 +165,7 @@ pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplaine
     }
 }
 
-/// Takes back the names on joints of which surely much stays unexplained, those that structure without a name stands for, and those with
+/// Withdraws the findings on joints of which much stays unexplained with certainty, those that unexplained structure replaces, and those with
 /// which the held-out logs are predicted worse.
 /// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.

@@ -1,4 +1,4 @@
-//! Which joints have an equation in a diagnosis: those whose torque is logged and that surely move for long enough. The others
+//! Which joints have an equation in a diagnosis: those whose torque is logged and that move for long enough. The others
 //! move with them and are left out, with a line each.
 
 use crate::diagnosis::logs::{Consequence, DataFault, FEWEST_ROWS, Input, Rows, cutoff, split};
@@ -18,7 +18,7 @@ pub struct Observed {
     pub left_out: Vec<DataFault>,
 }
 
-/// What is said of a joint that is left out, and where.
+/// What is reported of a joint that is left out, and where.
 const HARDLY_MOVES: &str =
     "the joint hardly moves: nothing is looked for in its drive, its torque is left out, and the others are diagnosed";
 const ALL: &str = "all logs";

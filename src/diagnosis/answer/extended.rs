@@ -83,7 +83,7 @@ pub fn torque(robot: &Robot, effects: &[Placed], time: &[f64], motion: &Motion) 
     sum
 }
 
-/// Bodies, rotors, friction and gravity go into the arm, all else beside it. An effect that is there already grows.
+/// Bodies, rotors, friction and gravity go into the arm, all else into the scenario. An effect that is there already grows.
 fn take_in(placed: Placed, robot: &mut Robot, effects: &mut Vec<Placed>) {
     let drive = &mut robot.joints[placed.joint].drive;
     let name = placed.effect.about().name;
@@ -139,7 +139,7 @@ fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
     let arm = Arm::new(session.model.robot(), Trust::Structure).with_sign_widths(session.arm.sign_widths.clone());
     let base = arm.baseline(session.model, &session.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
-    // What these rows do not tell stays where it is.
+    // What these rows do not determine stays where it is.
     let largest = normal.diagonal().max();
     for k in 0..normal.nrows() {
         normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12 * largest;

@@ -30,7 +30,7 @@ pub struct Finding {
     pub alternatives: Vec<NamedAlternative>,
     /// Its parameters, and what derives from them.
     pub parameters: Vec<NamedParameter>,
-    /// Whether any of its amplitudes differs surely from zero.
+    /// Whether any of its amplitudes differs significantly from zero.
     pub size_told: bool,
     /// Family-wise p-value; None where none was worked out.
     pub family_wise_p: Option<f64>,

@@ -2,7 +2,7 @@
 //!
 //! Against wrong inertias single effects explain a little each, and never all. Where trusted inertias leave structure or ask
 //! for several wrong links, the search is made once more with all base parameters free; if that predicts the held-out logs
-//! surely better, and leaves less without a name, the inertias are what is wrong.
+//! significantly better, and leaves less unexplained, the inertias are what is wrong.
 
 use super::searched::Searched;
 use crate::diagnosis::Options;
@@ -88,7 +88,7 @@ pub(super) fn all_inertias<'a>(
     Ok((lower_bound > LEAST_GAIN).then_some(Free { session, searched, gain }))
 }
 
-/// Number of joints of which something surely stays unexplained.
+/// Number of joints with unexplained structure that is certain.
 fn surely_left(unexplained: &[Unexplained]) -> usize {
     unexplained.iter().filter(|left| left.sure).count()
 }

@@ -1,4 +1,4 @@
-//! What columns take beside what is not physics: the error of the smoothing, slow noise whose strength the rows tell poorly,
+//! Tests of columns adjusted for what is not physics: the error of the smoothing, slow noise whose strength the rows determine poorly,
 //! and noise that is stronger or of another colour in parts of the logs.
 
 use super::blocks::BLOCK;
@@ -11,7 +11,7 @@ use crate::diagnosis::regression::{Column, Projection, Test, combined};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Cosines over each log that stand for slow noise: one hertz over twenty seconds.
+/// Cosines over each log that span slow noise: one hertz over twenty seconds.
 const SLOW: usize = 40;
 
 /// Inverse degrees of freedom below which the strength of slow noise is as good as known.
@@ -24,7 +24,7 @@ const SINGULAR: f64 = 1e-10;
 const BLOCKS: usize = 40;
 const SHORTEST_BLOCK: usize = 12;
 
-/// Cosines over each log that stand for slow drifts beside an event.
+/// Cosines over each log that span slow drifts where an event is tested.
 const DRIFTS: usize = 10;
 
 /// Logarithm of the probability of what a candidate explains, adjusted for errors of the smoothing and for slow noise of the
@@ -37,7 +37,7 @@ pub fn log_p_adjusted(session: &Session, whitener: &Whitener, fit: &Projection, 
         let drifts: Vec<Column> = joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)).collect();
         fit.with(&whitener.apply_all(&drifts))
     } else {
-        session.train.errors_beside(&candidate.candidate.placed).beside(fit, whitener)
+        session.train.errors_with(&candidate.candidate.placed).adjust(fit, whitener)
     };
     let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return 0.0 };
     let slow = against_slow_noise(rows, whitener, &fit, &judged.whitened, &judged.test);
@@ -100,7 +100,7 @@ fn happens_anywhere(candidate: &Candidate) -> bool {
 /// left with them, as far as they are slow themselves.
 ///
 /// White noise has as much in each cosine; where the whitening knows the slow noise badly there is more, and the number of
-/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit tells nothing: what the fit leaves of it
+/// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit holds no information: what the fit leaves of it
 /// is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
 pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, columns: &[Column], test: &Test) -> f64 {
     let predicted = fit.left_of(vec![combined(columns, &test.values)]).remove(0);

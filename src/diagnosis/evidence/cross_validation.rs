@@ -9,17 +9,17 @@ use crate::error::Result;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn left_by_others(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Column> {
-    let side = &session.train;
-    let columns = session.all_columns(side, members)?;
-    let mut rows = side.rows.clone();
-    let mut left = side.torque.clone();
-    for log in side.rows.starts.windows(2) {
+pub fn cross_validated_residual(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Column> {
+    let data = &session.train;
+    let columns = session.all_columns(data, members)?;
+    let mut rows = data.rows.clone();
+    let mut left = data.torque.clone();
+    for log in data.rows.starts.windows(2) {
         let own = log[0]..log[1];
-        rows.valid.clone_from(&side.rows.valid);
+        rows.valid.clone_from(&data.rows.valid);
         rows.valid.iter_mut().for_each(|valid| valid[own.clone()].fill(false));
         let of_others = whitener.on(&rows);
-        let values = solve(&of_others.apply_all(&columns), &of_others.apply(&side.torque)).values;
+        let values = solve(&of_others.apply_all(&columns), &of_others.apply(&data.torque)).values;
         for (joint, left) in &mut left.parts {
             for (column, value) in columns.iter().zip(&values) {
                 let Some(signal) = column.part(*joint) else { continue };
@@ -87,13 +87,13 @@ mod tests {
         assert_eq!(rows.valid[4][last.clone()], apart.test.rows.valid[4]);
 
         let whitener = session.noise_under(&session.train.baseline).whitener;
-        let before = left_by_others(&session, &[], &whitener).unwrap();
+        let before = cross_validated_residual(&session, &[], &whitener).unwrap();
         // More friction on joint 2 in the last log alone.
         let push: Vec<f64> = rows.means(|log| log.motion.qd.channel(1).to_vec());
         let push = push.iter().enumerate().map(|(row, qd)| if last.contains(&row) { 40.0 * qd } else { 0.0 });
         let push = Column::on(1, push.collect());
         session.train.torque.add(1.0, &push);
-        let mut change = left_by_others(&session, &[], &whitener).unwrap();
+        let mut change = cross_validated_residual(&session, &[], &whitener).unwrap();
         change.add(-1.0, &before);
         let (change, push) = (change.part(1).unwrap(), push.part(1).unwrap());
         assert!(last.clone().all(|row| (change[row] - push[row]).abs() < 1e-9), "all of it is left where it is");

@@ -1,7 +1,7 @@
 //! Generic functions of a joint's motion, of loads and of time: what no law of the library need be for structure to show.
 
 use crate::diagnosis::logs::{Log, Rows};
-use crate::diagnosis::model::{Session, Side};
+use crate::diagnosis::model::{DataSet, Session};
 use crate::diagnosis::noise::rich;
 use crate::diagnosis::regression::Column;
 use crate::signal::first_order_lag;
@@ -30,11 +30,11 @@ pub const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 /// A kind of structure, and the generic columns of a joint that show it.
 #[derive(Debug)]
 pub struct Block {
-    /// What it follows, as the end of a sentence on what is left.
+    /// What it follows, as the end of a sentence on the residual.
     pub structure: &'static str,
     /// Its columns.
     pub columns: Vec<Column>,
-    /// Whether it goes with time, which tells nothing of other logs.
+    /// Whether it goes with time, which predicts nothing for other logs.
     pub over_time: bool,
 }
 
@@ -79,9 +79,9 @@ pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Colu
     cosines
 }
 
-/// The blocks of a joint over the rows of `side`.
-pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec<Block> {
-    let rows = &side.rows;
+/// The blocks of a joint over the rows of `data`.
+pub fn blocks(session: &Session, data: &DataSet, joint: usize, reach: Reach) -> Vec<Block> {
+    let rows = &data.rows;
     let of = |channel: usize, f: &dyn Fn(f64, f64) -> f64| {
         rows.signal(|log| {
             let (q, v) = (log.motion.q.channel(channel), log.motion.qd.channel(channel));
@@ -160,7 +160,7 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
         drifting("goes with the joint's torque, more or less so over each log", own_torque),
         drifting("is friction that changes over each log", own_sign),
     ];
-    // All delays stand for a name better than one; and what follows with one is lost among the columns of all.
+    // All delays together replace a finding better than one; and what follows with one is lost among the columns of all.
     let follows = |signals| block("follows the joint's speed with a delay", signals);
     blocks.push(follows(followed.concat()));
     blocks.extend(followed.map(follows));
@@ -168,8 +168,8 @@ pub fn blocks(session: &Session, side: &Side, joint: usize, reach: Reach) -> Vec
 }
 
 /// Generic changes of the strength of `law`, a torque of a joint: with the joint's load and position, and over time.
-pub fn modulated(session: &Session, side: &Side, joint: usize, law: &[Column]) -> [Block; 2] {
-    let rows = &side.rows;
+pub fn modulated(session: &Session, data: &DataSet, joint: usize, law: &[Column]) -> [Block; 2] {
+    let rows = &data.rows;
     // Not with speed: smooth positions and means over rows take more of what swings faster.
     let of = |f: fn(f64) -> f64| rows.means(|log| log.motion.q.channel(joint).iter().map(|&q| f(q)).collect());
     let load = session.arm.all_torque(rows).part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);

@@ -38,21 +38,27 @@ pub struct Gains {
 
 impl Gains {
     /// From residuals before and after over `rows` rows of the logs.
-    pub fn new(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> Self {
-        Self::of_white(unseen, [before, after].map(|residual| unseen.apply(&residual.only(joints))), rows)
+    pub fn new(on_held_out: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> Self {
+        Self::of_white(on_held_out, [before, after].map(|residual| on_held_out.apply(&residual.only(joints))), rows)
     }
 
-    /// The same beside a constant torque on every joint of every log: what reads wrong by a constant, as sensors do, hides what
+    /// The same adjusted for a constant torque on every joint of every log: what reads wrong by a constant, as sensors do, hides what
     /// an effect of motion gains.
-    pub fn beside_constants(unseen: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: &Rows) -> Self {
+    pub fn adjusted_for_constants(
+        on_held_out: &Whitener,
+        before: &Column,
+        after: &Column,
+        joints: &[usize],
+        rows: &Rows,
+    ) -> Self {
         let mut constants = Nuisances::default();
         joints.iter().for_each(|&joint| constants.add(&slow_cosines(rows, joint, 0..1), f64::INFINITY));
-        Self::beside(unseen, before, after, joints, &constants, rows.len())
+        Self::adjusted_for(on_held_out, before, after, joints, &constants, rows.len())
     }
 
-    /// The same beside columns that may be in the residual for other reasons.
-    pub fn beside(
-        unseen: &Whitener,
+    /// The same adjusted for nuisance regressors.
+    pub fn adjusted_for(
+        on_held_out: &Whitener,
         before: &Column,
         after: &Column,
         joints: &[usize],
@@ -61,18 +67,18 @@ impl Gains {
     ) -> Self {
         let others = others.only(joints);
         let left = |residual: &Column| {
-            let fit = Projection::new(&[], &unseen.apply(&residual.only(joints)));
-            others.beside(&fit, unseen).residual.only(joints)
+            let fit = Projection::new(&[], &on_held_out.apply(&residual.only(joints)));
+            others.adjust(&fit, on_held_out).residual.only(joints)
         };
-        Self::of_white(unseen, [left(before), left(after)], rows)
+        Self::of_white(on_held_out, [left(before), left(after)], rows)
     }
 
-    fn of_white(unseen: &Whitener, [before, after]: [Column; 2], rows: usize) -> Self {
+    fn of_white(on_held_out: &Whitener, [before, after]: [Column; 2], rows: usize) -> Self {
         let mut of_rows = vec![0.0; rows];
         let mut chance = vec![0.0; rows / BLOCK + 1];
         let mut scores = vec![None; rows / BLOCK + 1];
         let mut predicted = 0.0;
-        for (place, b, a) in row_by_row(unseen, &before, &after) {
+        for (place, b, a) in row_by_row(on_held_out, &before, &after) {
             of_rows[place] += b * b - a * a;
             chance[place / BLOCK] += 2.0 * a * (b - a);
             *scores[place / BLOCK].get_or_insert(0.0) += b * (b - a);
@@ -183,15 +189,15 @@ mod tests {
         };
         let rows = Rows::new(&[&log], 10.0, FEWEST_ROWS).unwrap();
         let left = Column::new(rows.torque.iter().cloned());
-        let unseen = Whitener::new(&rows, &left, &[]);
+        let on_held_out = Whitener::new(&rows, &left, &[]);
         // An effect with a mean, all of which is there, and an offset against it.
         let effect = Column::on(0, rows.signal(|log| log.time.iter().map(|t| 0.5 + (0.7 * t).sin()).collect()));
         let mut after = left;
         after.add(1.0, &Column::on(0, vec![-1.5; rows.len()]));
         let mut before = after.clone();
         before.add(1.0, &effect);
-        let plain = Gains::new(&unseen, &before, &after, &[0], rows.len());
-        let beside = Gains::beside_constants(&unseen, &before, &after, &[0], &rows);
+        let plain = Gains::new(&on_held_out, &before, &after, &[0], rows.len());
+        let beside = Gains::adjusted_for_constants(&on_held_out, &before, &after, &[0], &rows);
         assert!(plain.lower_bound() < 0.0, "{plain:?}");
         assert!(beside.lower_bound() > 0.5, "{}", beside.lower_bound());
         assert!(!beside.is_contradicted());
@@ -199,11 +205,11 @@ mod tests {
         let noise = Column::new(rows.torque.iter().cloned());
         let mut wrong = noise.clone();
         wrong.add(1.0, &effect);
-        assert!(Gains::new(&unseen, &noise, &wrong, &[0], rows.len()).is_contradicted());
-        assert!(!Gains::new(&unseen, &noise, &noise, &[0], rows.len()).is_contradicted());
+        assert!(Gains::new(&on_held_out, &noise, &wrong, &[0], rows.len()).is_contradicted());
+        assert!(!Gains::new(&on_held_out, &noise, &noise, &[0], rows.len()).is_contradicted());
         // The same in standard deviations of the blocks.
-        assert!(Gains::new(&unseen, &noise, &wrong, &[0], rows.len()).growth() > 3.0);
-        assert!(Gains::new(&unseen, &wrong, &noise, &[0], rows.len()).growth() < -3.0);
-        assert_eq!(Gains::new(&unseen, &noise, &noise, &[0], rows.len()).growth(), 0.0);
+        assert!(Gains::new(&on_held_out, &noise, &wrong, &[0], rows.len()).growth() > 3.0);
+        assert!(Gains::new(&on_held_out, &wrong, &noise, &[0], rows.len()).growth() < -3.0);
+        assert_eq!(Gains::new(&on_held_out, &noise, &noise, &[0], rows.len()).growth(), 0.0);
     }
 }

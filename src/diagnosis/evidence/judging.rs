@@ -25,7 +25,7 @@ const SIZE_FACTOR: f64 = 2.0;
 /// Standard deviations by which an estimate may lie beyond a bound.
 const BEYOND_BOUND: f64 = 3.0;
 
-/// By how much more surely, in the logarithm of the probability, a form of a law must show that is not the usual one.
+/// By how much the logarithm of the p-value of a form of a law that is not the usual one must be lower.
 const UNUSUAL: f64 = 3.0;
 
 /// A candidate with its test in some whitening.
@@ -56,7 +56,7 @@ impl Judged {
 }
 
 impl Session<'_> {
-    /// Tests a candidate; None where it cannot be told from what the fit has, or its estimate makes no sense.
+    /// Tests a candidate; None where it is not separable from what the fit has, or its estimate makes no sense.
     pub fn judge(&self, candidate: &Candidate, whitener: &Whitener, fit: &Projection) -> Option<Judged> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);

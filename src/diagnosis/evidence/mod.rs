@@ -14,7 +14,7 @@ mod scan;
 
 pub use adjusted::{against_slow_noise, log_p_adjusted};
 pub use blocks::without_influential_blocks;
-pub use cross_validation::left_by_others;
+pub use cross_validation::cross_validated_residual;
 pub use generic::{Block, DELAYS_S, Reach, blocks, modulated, slow_cosines};
 pub use held_out::{Gains, SEEN_AGAIN};
 pub use judging::Judged;

@@ -16,10 +16,10 @@ use std::collections::BTreeMap;
 /// Draws of noise from which the level of the best of many tests is found.
 const DRAWS: usize = 200;
 
-/// Probabilities above this tell nothing of the tail: tests of one side have none in half of all draws.
+/// Probabilities above this hold no information on the tail: one-sided tests have none in half of all draws.
 const TAIL: f64 = 0.5;
 
-/// Fewest tests that a kind can be worth: one of one side.
+/// Fewest tests that a kind can be worth: one that is one-sided.
 const FEWEST: f64 = 0.5;
 
 /// A group of columns in a scan.
@@ -45,7 +45,7 @@ pub struct Multiplicity {
 }
 
 impl Multiplicity {
-    /// From the groups of a scan beside `fit`, with so many whitened `rows` of each joint: noise is sent through all of them,
+    /// From the groups of a scan adjusted for `fit`, with so many whitened `rows` of each joint: noise is sent through all of them,
     /// and the smallest probability of each kind taken from each draw. With m independent tests -ln(1 - p_min) is exponential
     /// with rate m, of which the maximum-likelihood estimate carries the level into tails that no number of draws would reach.
     pub fn new(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> Self {

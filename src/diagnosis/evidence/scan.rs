@@ -9,34 +9,34 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// Probability above which a shift of torque in time shows nothing beside what errors of the positions do.
+/// p-value, adjusted for errors in variables, above which a shift of torque in time is not significant.
 const MIMICKED: f64 = 1e-3;
 
 /// The tests of all candidates against one fit.
 #[derive(Debug)]
 pub struct Scan {
     judged: Vec<Judged>,
-    /// Which of them may be a name: all but lags and delays of which nothing is left beside errors of the positions. These look
-    /// surer than anything where encoders are coarse, and would stand beside every name.
+    /// Which of them may be a name: all but lags and delays that are not significant once adjusted for errors in variables. These look
+    /// more significant than anything where encoders are coarse, and would be alternatives to every finding.
     stand: Vec<bool>,
     /// Whether a change is looked for, which may go either way.
     change: bool,
 }
 
 impl Scan {
-    /// Tests all candidates; those that cannot be told or make no sense are left out.
+    /// Tests all candidates; those that are not separable from the model or make no sense are left out.
     pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
         let judged: Vec<Judged> =
             all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
-        let beside_errors = OnceLock::new();
+        let adjusted_for_errors = OnceLock::new();
         let stands = |judged: &Judged| {
             let placed = &judged.candidate.placed;
             if !is_shift(placed.effect) {
                 return true;
             }
-            // The errors are the same beside all of them.
+            // The errors are the same for all of them.
             let fit: &Projection =
-                beside_errors.get_or_init(|| session.train.errors_beside(placed).beside(fit, whitener));
+                adjusted_for_errors.get_or_init(|| session.train.errors_with(placed).adjust(fit, whitener));
             fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
         };
         let stand = judged.iter().map(stands).collect();

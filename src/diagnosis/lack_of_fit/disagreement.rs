@@ -8,7 +8,7 @@ use crate::diagnosis::regression::{Column, rms};
 /// What is said of such a joint.
 pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
 
-/// Rows over which what is left is averaged: half a second. What smooth positions do to steps of the motion turns over within less, and
+/// Rows over which the residual is averaged: half a second. What smooth positions do to steps of the motion turns over within less, and
 /// a load or another arm is there for longer.
 const AVERAGED: usize = 25;
 
@@ -48,7 +48,7 @@ pub fn disagreement(
     (0..train.0.dof()).filter_map(on_joint).collect()
 }
 
-/// Root mean square of what is left on a joint, averaged over the rows that count of each half second.
+/// Root mean square of the residual of a joint, averaged over the rows that count of each half second.
 fn averages(rows: &Rows, left: &Column, joint: usize) -> f64 {
     let Some(values) = left.part(joint) else { return 0.0 };
     let (mut sum, mut count) = (0.0, 0usize);

@@ -4,7 +4,7 @@ use crate::diagnosis::logs::Rows;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, log_survival};
 
-/// Orders that are tried, per turn, in steps that a motion of a few rad can tell.
+/// Orders that are tried, per turn, in steps that a motion of a few rad resolves.
 const LAST_ORDER: f64 = 64.0;
 const ORDER_STEP: f64 = 0.5;
 
@@ -14,7 +14,7 @@ const WINDOW: usize = 125;
 /// Rows that must count in a window.
 const FEWEST: usize = 25;
 
-/// Share of a wave's norm that must be left beside a constant: below it the joint hardly moves in the window.
+/// Share of a wave's norm that must remain orthogonal to a constant: below it the joint hardly moves in the window.
 const SWINGS: f64 = 0.5;
 
 /// Power at one order.

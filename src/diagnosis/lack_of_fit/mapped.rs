@@ -93,7 +93,7 @@ impl Follows {
     }
 }
 
-/// What is significant at `level` on a joint, clear of the noise, and large enough to be told.
+/// What is significant at `level` on a joint, clear of the noise, and large enough to be reported.
 fn shown(own: &JointMap, joints: f64, highest_hz: f64, level: f64) -> Vec<Shown> {
     let share = |rms: f64| (rms / own.residual).powi(2).min(1.0);
     // A constant torque is a law of the library, which has been tested.
@@ -130,7 +130,7 @@ mod tests {
         ResidualMap { joints: vec![own] }
     }
 
-    /// What is told where the logs by themselves show the same.
+    /// What is reported where the logs by themselves show the same.
     fn told(map: &ResidualMap, cutoff_hz: f64, known: &[Unexplained]) -> Vec<Unexplained> {
         mapped(map, &[cutoff_hz], known, 0.05, || Ok([map.clone(), map.clone()])).unwrap()
     }

@@ -1,8 +1,8 @@
 //! Generic functions of a joint as structure of what a model leaves: what training and held-out rows show of them, and which names on
-//! the joint they stand for.
+//! the joint they replace.
 
 use crate::diagnosis::evidence::{Block, Gains, SEEN_AGAIN, against_slow_noise, modulated};
-use crate::diagnosis::model::{Member, Noise, Nuisances, Session, Side, linear};
+use crate::diagnosis::model::{DataSet, Member, Noise, Nuisances, Session, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
 use crate::diagnosis::search::{Selection, members};
@@ -22,14 +22,15 @@ const LOOKED_FOR: f64 = 0.5;
 /// Probability of a block in the noise that does not know it up to which the noise is estimated anew with it.
 const SUGGESTED: f64 = 0.1;
 
-/// Least share of what is left on a joint that structure must have to be worth telling: with many rows that of any simplification of
+/// Least share of the residual of a joint that structure must have to be reported: with many rows that of any simplification of
 /// a simulator or a sensor is sure.
 pub(super) const WORTH_TELLING: f64 = 0.03;
 
-/// A name is empty beside structure when what it adds to that is more likely than this without it.
+/// A finding adds nothing to structure when the p-value of what it adds is above this.
 const EMPTY: f64 = 1e-3;
 
-/// Share of what a name takes by itself that structure must take beyond it to stand for it: less may be any simplification of its law.
+/// Share of what a finding explains by itself that structure must explain beyond it to replace it: less may be any simplification of its
+/// law.
 const LITTLE: f64 = 0.02;
 
 /// Level, over all kinds of structure of a joint, at which training and held-out logs together show that a name on it is not all: that
@@ -39,7 +40,7 @@ const NOT_ALL: f64 = 0.01;
 /// Probability by chance of what held-out logs alone must say for that.
 const LEANS: f64 = 0.2;
 
-/// Probability below which the held-out logs by themselves make sure what tells nothing of other logs.
+/// p-value of the held-out logs by themselves below which they confirm what has no prediction for other logs.
 pub(super) const CONFIRMED: f64 = 0.01;
 
 /// Structure that no candidate carries.
@@ -47,13 +48,13 @@ pub(super) const CONFIRMED: f64 = 0.01;
 pub struct Unexplained {
     /// The joint.
     pub joint: usize,
-    /// Share of what is left on it (sum of squares, whitened) that follows the structure.
+    /// Share of its residual (sum of squares, whitened) that follows the structure.
     pub share: f64,
     /// What it follows.
     pub structure: &'static str,
     /// Probability of as much without structure, on any joint; None where none was worked out.
     pub family_wise_p: Option<f64>,
-    /// Whether training and held-out logs each show it surely: names on the joint are weighed against it.
+    /// Whether training and held-out logs each show it with certainty: findings on the joint are compared with it.
     pub sure: bool,
     /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
     pub instead_of: Vec<usize>,
@@ -84,11 +85,11 @@ pub(super) struct Under {
     /// Makes the noise of the training rows white.
     pub whitener: Whitener,
     /// Makes that of the held-out rows white.
-    pub unseen: Whitener,
+    pub on_held_out: Whitener,
     /// The fit to the training rows.
     pub fit: Projection,
     /// The fit with what errors of the positions put into the torque.
-    pub beside_errors: Projection,
+    pub adjusted_for_errors: Projection,
 }
 
 /// What the training rows show of a block.
@@ -110,7 +111,7 @@ struct Again {
     chance: f64,
     /// Whether they gain by it, also outside the second that gains most.
     gained: bool,
-    /// Whether they surely gain by it.
+    /// Whether the lower bound of their gain is positive.
     surely: bool,
 }
 
@@ -127,8 +128,8 @@ pub(super) struct Fitted<'a> {
     columns: Vec<Column>,
     errors: Nuisances,
     /// The same on the held-out rows.
-    unseen_columns: Vec<Column>,
-    unseen_errors: Nuisances,
+    held_out_columns: Vec<Column>,
+    held_out_errors: Nuisances,
     /// The noise under the model.
     pub under: Under,
     /// Residual on the held-out rows.
@@ -141,21 +142,21 @@ pub(super) struct Fitted<'a> {
 
 impl Under {
     fn new(session: &Session, whitener: Whitener, fit: Projection, errors: &Nuisances) -> Self {
-        let beside_errors = errors.beside(&fit, &whitener);
-        Under { unseen: whitener.on(&session.test.rows), whitener, fit, beside_errors }
+        let adjusted_for_errors = errors.adjust(&fit, &whitener);
+        Under { on_held_out: whitener.on(&session.test.rows), whitener, fit, adjusted_for_errors }
     }
 
-    /// The share of what is left on a joint that `statistic` is. The fit minimises over all joints, so that it can give more than this
+    /// The share of a joint's residual that `statistic` is. The fit minimises over all joints, so that it can give more than this
     /// joint has.
     pub fn share(&self, joint: usize, statistic: f64) -> f64 {
         let left: f64 = self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         (statistic / left.max(f64::MIN_POSITIVE)).min(1.0)
     }
 
-    /// Columns whitened, and their test beside errors of the positions.
+    /// Columns whitened, and their test adjusted for errors in variables.
     fn test(&self, columns: &[Column]) -> Option<(Vec<Column>, Test)> {
         let whitened = self.whitener.apply_all(columns);
-        let test = self.beside_errors.test(&whitened)?;
+        let test = self.adjusted_for_errors.test(&whitened)?;
         Some((whitened, test))
     }
 }
@@ -168,17 +169,17 @@ impl<'a> Fitted<'a> {
     pub fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
         let members = members(&selection.found);
         let columns = session.all_columns(&session.train, &members)?;
-        let errors = |side: &Side| {
-            let mut errors = side.errors.all();
-            errors.add(&side.bands, f64::INFINITY);
+        let errors = |data: &DataSet| {
+            let mut errors = data.errors.all();
+            errors.add(&data.bands, f64::INFINITY);
             errors
         };
         let train_errors = errors(&session.train);
         let fit = selection.whitener.fit(&columns, &session.train.torque);
         Ok(Fitted {
             under: Under::new(session, selection.whitener.clone(), fit, &train_errors),
-            unseen_columns: session.all_columns(&session.test, &members)?,
-            unseen_errors: errors(&session.test),
+            held_out_columns: session.all_columns(&session.test, &members)?,
+            held_out_errors: errors(&session.test),
             before: &selection.held_out,
             together: STRICTER * alpha,
             sure: SURE * alpha,
@@ -201,8 +202,8 @@ impl<'a> Fitted<'a> {
             first += member.columns();
             // What happened in one log is not in others.
             if *is_firm && is_weighed(member, joint) && member.candidate.log.is_none() {
-                let on = |side, columns: &[Column]| modulated(self.session, side, joint, &columns[own.clone()]);
-                changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.unseen_columns)));
+                let on = |data, columns: &[Column]| modulated(self.session, data, joint, &columns[own.clone()]);
+                changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.held_out_columns)));
             }
         }
         changing
@@ -223,10 +224,11 @@ impl<'a> Fitted<'a> {
             all.extend(tested.map(|tested| (Cow::Owned(own), tested)));
         }
         let seen = all.into_iter().filter_map(|(under, (whitened, test))| {
-            // Beside a name only the kinds of this joint count. Slow noise only adds to what chance alone brings.
+            // On a joint with a finding only the kinds of this joint count. Slow noise only adds to what chance alone brings.
             let tries = if place.has_names { place.kinds } else { place.tests };
-            let p = (tries * test.log_p().exp() <= LOOKED_FOR)
-                .then(|| against_slow_noise(rows, &under.whitener, &under.beside_errors, &whitened, &test).exp())?;
+            let p = (tries * test.log_p().exp() <= LOOKED_FOR).then(|| {
+                against_slow_noise(rows, &under.whitener, &under.adjusted_for_errors, &whitened, &test).exp()
+            })?;
             tracing::debug!(place.joint, block.structure, p, plain = test.log_p(), "structure");
             let family_wise_p = (place.tests * p).min(1.0);
             (tries * p <= LOOKED_FOR).then_some(Seen { under, whitened, test, p, family_wise_p })
@@ -242,7 +244,7 @@ impl<'a> Fitted<'a> {
         Under::new(self.session, whitener, fit, &self.errors)
     }
 
-    /// A block as the structure of its joint, if the held-out rows show it too, and it is worth telling or stands for a name.
+    /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding.
     pub fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
         let (joint, structure) = (place.joint, block.structure);
         let Seen { under, whitened, test, p, family_wise_p } = seen;
@@ -266,11 +268,11 @@ impl<'a> Fitted<'a> {
     /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
     fn seen_again(&self, under: &Under, again: &Block) -> Option<Again> {
         let Session { test, .. } = self.session;
-        let model = [self.unseen_columns.as_slice(), self.unseen_errors.columns()].concat();
-        let fit = under.unseen.fit(&model, &test.torque);
-        let whitened = under.unseen.apply_all(&again.columns);
+        let model = [self.held_out_columns.as_slice(), self.held_out_errors.columns()].concat();
+        let fit = under.on_held_out.fit(&model, &test.torque);
+        let whitened = under.on_held_out.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
-        let chance = against_slow_noise(&test.rows, &under.unseen, &fit, &whitened, &found).exp();
+        let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
         let surely = chance < CONFIRMED;
         Some(Again { chance, gained: surely, surely })
     }
@@ -288,10 +290,10 @@ impl<'a> Fitted<'a> {
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
         let solved = solve(&under.whitener.apply_all(&with), &under.whitener.apply(&train.torque));
         let mut after = test.torque.clone();
-        for (column, value) in self.unseen_columns.iter().chain(&again.columns).zip(solved.values) {
+        for (column, value) in self.held_out_columns.iter().chain(&again.columns).zip(solved.values) {
             after.add(-value, column);
         }
-        Gains::beside(&under.unseen, self.before, &after, &[joint], &self.unseen_errors, test.rows.len())
+        Gains::adjusted_for(&under.on_held_out, self.before, &after, &[joint], &self.held_out_errors, test.rows.len())
     }
 
     /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.

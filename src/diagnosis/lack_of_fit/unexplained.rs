@@ -1,5 +1,5 @@
-//! What is left when no more effects pass: generic functions of the motion, of loads and of time tell whether it has
-//! structure, and whether a name only stands for a part of it.
+//! The residual when no more effects pass: generic functions of the motion, of loads and of time show whether it has
+//! structure, and whether a finding is only a part of that.
 
 use super::harmonics::Spectrum;
 use super::structure::{CONFIRMED, Fitted, Place, Under, Unexplained, is_weighed};
@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Slow cosines over each log.
 const COSINES: usize = 6;
 
-/// Kinds of structure that are looked for beside the blocks: drifts, and harmonics that come and go.
+/// Kinds of structure that are tested besides the blocks: drifts, and harmonics that come and go.
 const OTHER_KINDS: usize = 2;
 
 /// Tests every joint for structure at a family-wise level; it must also show in the held-out logs.
@@ -45,7 +45,7 @@ impl Fitted<'_> {
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds {
             let Some(seen) = self.seen(&place, &block) else { continue };
-            // What stands for a name comes before what does not, then the likelier.
+            // What replaces a finding comes before what does not, then the likelier.
             let is_weaker = best.as_ref().is_some_and(|best| Some(seen.family_wise_p) >= best.family_wise_p);
             let is_settled = best.as_ref().is_some_and(|best| !place.has_names || !best.instead_of.is_empty());
             if is_weaker && is_settled {
@@ -66,7 +66,7 @@ impl Fitted<'_> {
     }
 
     /// What drifts over each log: the power at the slowest frequencies against that at those above them, since how strong slow noise
-    /// is the rows themselves do not tell.
+    /// is the rows themselves do not determine.
     fn drift(&self, place: &Place) -> Option<Unexplained> {
         let rows = &self.session.train.rows;
         let Under { whitener, fit, .. } = &self.under;
@@ -91,12 +91,12 @@ impl Fitted<'_> {
     fn wandering_harmonic(&self, place: &Place) -> Option<Unexplained> {
         let Session { train, test, .. } = self.session;
         let Place { joint, tests, .. } = *place;
-        let Under { whitener, unseen, fit, .. } = &self.under;
+        let Under { whitener, on_held_out, fit, .. } = &self.under;
         let found = Spectrum::new(&train.rows, whitener, &fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
-        let residual = unseen.apply(&self.before.only(&[joint]));
+        let residual = on_held_out.apply(&self.before.only(&[joint]));
         let again = (family_wise_p < self.sure)
-            .then(|| Spectrum::new(&test.rows, unseen, &residual, joint).at(found.order))
+            .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
         (again.log_p < SEEN_AGAIN.ln()).then_some(Unexplained {

@@ -66,7 +66,7 @@ impl Rows {
     }
 
     /// [`Rows::new`] of logs whose torque went `through` a low-pass before it was logged, with a cut-off for each joint. A row
-    /// counts only where the joint also moves surely with positions smoothed at `whole_hz`, above which they hold nothing but
+    /// counts only where the joint also moves with certainty with positions smoothed at `whole_hz`, above which they hold nothing but
     /// noise: where friction holds a joint for a moment, smoother positions move on. So many rows as `fewest` says must count on each
     /// joint; one for which it says nothing has no equation.
     ///

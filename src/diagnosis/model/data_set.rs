@@ -42,7 +42,7 @@ impl DataSet {
 
     /// Nuisance regressors that a test of an effect is adjusted for: for one that shifts torque in time also the bands, since the noise
     /// in them is in the torque against the accelerations.
-    pub fn errors_beside(&self, placed: &Placed) -> Nuisances {
+    pub fn errors_with(&self, placed: &Placed) -> Nuisances {
         let mut errors = self.errors.of_effect(placed, &self.rows);
         if is_shift(placed.effect) {
             errors.add(&self.bands, f64::INFINITY);

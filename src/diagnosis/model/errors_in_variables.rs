@@ -103,7 +103,7 @@ impl Nuisances {
     }
 
     /// A fit in the units of `whitener`, adjusted for these.
-    pub fn beside(&self, fit: &Projection, whitener: &Whitener) -> Projection {
+    pub fn adjust(&self, fit: &Projection, whitener: &Whitener) -> Projection {
         fit.with_prior(&whitener.apply_all(&self.columns), &self.spread)
     }
 }

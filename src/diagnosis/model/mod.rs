@@ -19,8 +19,6 @@ pub use candidates::{
 };
 pub use cut_off::{FLAT, slope_beyond};
 pub use data_set::DataSet;
-/// The name of a data set in the rooms that test candidates.
-pub use data_set::DataSet as Side;
 pub use errors_in_variables::Nuisances;
 pub use grid::{sizes, within_bounds};
 pub use known::Known;

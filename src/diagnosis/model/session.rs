@@ -43,7 +43,7 @@ pub struct Session<'a> {
     pub test: DataSet,
     /// Whether these are others than those identified from.
     pub apart: bool,
-    /// Joints whose gears may have play: impacts show some, and not surely.
+    /// Joints whose gears may have play: impacts show some, but not significantly.
     pub open_play: Vec<usize>,
     /// Cut-off of the low-pass of each joint's positions, Hz.
     pub cutoffs_hz: Vec<f64>,

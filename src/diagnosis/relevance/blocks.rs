@@ -11,7 +11,7 @@ const LONGEST: usize = 50;
 const SHORTEST: usize = 12;
 const BLOCKS: usize = 30;
 
-/// Fewest blocks of which the scatter says anything.
+/// Fewest blocks whose scatter estimates a variance.
 const FEWEST: usize = 8;
 
 /// Added to the diagonal of the normal matrix of columns of unit length: directions that no row determines stay at zero.

@@ -1,7 +1,7 @@
 //! The model with all effects found, its columns held, so that any of them can be left out and the rest fitted again at once.
 
 use super::blocks::{BlockProducts, Estimates};
-use crate::diagnosis::model::{Member, Session, Side, linear};
+use crate::diagnosis::model::{DataSet, Member, Session, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined};
 use crate::error::Result;
@@ -38,8 +38,8 @@ impl<'a> HeldFit<'a> {
             laws.push(place..place + linear(member.placed.effect).len().min(member.columns()));
             place += member.columns();
         }
-        let with_torques = |side: &Side| -> Result<Vec<Column>> {
-            let mut columns = session.all_columns(side, members)?;
+        let with_torques = |data: &DataSet| -> Result<Vec<Column>> {
+            let mut columns = session.all_columns(data, members)?;
             for (member, law) in members.iter().zip(&laws) {
                 columns.push(combined(&columns[law.clone()], &member.factors));
             }
@@ -66,8 +66,8 @@ impl<'a> HeldFit<'a> {
     pub fn residuals(&self, kept: &[usize]) -> [Column; 2] {
         let places = self.places(kept);
         let Estimates { values, .. } = self.products.estimates(&places, false);
-        [(&self.session.train, &self.train), (&self.session.test, &self.test)].map(|(side, columns)| {
-            let mut residual = side.torque.clone();
+        [(&self.session.train, &self.train), (&self.session.test, &self.test)].map(|(data, columns)| {
+            let mut residual = data.torque.clone();
             places.iter().zip(values.iter()).for_each(|(&place, value)| residual.add(-value, &columns[place]));
             residual
         })

@@ -19,7 +19,7 @@ pub(super) struct Judge<'a> {
     criteria: &'a Criteria,
     fit: HeldFit<'a>,
     /// The noise on the held-out logs.
-    unseen: Whitener,
+    on_held_out: Whitener,
     /// Least size of a finding on each joint, N m.
     least: Vec<f64>,
     /// Residual of the baseline on the held-out logs.
@@ -72,11 +72,11 @@ impl<'a> Judge<'a> {
                 (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess)
             },
         );
-        let (least, unseen) = (least.collect(), whitener.on(&session.test.rows));
+        let (least, on_held_out) = (least.collect(), whitener.on(&session.test.rows));
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.all_columns(&all_logs.train, members)?;
         let torques = torques(&all_logs.arm, &all_logs.train.rows);
-        Ok(Judge { session, members, criteria, fit, unseen, least, baseline, all_logs, all_columns, torques })
+        Ok(Judge { session, members, criteria, fit, on_held_out, least, baseline, all_logs, all_columns, torques })
     }
 
     /// Judges every member at `kept` but those that are held, which do not rest on residuals.
@@ -117,7 +117,7 @@ impl<'a> Judge<'a> {
         let starts = &self.session.test.rows.starts;
         let growths = starts.windows(2).map(|ends| {
             let [before, after] = [before, after].map(|residual| residual.within(ends[0]..ends[1]));
-            Gains::new(&self.unseen, &before, &after, joints, self.session.test.rows.len()).growth()
+            Gains::new(&self.on_held_out, &before, &after, joints, self.session.test.rows.len()).growth()
         });
         let worst = growths.fold(f64::NEG_INFINITY, f64::max);
         Judgement::at_most(Gate::HeldOutLogs, worst, self.contradicted(starts.len() - 1))
@@ -136,7 +136,7 @@ impl<'a> Judge<'a> {
         let rows = &self.session.test.rows;
         let surely = Normal::standard().inverse_cdf(1.0 - self.criteria.worse_p);
         (0..rows.dof())
-            .filter(move |&joint| Gains::new(&self.unseen, before, after, &[joint], rows.len()).growth() > surely)
+            .filter(move |&joint| Gains::new(&self.on_held_out, before, after, &[joint], rows.len()).growth() > surely)
     }
 
     /// The joint that the model with the members at `kept` predicts worst over the baseline, if it is predicted worse.

@@ -1,9 +1,9 @@
-//! Whether the winner of a comparison is taken into the model: by what the training logs show once adjusted for all that is not
+//! Whether the best candidate of a comparison is taken into the model: by what the training logs show once adjusted for all that is not
 //! physics, and by its gain on the held-out logs.
 
 use crate::diagnosis::criteria::{Gate, Judgement, SearchCriteria};
 use crate::diagnosis::evidence::{
-    Gains, Judged, Multiplicity, left_by_others, log_p_adjusted, without_influential_blocks,
+    Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Candidate, FLAT, Member, Noise, Session, is_level, slope_beyond};
@@ -25,7 +25,7 @@ pub(super) enum Outcome {
 /// How a candidate was refused.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Refusal {
-    /// Whether it may be so all the same, and the logs are too few to tell.
+    /// Whether it may act all the same, and the logs are too few to decide.
     pub may_be: bool,
     /// Whether held-out logs were asked to confirm what the training logs left open.
     pub asked: bool,
@@ -80,14 +80,14 @@ pub(super) struct Seen {
 }
 
 impl Trial<'_> {
-    /// The winner of a contest as a member of the model, if it is to be one. `level` is the probability of as good a best
+    /// The best candidate of a comparison as a member of the model, if it is to be one. `level` is the probability of as good a best
     /// candidate in the noise that does not know it, `under` the noise that does, if it was worked out before.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn of(&self, winner: &Judged, level: f64, under: Option<Whitener>) -> Result<Outcome> {
         match self.seen(winner, level)? {
-            Ok(seen) => self.unseen(winner, seen, under),
+            Ok(seen) => self.on_held_out_logs(winner, seen, under),
             Err(refusal) => Ok(Outcome::Refused(refusal)),
         }
     }
@@ -107,10 +107,10 @@ impl Trial<'_> {
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
         let joints = winner.candidate.joints();
         let much_left = whitener.much_is_left(&joints);
-        let left = |members: &[Member]| left_by_others(session, members, &whitener);
+        let left = |members: &[Member]| cross_validated_residual(session, members, &whitener);
         let (before, after, rows) = (left(members)?, left(&with)?, session.train.rows.len());
-        let errors = session.train.errors_beside(&winner.candidate.placed);
-        let gains = Gains::beside(&whitener, &before, &after, &joints, &errors, rows);
+        let errors = session.train.errors_with(&winner.candidate.placed);
+        let gains = Gains::adjusted_for(&whitener, &before, &after, &joints, &errors, rows);
         let (lower_bound, chance, share) = (gains.lower_bound(), gains.chance(), gains.share());
         tracing::debug!(level, elsewhere, much_left, lower_bound, share, chance, "gain by the others");
         let gates = [
@@ -173,7 +173,7 @@ impl Trial<'_> {
         self.alpha * if self.members.iter().any(counts) { share.min(self.criteria.later) } else { share }
     }
 
-    /// Whether a candidate says how friction goes with speed on a joint of which the model says so in another way.
+    /// Whether a candidate is a law of friction over speed on a joint that has another such law in the model.
     fn is_another_form(&self, candidate: &Candidate) -> bool {
         let is_of_speed = |placed: &Placed| placed.effect.about().nature == Nature::OfSpeed;
         let is_there = |member: &Member| member.placed.joint == candidate.placed.joint && is_of_speed(&member.placed);
@@ -190,13 +190,13 @@ impl Trial<'_> {
 
     /// The winner as a member of the model if the held-out rows agree. What the training logs leave open the held-out logs may
     /// confirm: the two are independent.
-    fn unseen(&self, winner: &Judged, seen: Seen, under: Option<Whitener>) -> Result<Outcome> {
+    fn on_held_out_logs(&self, winner: &Judged, seen: Seen, under: Option<Whitener>) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = seen;
         let criteria = self.criteria;
         let held_out = self.held_out(winner, under)?;
-        let HeldOut { gains, beside_errors, .. } = &held_out;
+        let HeldOut { gains, adjusted_for_errors, .. } = &held_out;
         // What rests on a moment or two of the training logs is no accident if it is there again.
-        let chance = beside_errors.chance();
+        let chance = adjusted_for_errors.chance();
         let there = confirmable && chance < criteria.again_p && gains.without_most_influential_block() > 0.0;
         let elsewhere = elsewhere.exp();
         let alone = Judgement::first_failed([
@@ -214,12 +214,12 @@ impl Trial<'_> {
             let mut gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_of_misfit);
             if !gain.passed && winner.candidate.log.is_none() {
                 let joints = winner.candidate.joints();
-                let bound = held_out.beside_constants(&self.session.test.rows, &joints).lower_bound();
+                let bound = held_out.adjusted_for_constants(&self.session.test.rows, &joints).lower_bound();
                 gain = Judgement::above(Gate::HeldOutGain, bound, 2.0 * criteria.share_of_misfit);
             }
             return if gain.passed { Ok(accepted(winner, gain.value, level)) } else { refused(gain, false) };
         }
-        // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little, and held-out motions that stay below
+        // A torque is cut off in a few rows, where the smoothing errs most: their scatter indicates little, and held-out motions that stay below
         // the level say nothing.
         let is_level = is_level(winner.candidate.placed.effect);
         let sure = level < criteria.beyond_chance && (gains.is_calm() || is_level);
@@ -231,7 +231,7 @@ impl Trial<'_> {
         let Some(tries) = self.tries.filter(|_| confirmable && level <= criteria.confirmable_p) else {
             return refused(failed, false);
         };
-        let together = beside_errors.together(level, tries);
+        let together = adjusted_for_errors.together(level, tries);
         tracing::debug!(together, chance, "training and held-out logs together");
         let confirmed = Judgement::first_failed([
             Judgement::at_most(Gate::Confirmation, together, self.level_at(criteria.confirmed)),
@@ -255,20 +255,20 @@ impl Trial<'_> {
         let after = session.held_out_residual(&with, &whitener)?;
         let joints = winner.candidate.joints();
         let test = &session.test.rows;
-        let unseen = whitener.on(test);
+        let on_held_out = whitener.on(test);
         let gains = match winner.candidate.log {
-            None => Gains::new(&unseen, &before, &after, &joints, test.len()),
+            None => Gains::new(&on_held_out, &before, &after, &joints, test.len()),
             Some(_) => {
                 let before = session.residual_on(&session.train, members, &whitener)?;
                 let after = session.residual_on(&session.train, &with, &whitener)?;
                 Gains::new(&whitener, &before, &after, &joints, session.train.rows.len())
             }
         };
-        let errors = session.test.errors_beside(&winner.candidate.placed);
-        let beside_errors = Gains::beside(&unseen, &before, &after, &joints, &errors, test.len());
+        let errors = session.test.errors_with(&winner.candidate.placed);
+        let adjusted_for_errors = Gains::adjusted_for(&on_held_out, &before, &after, &joints, &errors, test.len());
         let bound = gains.lower_bound();
         tracing::debug!(bound, share = gains.share(), "held-out gain");
-        Ok(HeldOut { with, whitener, unseen, residuals: [before, after], gains, beside_errors })
+        Ok(HeldOut { with, whitener, on_held_out, residuals: [before, after], gains, adjusted_for_errors })
     }
 }
 
@@ -278,20 +278,20 @@ struct HeldOut {
     with: Vec<Member>,
     /// The noise as that sees it, on either kind of logs.
     whitener: Whitener,
-    unseen: Whitener,
-    /// What is left on the held-out rows before and after.
+    on_held_out: Whitener,
+    /// Residual of the held-out rows before and after.
     residuals: [Column; 2],
     /// What it gains.
     gains: Gains,
-    /// The same beside what errors of the positions put into the torque.
-    beside_errors: Gains,
+    /// The same adjusted for errors in variables.
+    adjusted_for_errors: Gains,
 }
 
 impl HeldOut {
-    /// What it gains on the held-out rows beside a constant torque on every joint that it acts on.
-    fn beside_constants(&self, test: &Rows, joints: &[usize]) -> Gains {
+    /// What it gains on the held-out rows, adjusted for a constant torque on every joint that it acts on.
+    fn adjusted_for_constants(&self, test: &Rows, joints: &[usize]) -> Gains {
         let [before, after] = &self.residuals;
-        Gains::beside_constants(&self.unseen, before, after, joints, test)
+        Gains::adjusted_for_constants(&self.on_held_out, before, after, joints, test)
     }
 }
 

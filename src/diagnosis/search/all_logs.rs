@@ -5,10 +5,10 @@
 //! Royal Statistical Society B 36, 1974). What else explains a finding is asked of all logs too.
 
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
-use super::comparison::{Contest, InOwnNoise, contest};
+use super::comparison::{Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Refused, Standing};
-use super::found::{Found, Rejected, beside_play, members};
-use super::reselection::narrow;
+use super::found::{Found, Rejected, explained_by_play, members};
+use super::reselection::list_alternatives;
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Multiplicity;
@@ -56,16 +56,16 @@ pub(super) fn search(
             break;
         }
         let before = members(&known);
-        let Contest { winner, alternatives, .. } =
-            contest(&all_logs, &before, &contenders, &round.all, multiplicity, &mut in_own_noise)?;
-        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest over all logs");
+        let Comparison { winner, alternatives, .. } =
+            compare(&all_logs, &before, &contenders, &round.all, multiplicity, &mut in_own_noise)?;
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison over all logs");
         let Round { whitener, fit, .. } = &round;
         let (alpha, session) = (options.alpha, &all_logs);
         let criteria = &options.criteria.search;
         let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, criteria, tries: None };
         match trial.by_others(&winner, level)? {
             Outcome::Accepted(accepted) => {
-                let alternatives = beside_play(&all_logs, &known, &accepted.member, alternatives);
+                let alternatives = explained_by_play(&all_logs, &known, &accepted.member, alternatives);
                 known.push(Found::new(*accepted, alternatives));
                 refused.clear();
                 in_own_noise.clear();
@@ -78,7 +78,7 @@ pub(super) fn search(
             }
         }
     }
-    narrow(&all_logs, &mut known, &round, multiplicity, watch)?;
+    list_alternatives(&all_logs, &mut known, &round, multiplicity, watch)?;
     for (finding, known) in found.iter_mut().zip(&known) {
         finding.set_alternatives(known.alternatives.clone());
     }

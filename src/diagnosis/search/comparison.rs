@@ -1,4 +1,4 @@
-//! One round of the search: the scan of all candidates, and the contest of the best for the name.
+//! One round of the search: the scan of all candidates, and the model comparison of the best.
 
 use super::eligible::Contenders;
 use super::found::Alternative;
@@ -19,7 +19,7 @@ const RIVAL: f64 = 0.3;
 /// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
 const CLOSE: f64 = 0.8;
 
-/// Share of the held-out sum of squares, surely gained, for which a rival takes the winner's place: less may come of a further
+/// Share of the held-out sum of squares, as a lower bound, for which a rival takes the winner's place: less may come of a further
 /// parameter or of chance.
 const CLEARLY_BETTER: f64 = 0.02;
 
@@ -32,7 +32,7 @@ const SUPERFLUOUS: f64 = 0.05;
 /// A rival with more parameters stays only within this gap of the information criterion.
 const CRITERION_GAP: f64 = 6.0;
 
-/// Smaller and larger effects on one joint that motion alone cannot tell: the larger one with nothing in its further parameter
+/// Smaller and larger effects on one joint that motion alone cannot separate: the larger one with nothing in its further parameter
 /// is the smaller one.
 const ONE_MORE: [(&str, &str); 3] = [
     ("torque_offset", "friction_asymmetry"),
@@ -44,9 +44,9 @@ const ONE_MORE: [(&str, &str); 3] = [
 /// cannot be. They hold as long as the rest of the model stays the same.
 pub(super) type InOwnNoise = BTreeMap<Slot, Option<(f64, Candidate)>>;
 
-/// What came of a contest.
+/// Result of a model comparison.
 #[derive(Debug)]
-pub(super) struct Contest {
+pub(super) struct Comparison {
     /// The effect that explains the training logs best.
     pub winner: Judged,
     /// What else explains them.
@@ -60,14 +60,14 @@ pub(super) struct Contest {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn contest(
+pub(super) fn compare(
     session: &Session,
     members: &[Member],
     contenders: &Contenders,
     all: &[Candidate],
     multiplicity: &Multiplicity,
     in_own_noise: &mut InOwnNoise,
-) -> Result<Contest> {
+) -> Result<Comparison> {
     let Contenders { best, eligible, .. } = contenders;
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.all_columns(&session.train, members)?;
@@ -105,7 +105,7 @@ pub(super) fn contest(
         strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
     strong.sort_by(|a, b| (criterion(a) + looked_for(a)).total_cmp(&(criterion(b) + looked_for(b))));
     let Some(first) = strong.iter().position(|judged| eligible.may_win(&judged.candidate)) else {
-        return Ok(Contest { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
+        return Ok(Comparison { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
     };
     let winner = strong.remove(first);
     let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
@@ -135,10 +135,10 @@ pub(super) fn contest(
     }
     let least = CLOSE * winner.test.statistic;
     strong.retain(|rival| rival.test.statistic > least && eligible.may_win(&rival.candidate));
-    Ok(Contest { winner, alternatives, close: strong })
+    Ok(Comparison { winner, alternatives, close: strong })
 }
 
-/// The winner of a contest once held-out logs were asked.
+/// The best candidate of a model comparison once held-out logs are taken into account.
 #[derive(Debug)]
 pub(super) struct Chosen {
     /// The winner.
@@ -149,17 +149,17 @@ pub(super) struct Chosen {
     pub whitener: Option<Whitener>,
 }
 
-/// The one of those that come close that predicts the held-out rows surely better than the winner, if any; the winner then
-/// stays as an alternative. Where much is left unexplained, the training rows tell rivals apart by what is wrong with both.
-pub(super) fn better_unseen(session: &Session, members: &[Member], contest: Contest) -> Result<Chosen> {
-    let Contest { winner, mut alternatives, close } = contest;
+/// The one of those that come close that predicts the held-out rows significantly better than the winner, if any; the winner then
+/// stays as an alternative. Where the residual is well above the noise, the training rows separate rivals by what is wrong with both.
+pub(super) fn better_held_out(session: &Session, members: &[Member], comparison: Comparison) -> Result<Chosen> {
+    let Comparison { winner, mut alternatives, close } = comparison;
     if winner.candidate.log.is_some() {
         return Ok(Chosen { winner, alternatives, whitener: None });
     }
     let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
     let first = with(&winner);
     let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
-    let unseen = whitener.on(&session.test.rows);
+    let on_held_out = whitener.on(&session.test.rows);
     let before = session.held_out_residual(&first, &whitener)?;
     let rivals: Vec<&Judged> = close.iter().filter(|rival| rival.candidate.log.is_none()).collect();
     let bound = |rival: &&Judged| -> Result<f64> {
@@ -168,7 +168,7 @@ pub(super) fn better_unseen(session: &Session, members: &[Member], contest: Cont
         joints.sort_unstable();
         joints.dedup();
         let after = session.held_out_residual(&with(rival), &whitener)?;
-        let bound = Gains::new(&unseen, &before, &after, &joints, session.test.rows.len()).lower_bound();
+        let bound = Gains::new(&on_held_out, &before, &after, &joints, session.test.rows.len()).lower_bound();
         tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
         Ok(bound)
     };

@@ -1,4 +1,4 @@
-//! Which candidates may win a contest for a name, and which stay as other names only.
+//! Which candidates may win a model comparison, and which stay as alternatives only.
 
 use super::found::Found;
 use crate::diagnosis::evidence::{Judged, Multiplicity, Scan};
@@ -11,7 +11,7 @@ pub(super) struct Refused {
     pub slot: Slot,
     /// The joints that it acts on.
     pub joints: Vec<usize>,
-    /// Whether it may be so all the same: the logs are too few to tell, and it stays another name for what is found in its place.
+    /// Whether it may act all the same: the logs are too few to decide, and it stays an alternative to what is found in its place.
     pub may_be: bool,
 }
 
@@ -21,7 +21,7 @@ impl Refused {
         Refused { slot: candidate.slot(), joints: candidate.joints(), may_be }
     }
 
-    /// One that is too faint to be sure of: it may be so, but a level tells nothing of a few rows.
+    /// One that is not significant: it may act, but a saturation limit cannot be judged by a few rows.
     pub fn faint(candidate: &Candidate) -> Self {
         Self::new(candidate, !is_level(candidate.placed.effect))
     }
@@ -37,7 +37,7 @@ pub(super) struct Eligible {
 }
 
 impl Eligible {
-    /// Beside what was found and what was refused.
+    /// Given what was found and what was refused.
     pub fn new(found: &[Found], refused: Vec<Refused>) -> Self {
         let taken = found.iter().map(|found| found.member.candidate.slot()).collect();
         Eligible { taken, refused }
@@ -81,7 +81,7 @@ pub(super) struct Contenders<'a> {
 }
 
 impl<'a> Contenders<'a> {
-    /// Those of a `scan` beside what was `found` and what was `refused`; None where there is nobody. `standing` tells what may
+    /// Those of a `scan` given what was `found` and what was `refused`; None where there are none. `standing` says what may
     /// come of a candidate by its family-wise level.
     pub fn new(
         scan: &'a Scan,

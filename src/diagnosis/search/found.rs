@@ -43,7 +43,7 @@ pub struct Found {
     pub family_wise_p: f64,
     /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
     pub gain_lower_bound: f64,
-    /// Root mean square of what the held-out logs leave with those found before and with this one too, `[joint]`, N m; told when
+    /// Root mean square of the held-out residual with those found before and with this one too, `[joint]`, N m; told when
     /// the search has ended.
     pub rms: [Vec<f64>; 2],
     /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
@@ -69,13 +69,13 @@ impl Found {
         found
     }
 
-    /// Says what else explains the data: where nothing does, they name the effect.
+    /// With the effects that explain the data no worse: where there is none, the effect is named.
     pub fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
         self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
         self.alternatives = alternatives;
     }
 
-    /// Says that it may be another effect too, which explains the data no worse.
+    /// With one more effect that explains the data no worse.
     pub fn may_also_be(&mut self, family: Family) {
         let others = self.alternatives.iter().filter(|other| other.family != family).cloned();
         self.set_alternatives([Alternative { family, relative_likelihood: 1.0 }].into_iter().chain(others).collect());
@@ -89,7 +89,7 @@ pub fn members(found: &[Found]) -> Vec<Member> {
 
 /// The alternatives of a new member, and the play of its gear where that has one or impacts leave it open: how the teeth give under
 /// load looks like more of either, and a link that lies on one side of its play or the other like an encoder that is not true.
-pub(super) fn beside_play(
+pub(super) fn explained_by_play(
     session: &Session,
     found: &[Found],
     member: &Member,

@@ -1,9 +1,10 @@
-//! Names given again once all is known: what was named first was named beside everything that was found after it.
+//! Backward re-selection: the first finding was chosen without the later ones, so each model comparison is repeated with all others in
+//! the model.
 
 use super::acceptance::{Outcome, Trial, is_confirmable};
-use super::comparison::{Chosen, Contest, InOwnNoise, better_unseen, contest};
+use super::comparison::{Chosen, Comparison, InOwnNoise, better_held_out, compare};
 use super::eligible::{Contenders, Standing};
-use super::found::{Alternative, Found, beside_play, members};
+use super::found::{Alternative, Found, explained_by_play, members};
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
@@ -11,15 +12,15 @@ use crate::diagnosis::model::{Candidate, Family, Noise, Session};
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
-/// What a contest for the name of a finding came to beside all others.
+/// A model comparison for a finding with all others in the model.
 struct Again {
     others: Vec<Found>,
     noise: Noise,
-    contest: Contest,
+    comparison: Comparison,
 }
 
 impl Again {
-    /// The contest for the finding at `index` among the candidates that act where it does; None where nothing can be told. Those
+    /// The model comparison for the finding at `index` among the candidates that act where it does; None where none can be tested. Those
     /// `everywhere` are all candidates along the rows that `session` is identified from.
     fn new(
         session: &Session,
@@ -38,17 +39,17 @@ impl Again {
         let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
         let anyone = |_: &Candidate, _| Standing::MayWin;
         let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
-        let contest = contest(session, &of_others, &contenders, &all, multiplicity, &mut InOwnNoise::new())?;
-        Ok(Some(Again { others, noise, contest }))
+        let comparison = compare(session, &of_others, &contenders, &all, multiplicity, &mut InOwnNoise::new())?;
+        Ok(Some(Again { others, noise, comparison }))
     }
 }
 
-/// Whether the name of a finding can be asked for again: not what impacts tell, nor what happened once.
+/// Whether a finding can be selected again: not one that impacts show, nor an event.
 fn can_be_asked(found: &Found) -> bool {
     !found.member.held && found.member.candidate.log.is_none()
 }
 
-/// Holds the contest for the name of every finding once more beside all others, among the candidates that there are `everywhere`; tells
+/// Repeats the model comparison for every finding with all others in the model, among the candidates `everywhere`; returns
 /// whether a name has changed.
 ///
 /// # Errors
@@ -71,18 +72,18 @@ pub(super) fn rename(
             break;
         }
         watch.tell(Progress::Found(found.len()));
-        let Some(Again { others, noise: Noise { whitener, fit }, contest }) =
+        let Some(Again { others, noise: Noise { whitener, fit }, comparison }) =
             Again::new(session, found, index, everywhere, multiplicity)?
         else {
             continue;
         };
         let of_others = members(&others);
-        let Chosen { winner, alternatives, whitener: under } = better_unseen(session, &of_others, contest)?;
+        let Chosen { winner, alternatives, whitener: under } = better_held_out(session, &of_others, comparison)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
         if old == new {
-            known.set_alternatives(beside_play(session, &others, &known.member, alternatives));
+            known.set_alternatives(explained_by_play(session, &others, &known.member, alternatives));
             continue;
         }
         let (whitener, fit, members) = (&whitener, &fit, &of_others[..]);
@@ -90,11 +91,11 @@ pub(super) fn rename(
         let level = multiplicity.level(new.effect, winner.test.log_p());
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
-                let alternatives = beside_play(session, &others, &accepted.member, alternatives);
+                let alternatives = explained_by_play(session, &others, &accepted.member, alternatives);
                 *known = Found::new(*accepted, alternatives);
                 changed = true;
             }
-            // It explains what is left better than the name does, and is not sure enough to take its place.
+            // It explains the residual better than the finding does, and is not significant enough to replace it.
             Outcome::Refused(refusal) if refusal.may_be => known.may_also_be(new),
             Outcome::Refused(_) => {}
         }
@@ -103,18 +104,18 @@ pub(super) fn rename(
 }
 
 /// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What the smoothing mimics is
-/// so in all logs: they tell nothing more of gears.
+/// so in all logs: they add no information on gears.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn narrow(
+pub(super) fn list_alternatives(
     session: &Session,
     found: &mut [Found],
     round: &Round,
     multiplicity: &Multiplicity,
     watch: &mut Watch,
 ) -> Result<()> {
-    // Where much is left, rows tell rivals apart by what is wrong with both.
+    // Where the residual is well above the noise, more rows separate rivals by what is wrong with both.
     let open = |found: &Found| {
         let much_left = round.whitener.much_is_left(&found.member.candidate.joints());
         can_be_asked(found) && is_confirmable(&found.member.candidate) && !much_left
@@ -126,7 +127,7 @@ pub(super) fn narrow(
             break;
         }
         watch.tell(Progress::Found(found.len()));
-        let Some(Again { others, contest: Contest { winner, alternatives, .. }, .. }) =
+        let Some(Again { others, comparison: Comparison { winner, alternatives, .. }, .. }) =
             Again::new(session, found, index, &round.all, multiplicity)?
         else {
             continue;
@@ -138,13 +139,13 @@ pub(super) fn narrow(
         let stay = stay.filter(|other| alternatives.iter().all(|own| own.family != other.family));
         let alternatives: Vec<Alternative> = alternatives.iter().chain(stay).cloned().collect();
         if old == new {
-            known.set_alternatives(beside_play(session, &others, &known.member, alternatives));
+            known.set_alternatives(explained_by_play(session, &others, &known.member, alternatives));
             continue;
         }
-        // One that all logs let stand beside the best of them has the names that they leave.
+        // One that all logs do not separate from the best of them keeps the alternatives that remain.
         if alternatives.iter().any(|other| other.family == old) {
             let left = alternatives.into_iter().filter(|other| other.family != old).collect();
-            known.set_alternatives(beside_play(session, &others, &known.member, left));
+            known.set_alternatives(explained_by_play(session, &others, &known.member, left));
         }
         known.may_also_be(new);
     }

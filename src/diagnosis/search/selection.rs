@@ -3,9 +3,9 @@
 
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
-use super::comparison::{Chosen, InOwnNoise, better_unseen, contest};
+use super::comparison::{Chosen, InOwnNoise, better_held_out, compare};
 use super::eligible::{Contenders, Refused, Standing};
-use super::found::{Found, Rejected, beside_play, in_the_end, members};
+use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
 use super::play::rattling_gears;
 use super::reselection::rename;
 use super::round::{Round, settled};
@@ -75,7 +75,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
     let ranking = ranking(&round.scan);
     while found.len() < options.max_findings && in_a_row < REFUSALS && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
-        // Nothing makes those surer of which only the training logs tell.
+        // Nothing confirms those that only the training logs can show.
         let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &options.criteria.search) {
             share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
             _ if level <= options.alpha => Standing::TooFaint,
@@ -99,10 +99,10 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
             break;
         }
         let members = members(&found);
-        let contest = contest(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
+        let comparison = compare(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
         watch.tell(Progress::Found(found.len()));
-        let Chosen { winner, alternatives, whitener: under } = better_unseen(session, &members, contest)?;
-        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest");
+        let Chosen { winner, alternatives, whitener: under } = better_held_out(session, &members, comparison)?;
+        tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
         let Round { whitener, fit, .. } = &round;
         let trial = Trial {
             session,
@@ -116,7 +116,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
         };
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
-                let alternatives = beside_play(session, &found, &accepted.member, alternatives);
+                let alternatives = explained_by_play(session, &found, &accepted.member, alternatives);
                 // What was refused where this acts was seen in a noise that did not know it.
                 let joints = accepted.member.candidate.joints();
                 refused.retain(|other| !other.joints.iter().any(|joint| joints.contains(joint)));
@@ -159,7 +159,7 @@ impl Selection {
     }
 }
 
-/// Tells of each effect what of the held-out logs is left before and after it; returns what is left after all.
+/// Writes the held-out residual before and after each effect; returns the residual after all.
 fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
     let all = members(found);
     let rms = |residual: &Column| rms(&session.test.rows.valid, residual);

@@ -1,6 +1,6 @@
 //! The answer in a word.
 
-/// What the diagnosis says.
+/// What the diagnosis reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {

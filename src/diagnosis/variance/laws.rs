@@ -3,7 +3,7 @@
 use super::design::{Design, Raw, Source};
 use super::map::coloured_fit;
 use super::mixed::{Fit, fit, fit_from};
-use crate::diagnosis::model::Side;
+use crate::diagnosis::model::DataSet;
 use crate::diagnosis::regression::Column;
 
 /// Least share of a law's square that must be left in means over the rows of the mixed model for these to judge it.
@@ -16,13 +16,13 @@ const FAINT: f64 = 0.01;
 /// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that
 /// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows are too long for the law.
 pub fn gain_over_generic_functions(
-    side: &Side,
+    data: &DataSet,
     torques: &[Vec<f64>],
     fixed: &[Column],
     law: &[Column],
     joint: usize,
 ) -> Option<f64> {
-    let source = Source { rows: &side.rows, torque: &side.torque, fixed, arm: torques };
+    let source = Source { rows: &data.rows, torque: &data.torque, fixed, arm: torques };
     let (raw, kept) = Raw::new(&source, joint).with_law(&source, law, joint);
     if kept < KEPT {
         return None;

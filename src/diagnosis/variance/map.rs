@@ -6,7 +6,7 @@ use super::lines::{Line, lines};
 use super::mixed::{Fit, fit};
 use super::sign_flips::p_values;
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Arm, Side};
+use crate::diagnosis::model::{Arm, DataSet};
 use crate::diagnosis::regression::{Column, Projection};
 use crate::linear::{inner_product, root_mean_square};
 use crate::signal::white_noise;
@@ -88,11 +88,11 @@ impl JointMap {
 }
 
 impl ResidualMap {
-    /// Of what `fixed` leaves of the torque of `side`, along the torque of `arm`; `alpha` is the family-wise level.
-    pub fn new(side: &Side, fixed: &[Column], arm: &Arm, alpha: f64, seed: u64) -> Self {
-        let rows = &side.rows;
+    /// Of what `fixed` leaves of the torque of `data`, along the torque of `arm`; `alpha` is the family-wise level.
+    pub fn new(data: &DataSet, fixed: &[Column], arm: &Arm, alpha: f64, seed: u64) -> Self {
+        let rows = &data.rows;
         let torque = torques(arm, rows);
-        let source = Source { rows, torque: &side.torque, fixed, arm: &torque };
+        let source = Source { rows, torque: &data.torque, fixed, arm: &torque };
         let joints: Vec<usize> = (0..rows.dof()).filter(|&joint| rows.valid[joint].contains(&true)).collect();
         let tested = joints.len() as f64;
         let mut joints: Vec<JointMap> = joints

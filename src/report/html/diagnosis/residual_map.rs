@@ -85,7 +85,8 @@ mod tests {
 
     #[test]
     fn significant_parts_alone_are_written_in_cells() {
-        let part = |follows, rms, significant| Part { follows, rms, p: Some(0.0), family_wise_p: Some(0.0), significant };
+        let part =
+            |follows, rms, significant| Part { follows, rms, p: Some(0.0), family_wise_p: Some(0.0), significant };
         let map = JointMap {
             joint: 0,
             torque: 10.0,

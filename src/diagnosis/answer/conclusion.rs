@@ -242,7 +242,7 @@ fn answer<'a>(
     let extended_test_rms = rms(&test.valid, &extended);
     let simulation_test_rms = rms(&test.valid, &simulation);
     take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
-    let derived = derived(&members, &solved, session.train.baseline.len(), session.model.robot());
+    let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.robot());
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
         match diagnosis::of_sampling(&session, &found, &noise_floor)? {

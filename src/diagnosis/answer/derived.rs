@@ -1,6 +1,6 @@
 //! What practitioners call the parameters of an effect: a payload's mass and centre of mass, the angle of a tilt.
 
-use crate::diagnosis::model::{Member, linear};
+use crate::diagnosis::model::{Member, MemberBlock};
 use crate::diagnosis::regression::Solved;
 use crate::effects::{self, Placed};
 use crate::robot::Robot;
@@ -21,23 +21,20 @@ pub struct Derived {
     pub unit: &'static str,
 }
 
-/// What follows from the parameters of every member; `first` is the column of the first member's first parameter.
-pub(super) fn derived(members: &[Member], solved: &Solved, first: usize, robot: &Robot) -> Vec<Vec<Derived>> {
-    let mut first = first;
-    members
-        .iter()
-        .map(|member| {
-            let effect = member.placed.effect;
-            let places: Vec<usize> = (first..first + linear(effect).len()).collect();
-            first += member.columns();
-            let Placed { joint, parameters, .. } = &member.placed;
-            let of = |p: &[f64]| effect.derived(p, *joint, robot);
-            let quantities = of(parameters);
-            let values = |p: &[f64]| of(p).into_iter().map(|quantity| quantity.value).collect();
-            let std = delta(&values, parameters, &places, solved).into_iter().map(|(_, std)| std);
-            meaningful(quantities.into_iter().zip(std).collect())
-        })
-        .collect()
+/// What follows from the parameters of every member; `blocks` are their places in what is `solved`.
+pub(super) fn derived(members: &[Member], solved: &Solved, blocks: &[MemberBlock], robot: &Robot) -> Vec<Vec<Derived>> {
+    let each = members.iter().zip(blocks);
+    each.map(|(member, block)| {
+        let effect = member.placed.effect;
+        let places: Vec<usize> = block.amplitudes.clone().collect();
+        let Placed { joint, parameters, .. } = &member.placed;
+        let of = |p: &[f64]| effect.derived(p, *joint, robot);
+        let quantities = of(parameters);
+        let values = |p: &[f64]| of(p).into_iter().map(|quantity| quantity.value).collect();
+        let std = delta(&values, parameters, &places, solved).into_iter().map(|(_, std)| std);
+        meaningful(quantities.into_iter().zip(std).collect())
+    })
+    .collect()
 }
 
 /// Quantities with their standard deviations, without those that mean nothing where the first is not significant.

@@ -37,8 +37,7 @@ impl ExtendedModel {
         arm.take(session.model, &solved.values);
         let fitted = session.known.fitted();
         let mut known = session.known.effects.clone();
-        let first = session.train.baseline.len() - fitted.len();
-        for ((effect, index), change) in fitted.into_iter().zip(&solved.values[first..]) {
+        for ((effect, index), change) in fitted.into_iter().zip(&solved.values[session.blocks(&[]).known]) {
             known[effect].parameters[index] += change;
         }
         let (mut robot, mut effects) = (arm.found().clone(), Vec::new());

@@ -2,7 +2,7 @@
 //! the joint they replace.
 
 use crate::diagnosis::evidence::{Block, Gains, SEEN_AGAIN, against_slow_noise, modulated};
-use crate::diagnosis::model::{DataSet, Member, Noise, Nuisances, Session, linear};
+use crate::diagnosis::model::{DataSet, Member, Noise, Nuisances, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
 use crate::diagnosis::search::{Selection, members};
@@ -195,11 +195,10 @@ impl<'a> Fitted<'a> {
     /// and held-out rows.
     pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
         let Session { train, test, .. } = self.session;
-        let mut first = train.baseline.len();
+        let blocks = self.session.blocks(&self.members).members;
         let mut changing = Vec::new();
-        for (member, is_firm) in self.members.iter().zip(&self.firm) {
-            let own = first..first + linear(member.placed.effect).len();
-            first += member.columns();
+        for ((member, is_firm), block) in self.members.iter().zip(&self.firm).zip(blocks) {
+            let own = block.amplitudes;
             // What happened in one log is not in others.
             if *is_firm && is_weighed(member, joint) && member.candidate.log.is_none() {
                 let on = |data, columns: &[Column]| modulated(self.session, data, joint, &columns[own.clone()]);
@@ -299,11 +298,10 @@ impl<'a> Fitted<'a> {
     /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.
     fn empty_beside(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
         let more = more.statistic - more.freedom as f64;
-        let mut first = self.session.train.baseline.len();
+        let blocks = self.session.blocks(&self.members).members;
         let mut empty = Vec::new();
-        for (place, member) in self.members.iter().enumerate() {
-            let own = first..first + member.columns();
-            first = own.end;
+        for ((place, member), own) in self.members.iter().enumerate().zip(blocks) {
+            let own = own.all();
             if !is_weighed(member, joint) {
                 continue;
             }

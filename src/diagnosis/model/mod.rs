@@ -4,16 +4,19 @@
 //! effect, errors in variables (nuisance columns), and fits of baseline and effects under a noise model.
 
 mod arm;
+mod blocks;
 mod candidates;
 mod cut_off;
 mod data_set;
 mod errors_in_variables;
 mod grid;
 mod known;
+mod member;
 mod roles;
 mod session;
 
 pub use arm::{Arm, Moved};
+pub use blocks::{MemberBlock, ParameterBlocks};
 pub use candidates::{
     Candidate, Family, Slot, all_candidates, carried_on, columns, columns_in, is_candidate, is_wanted, places, renewed,
 };
@@ -22,5 +25,6 @@ pub use data_set::DataSet;
 pub use errors_in_variables::Nuisances;
 pub use grid::{sizes, within_bounds};
 pub use known::Known;
+pub use member::Member;
 pub use roles::{bends, is_event, is_level, is_shift, linear, prior, shapes};
-pub use session::{Member, Noise, Session, bounded};
+pub use session::{Noise, Session, bounded};

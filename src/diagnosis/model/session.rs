@@ -1,16 +1,18 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
 use super::arm::{Arm, Moved};
+use super::blocks::ParameterBlocks;
 use super::candidates::{Candidate, columns_in};
 use super::cut_off::flat_level;
 use super::data_set::DataSet;
 use super::errors_in_variables::ErrorsInVariables;
 use super::known::Known;
+use super::member::Member;
 use super::roles::{is_level, linear, shapes};
 use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Solved, combined, solve};
-use crate::effects::{Parameter, Placed};
+use crate::effects::Parameter;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -22,9 +24,6 @@ const MISFIT_ROUNDS: usize = 2;
 
 /// Share of a shape's value over which its derivative is taken.
 const DIFFERENCE: f64 = 0.02;
-
-/// Standard deviations from zero at which a parameter is significant.
-const SIZED: f64 = 2.0;
 
 /// What is under diagnosis.
 #[derive(Debug)]
@@ -51,23 +50,6 @@ pub struct Session<'a> {
     pub passband: Option<LowPass>,
 }
 
-/// An effect in the model, with what it takes there.
-#[derive(Debug, Clone)]
-pub struct Member {
-    /// The effect with its parameters as estimated.
-    pub placed: Placed,
-    /// Standard deviation of every parameter; zero for those held.
-    pub std: Vec<f64>,
-    /// Where its columns are taken.
-    pub candidate: Candidate,
-    /// Factors of the columns.
-    pub factors: Vec<f64>,
-    /// Whether its parameters are not estimated from the rows: it has no columns in the model.
-    pub held: bool,
-    /// Indices of parameters that the rows do not determine: they are held, amplitudes at zero, and their columns are zero.
-    pub fixed: Vec<usize>,
-}
-
 /// The noise under a model and the model's fit in its units.
 #[derive(Debug, Clone)]
 pub struct Noise {
@@ -85,6 +67,11 @@ impl<'a> Session<'a> {
         let cutoffs_hz = self.cutoffs_hz.clone();
         let (train, open_play) = (self.train.and(&test), self.open_play.clone());
         Session { model, trust, known, arm, train, test, apart: false, open_play, cutoffs_hz, passband }
+    }
+
+    /// Places of the parameters of the model with `members`.
+    pub fn blocks(&self, members: &[Member]) -> ParameterBlocks {
+        ParameterBlocks::new(self.train.baseline.len(), self.known.fitted().len(), members)
     }
 
     /// Takes the arm's parameters from `robot` instead of from a fit.
@@ -205,23 +192,21 @@ impl<'a> Session<'a> {
         for data in [&mut self.train, &mut self.test] {
             data.errors = ErrorsInVariables::new(&self.arm, &data.rows)?;
         }
-        let mut place = self.train.baseline.len();
-        for member in members.iter_mut().filter(|member| !member.held) {
+        let blocks = self.blocks(members);
+        for (member, block) in members.iter_mut().zip(&blocks.members).filter(|(member, _)| !member.held) {
             let effect = member.placed.effect;
-            for (k, index) in linear(effect).into_iter().enumerate() {
+            for ((k, index), place) in linear(effect).into_iter().enumerate().zip(block.amplitudes.clone()) {
                 let is_fixed = member.fixed.contains(&index);
                 member.factors[k] = if is_fixed { 0.0 } else { solved.values[place] };
                 if !is_level(effect) {
                     member.placed.parameters[index] = member.factors[k];
                     member.std[index] = if is_fixed { f64::INFINITY } else { solved.std(place) };
                 }
-                place += 1;
             }
-            for index in shapes(effect) {
+            for (index, place) in shapes(effect).into_iter().zip(block.shapes.clone()) {
                 let fitted = member.candidate.placed.parameters[index];
                 let std = if member.fixed.contains(&index) { f64::INFINITY } else { solved.std(place) };
                 (member.placed.parameters[index], member.std[index]) = (fitted, std);
-                place += 1;
                 if is_level(effect)
                     && let Some(flat) = flat_level(&self.arm, &self.train.rows, member.placed.joint, fitted)
                 {
@@ -240,15 +225,16 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub fn turns_unphysical(&self, members: &[Member], whitener: &Whitener) -> Result<bool> {
         let solved = self.solved(members, whitener)?;
-        let mut place = self.train.baseline.len();
-        for member in members[..members.len().saturating_sub(1)].iter().filter(|member| !member.held) {
-            if member.candidate.one_sided() && solved.values[place] < 0.0 && member.factors[0] > 0.0 {
-                tracing::debug!(family = ?member.candidate.family(), value = solved.values[place], "turns unphysical");
-                return Ok(true);
-            }
-            place += member.columns();
+        let earlier = &members[..members.len().saturating_sub(1)];
+        let blocks = self.blocks(earlier).members;
+        let turned = earlier.iter().zip(&blocks).filter(|(member, _)| !member.held).find(|(member, block)| {
+            let is_positive = member.candidate.one_sided() && member.factors[0] > 0.0;
+            is_positive && solved.values[block.amplitudes.start] < 0.0
+        });
+        if let Some((member, _)) = turned {
+            tracing::debug!(family = ?member.candidate.family(), "turns unphysical");
         }
-        Ok(false)
+        Ok(turned.is_some())
     }
 
     /// Residual of the held-out rows when the model is fitted to the training rows.
@@ -290,63 +276,7 @@ fn left(data: &DataSet, columns: &[Column], solved: &Solved) -> Column {
     left
 }
 
-impl Member {
-    /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
-    pub fn columns(&self) -> usize {
-        if self.held {
-            return 0;
-        }
-        linear(self.placed.effect).len() + shapes(self.placed.effect).len()
-    }
-
-    /// Index of the parameter of each of its columns.
-    pub fn places(&self) -> impl Iterator<Item = usize> + use<> {
-        linear(self.placed.effect).into_iter().chain(shapes(self.placed.effect))
-    }
-
-    /// Whether the logs determine its size: some amplitude lies two standard deviations from zero.
-    pub fn is_sized(&self) -> bool {
-        linear(self.placed.effect)
-            .into_iter()
-            .any(|index| self.placed.parameters[index].abs() > SIZED * self.std[index])
-    }
-
-    /// A candidate with the factors of its columns as part of the model.
-    pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
-        let placed = candidate.placed.clone();
-        let absent = linear(placed.effect).into_iter().zip(&candidate.columns);
-        Member {
-            fixed: absent.filter(|(_, column)| column.parts.is_empty()).map(|(index, _)| index).collect(),
-            std: vec![0.0; placed.parameters.len()],
-            factors: factors.to_vec(),
-            candidate: candidate.clone(),
-            placed,
-            held: false,
-        }
-    }
-}
-
 /// A value within the bounds of its parameter.
 pub fn bounded(parameter: &Parameter, value: f64) -> f64 {
     value.clamp(parameter.lower, parameter.upper)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::effects::find;
-
-    #[test]
-    fn one_amplitude_told_from_zero_is_enough() {
-        let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
-        let candidate = Candidate { placed, log: None, columns: Vec::new() };
-        let mut member = Member::new(&candidate, &[]);
-        let sizes = member.placed.parameters.clone();
-        member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();
-        assert!(!member.is_sized());
-        member.std[0] = 0.4 * sizes[0].abs();
-        assert!(member.is_sized());
-        member.std.fill(f64::INFINITY);
-        assert!(!member.is_sized());
-    }
 }

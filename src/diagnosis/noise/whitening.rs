@@ -9,7 +9,7 @@ use super::noise_spectrum::corrected;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::identification::noise::AutoregressiveNoise;
-use crate::linear::inner_product;
+use crate::linear::OrthonormalBasis;
 use rayon::prelude::*;
 
 /// Order of the noise models.
@@ -168,17 +168,18 @@ impl JointWhitener {
             signal.iter().zip(valid).map(|(&x, &ok)| if ok { x } else { 0.0 }).collect()
         };
         let columns: Vec<Vec<f64>> = columns.iter().map(|column| masked(column)).collect();
-        let basis = orthonormal(columns.clone());
-        let observed = before_low_pass(lags(&residual(&basis, masked(torque)), valid), share);
+        let basis = orthonormal(&columns);
+        let observed = before_low_pass(lags(&basis.residual(&masked(torque)), valid), share);
         let mut noise = AutoregressiveNoise::from_autocovariance(&observed);
         // In white noise all frequencies are alike.
         let rounds = if share < 1.0 { 0 } else { SPECTRUM_ROUNDS };
         let seen_in = |mut noise: AutoregressiveNoise| {
             noise.innovation_std = noise.innovation_std.max(f64::MIN_POSITIVE);
             let filter = InnovationsFilter::new(noise, valid, starts);
-            let basis = orthonormal(columns.iter().map(|column| filter.apply(column)).collect());
-            let left = residual(&basis, filter.apply(torque));
-            (filter, basis, left)
+            let white: Vec<Vec<f64>> = columns.iter().map(|column| filter.apply(column)).collect();
+            let basis = orthonormal(&white);
+            let left = basis.residual(&filter.apply(torque));
+            (filter, basis.directions, left)
         };
         for _ in 0..rounds {
             let (filter, basis, left) = seen_in(noise);
@@ -250,38 +251,15 @@ pub fn rich(rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
     columns
 }
 
-/// An orthonormal basis of the columns (Gram-Schmidt, each twice).
-fn orthonormal(columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for column in columns {
-        let norm = norm(&column);
-        if !(norm > 0.0 && norm.is_finite()) {
-            continue;
-        }
-        let rest = residual(&basis, residual(&basis, column));
-        let left = self::norm(&rest);
-        if left > INDEPENDENT * norm {
-            basis.push(rest.iter().map(|x| x / left).collect());
-        }
-    }
-    basis
-}
-
-fn residual(basis: &[Vec<f64>], mut signal: Vec<f64>) -> Vec<f64> {
-    for direction in basis {
-        let along = inner_product(direction, &signal);
-        signal.iter_mut().zip(direction).for_each(|(x, d)| *x -= along * d);
-    }
-    signal
-}
-
-fn norm(signal: &[f64]) -> f64 {
-    inner_product(signal, signal).sqrt()
+/// An orthonormal basis of the columns' span.
+fn orthonormal(columns: &[Vec<f64>]) -> OrthonormalBasis {
+    OrthonormalBasis::new(&columns.iter().map(Vec::as_slice).collect::<Vec<&[f64]>>(), INDEPENDENT)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::length;
     use crate::random;
 
     /// Slow noise under columns that take much of it: the model found is that of the noise, not of the residual.
@@ -323,11 +301,11 @@ mod tests {
             let size = white.simulate(120, &mut random::stream(5, "filtered noise", run));
             let noise: Vec<f64> =
                 (0..samples).map(|t| size.iter().enumerate().map(|(k, s)| s * cosine(k, t)).sum()).collect();
-            let rms = norm(&noise) / (samples as f64).sqrt();
+            let rms = length(&noise) / (samples as f64).sqrt();
             let whitener = JointWhitener::new(&vec![true; samples], &[0, samples], &noise, columns.clone(), share);
             found += whitener.filter.noise().std() / rms / runs as f64;
-            let rest = residual(&orthonormal(columns.clone()), noise);
-            left += norm(&rest) / (samples as f64).sqrt() / rms / runs as f64;
+            let rest = orthonormal(&columns).residual(&noise);
+            left += length(&rest) / (samples as f64).sqrt() / rms / runs as f64;
         }
         assert!((found - 1.0).abs() < 0.15, "{found}");
         assert!(left < 0.8, "{left}");

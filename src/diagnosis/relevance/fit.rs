@@ -1,7 +1,7 @@
 //! The model with all effects found, its columns held, so that any of them can be left out and the rest fitted again at once.
 
 use super::blocks::{BlockProducts, Estimates};
-use crate::diagnosis::model::{DataSet, Member, Session, linear};
+use crate::diagnosis::model::{DataSet, Member, ParameterBlocks, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined};
 use crate::error::Result;
@@ -15,12 +15,8 @@ pub(super) struct HeldFit<'a> {
     train: Vec<Column>,
     /// The same along the held-out logs.
     test: Vec<Column>,
-    /// Number of baseline columns.
-    baseline: usize,
-    /// Columns of each member; empty where it is held.
-    own: Vec<Range<usize>>,
-    /// Those of them that are linear in the effect's amplitudes: its law.
-    laws: Vec<Range<usize>>,
+    /// Places of the columns of the baseline and of each member.
+    blocks: ParameterBlocks,
     products: BlockProducts,
 }
 
@@ -30,18 +26,11 @@ impl<'a> HeldFit<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
-        let baseline = session.train.baseline.len();
-        let (mut own, mut laws) = (Vec::new(), Vec::new());
-        let mut place = baseline;
-        for member in members {
-            own.push(place..place + member.columns());
-            laws.push(place..place + linear(member.placed.effect).len().min(member.columns()));
-            place += member.columns();
-        }
+        let blocks = session.blocks(members);
         let with_torques = |data: &DataSet| -> Result<Vec<Column>> {
             let mut columns = session.all_columns(data, members)?;
-            for (member, law) in members.iter().zip(&laws) {
-                columns.push(combined(&columns[law.clone()], &member.factors));
+            for (member, block) in members.iter().zip(&blocks.members) {
+                columns.push(combined(&columns[block.amplitudes.clone()], &member.factors));
             }
             Ok(columns)
         };
@@ -49,17 +38,18 @@ impl<'a> HeldFit<'a> {
         let white = whitener.apply_all(&train);
         let products =
             BlockProducts::new(&session.train.rows, whitener, &white, &whitener.apply(&session.train.torque));
-        Ok(HeldFit { session, train, test, baseline, own, laws, products })
+        Ok(HeldFit { session, train, test, blocks, products })
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
     pub fn places(&self, kept: &[usize]) -> Vec<usize> {
-        (0..self.baseline).chain(kept.iter().flat_map(|&member| self.own[member].clone())).collect()
+        let members = kept.iter().flat_map(|&member| self.blocks.members[member].all());
+        self.blocks.baseline.clone().chain(members).collect()
     }
 
     /// Places of the columns of a member's law.
     pub fn law(&self, member: usize) -> Range<usize> {
-        self.laws[member].clone()
+        self.blocks.members[member].amplitudes.clone()
     }
 
     /// Residuals along the training and the held-out logs of the model with the members at `kept`.
@@ -77,10 +67,10 @@ impl<'a> HeldFit<'a> {
     /// there are too few blocks.
     pub fn scatters(&self, kept: &[usize]) -> Option<Vec<Vec<f64>>> {
         let estimates = self.products.estimates(&self.places(kept), true);
-        let mut place = self.baseline;
+        let mut place = self.blocks.baseline.end;
         kept.iter()
             .map(|&member| {
-                let own = place..place + self.own[member].len();
+                let own = place..place + self.blocks.members[member].all().len();
                 place = own.end;
                 own.map(|place| Some(estimates.scatter(place)?.0)).collect()
             })
@@ -92,7 +82,7 @@ impl<'a> HeldFit<'a> {
     pub fn strength(&self, kept: &[usize], index: usize) -> Option<[f64; 3]> {
         let others: Vec<usize> = kept.iter().copied().filter(|&member| member != kept[index]).collect();
         let mut places = self.places(&others);
-        places.push(self.train.len() - self.own.len() + kept[index]);
+        places.push(self.train.len() - self.blocks.members.len() + kept[index]);
         let estimates = self.products.estimates(&places, true);
         let (std, freedom) = estimates.scatter(places.len() - 1)?;
         Some([estimates.values[places.len() - 1], std, freedom])

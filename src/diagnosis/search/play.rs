@@ -81,11 +81,10 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     session.open_play = open.collect();
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
-    let fitted = session.known.fitted().len();
+    let known_from = session.blocks(&[]).known.start;
     for data in [&mut session.train, &mut session.test] {
-        let place = data.baseline.len() - fitted;
         let steady = columns(&session.arm, &data.rows, &placed)?.concat();
-        data.baseline.splice(place..place, steady);
+        data.baseline.splice(known_from..known_from, steady);
     }
     for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
         train.leave_out(joint, &mut session.train.rows);

@@ -1,0 +1,81 @@
+//! An effect in the model.
+
+use super::candidates::Candidate;
+use super::roles::{linear, shapes};
+use crate::effects::Placed;
+
+/// Standard deviations from zero at which a parameter is significant.
+const SIZED: f64 = 2.0;
+
+/// An effect in the model, with what it takes there.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// The effect with its parameters as estimated.
+    pub placed: Placed,
+    /// Standard deviation of every parameter; zero for those held.
+    pub std: Vec<f64>,
+    /// Where its columns are taken.
+    pub candidate: Candidate,
+    /// Factors of the columns.
+    pub factors: Vec<f64>,
+    /// Whether its parameters are not estimated from the rows: it has no columns in the model.
+    pub held: bool,
+    /// Indices of parameters that the rows do not determine: they are held, amplitudes at zero, and their columns are zero.
+    pub fixed: Vec<usize>,
+}
+
+impl Member {
+    /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
+    pub fn columns(&self) -> usize {
+        if self.held {
+            return 0;
+        }
+        linear(self.placed.effect).len() + shapes(self.placed.effect).len()
+    }
+
+    /// Index of the parameter of each of its columns.
+    pub fn places(&self) -> impl Iterator<Item = usize> + use<> {
+        linear(self.placed.effect).into_iter().chain(shapes(self.placed.effect))
+    }
+
+    /// Whether the logs determine its size: some amplitude lies two standard deviations from zero.
+    pub fn is_sized(&self) -> bool {
+        linear(self.placed.effect)
+            .into_iter()
+            .any(|index| self.placed.parameters[index].abs() > SIZED * self.std[index])
+    }
+
+    /// A candidate with the factors of its columns as part of the model.
+    pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
+        let placed = candidate.placed.clone();
+        let absent = linear(placed.effect).into_iter().zip(&candidate.columns);
+        Member {
+            fixed: absent.filter(|(_, column)| column.parts.is_empty()).map(|(index, _)| index).collect(),
+            std: vec![0.0; placed.parameters.len()],
+            factors: factors.to_vec(),
+            candidate: candidate.clone(),
+            placed,
+            held: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn one_amplitude_told_from_zero_is_enough() {
+        let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
+        let candidate = Candidate { placed, log: None, columns: Vec::new() };
+        let mut member = Member::new(&candidate, &[]);
+        let sizes = member.placed.parameters.clone();
+        member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();
+        assert!(!member.is_sized());
+        member.std[0] = 0.4 * sizes[0].abs();
+        assert!(member.is_sized());
+        member.std.fill(f64::INFINITY);
+        assert!(!member.is_sized());
+    }
+}

@@ -1,11 +1,12 @@
 //! The arm that logs are of: which joints of a robot's file are under study, and where the others stand.
 //!
 //! Under study are the joints asked for, else those that every log names, else as many as the logs number. Of these the ones
-//! that stand still in all logs are held where they stand, and so are joints of the file that only the logs' other columns
-//! tell of.
+//! that stand still in all logs are held where they stand, and so are joints of the file that are only in the logs' other
+//! columns.
 
-use super::convert::reorder;
-use super::{Dataset, still};
+use super::description::Dataset;
+use super::order::select;
+use super::still;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
@@ -317,14 +318,4 @@ fn apart(paths: &[&Path], ends: [(usize, f64); 2], kind: JointKind) -> String {
     let unit = if kind == JointKind::Prismatic { "m" } else { "rad" };
     let [low, high] = ends.map(|(log, place)| format!("at {place:.4} {unit} in {}", paths[log].display()));
     format!("{low} and {high}")
-}
-
-/// Takes the joints `wanted` of a log whose joints are `names`.
-pub(super) fn select(sieved: &mut Sieved, names: &[String], wanted: &[String]) {
-    if names != wanted {
-        let place = |name: &String| names.iter().position(|own| own == name);
-        let order: Vec<usize> = wanted.iter().filter_map(place).collect();
-        reorder(&mut sieved.recording, &order);
-        sieved.unwrapped = (0..order.len()).filter(|joint| sieved.unwrapped.contains(&order[*joint])).collect();
-    }
 }

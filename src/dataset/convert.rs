@@ -1,6 +1,7 @@
 //! From the units and the side of the gear that a file is in to SI units at the joints.
 
-use super::{Dataset, PerJoint, Side};
+use super::description::Dataset;
+use super::spec::{PerJoint, Side};
 use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
@@ -180,18 +181,4 @@ fn apply(table: &mut Channels, factors: &[f64]) {
     for (joint, factor) in factors.iter().enumerate() {
         table.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
     }
-}
-
-/// Puts joint `order[i]` of a log at place `i`; joints without a place are left out.
-pub fn reorder(log: &mut Recording, order: &[usize]) {
-    let pick = |table: &Channels| {
-        Channels::from_vectors(&order.iter().map(|&joint| table.channel(joint).to_vec()).collect::<Vec<_>>())
-    };
-    log.joints = order.iter().map(|&joint| log.joints[joint].clone()).collect();
-    log.q = pick(&log.q);
-    // Where none of the joints that are left has one there is none.
-    let of_any = |table: &Channels| Some(pick(table)).filter(|t| !t.as_slice().iter().all(|value| value.is_nan()));
-    log.qd = log.qd.as_ref().and_then(of_any);
-    log.qdd = log.qdd.as_ref().and_then(of_any);
-    log.tau = pick(&log.tau);
 }

@@ -1,6 +1,7 @@
-//! A description of logs with what was found wrong put right.
+//! A description of logs, corrected where it was found wrong.
 
-use super::{Dataset, SCHEMA};
+use super::description::Dataset;
+use super::spec::SCHEMA;
 use crate::error::{Error, Result};
 use crate::quality::UnitChanges;
 use crate::quality::descriptions::{Change, Description};
@@ -19,14 +20,14 @@ impl Dataset {
     }
 }
 
-/// Names the logs of a description that has no file yet: the arm's, those to train from, those to judge by.
+/// Files of a description that is not written yet.
 #[derive(Debug, Clone, Default)]
 pub struct Named {
     /// The file of the arm.
     pub robot: Option<PathBuf>,
-    /// Logs to train from.
+    /// Training logs.
     pub train: Vec<PathBuf>,
-    /// Logs to judge by.
+    /// Held-out logs.
     pub test: Vec<PathBuf>,
 }
 

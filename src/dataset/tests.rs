@@ -1,6 +1,11 @@
 use super::*;
 use crate::channels::Channels;
-use crate::robot::{InertiaCheck, load};
+use crate::error::Result;
+use crate::quality;
+use crate::quality::descriptions::Description;
+use crate::recording::Recording;
+use crate::robot::{InertiaCheck, Robot, load};
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 use tempfile::TempDir;
 

@@ -1,7 +1,8 @@
 //! Logs that a program holds in memory: they have names in angle brackets, as `<monday>`, which stand where files are named. They
 //! are read as files are: columns by their names, rows that cannot be used left out, the clock and the units examined.
 
-use super::{Recording, written};
+use super::Recording;
+use super::formats::written;
 use crate::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

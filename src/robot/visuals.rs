@@ -1,7 +1,8 @@
 //! What an arm looks like: the visual shapes of its URDF, each on the body that carries it, and capsules for bodies that
 //! have none.
 
-use super::{JointKind, Pose, Robot, urdf};
+use super::file;
+use super::model::{JointKind, Pose, Robot};
 use std::path::{Path, PathBuf};
 
 /// Radius of a capsule over the reach of the arm.
@@ -72,7 +73,7 @@ pub struct Visuals {
 /// does the whole arm if its file cannot be read any longer.
 pub fn load(robot: &Robot) -> Visuals {
     let mut visuals = Visuals::default();
-    match urdf::looks(&robot.source) {
+    match file::looks(&robot.source) {
         Ok(urdf) => Walk { urdf: &urdf, robot, visuals: &mut visuals }.all(),
         Err(problem) => visuals.notes.push(format!("the URDF cannot be read again ({problem}): capsules are drawn")),
     }
@@ -109,7 +110,7 @@ impl Walk<'_> {
 
     /// Pose of the link behind a joint that does not move.
     fn standing(&self, joint: &urdf_rs::Joint) -> Pose {
-        let origin = urdf::pose_of(&joint.origin);
+        let origin = file::pose_of(&joint.origin);
         let Some((_, position)) = self.robot.held.iter().find(|(name, _)| *name == joint.name) else { return origin };
         let axis = nalgebra::Vector3::from(joint.axis.xyz.0).try_normalize(1e-9).unwrap_or(nalgebra::Vector3::x());
         let kind = match joint.joint_type {
@@ -126,7 +127,7 @@ impl Walk<'_> {
             urdf_rs::Geometry::Sphere { radius } => Shape::Sphere { radius: *radius },
             urdf_rs::Geometry::Capsule { radius, length } => {
                 let down = Pose { translation: nalgebra::Vector3::new(0.0, 0.0, -0.5 * length), ..Pose::identity() };
-                let pose = place.then(&urdf::pose_of(&visual.origin)).then(&down);
+                let pose = place.then(&file::pose_of(&visual.origin)).then(&down);
                 let shape = Shape::Capsule { radius: *radius, length: *length };
                 return self.visuals.shapes.push(Visual { body, pose, shape, color: self.color(visual) });
             }
@@ -137,7 +138,7 @@ impl Walk<'_> {
                 }
             },
         };
-        let pose = place.then(&urdf::pose_of(&visual.origin));
+        let pose = place.then(&file::pose_of(&visual.origin));
         self.visuals.shapes.push(Visual { body, pose, shape, color: self.color(visual) });
     }
 

@@ -1,6 +1,6 @@
 //! Columns that are called alike, and the joints that they name or number.
 
-use crate::recording::names::{self, Joint, Meaning};
+use super::names::{self, Joint, Meaning};
 use std::collections::BTreeMap;
 
 /// A column that is the signal of a joint, as one reading of its name has it.
@@ -147,12 +147,21 @@ fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
     families.into_values().min_by_key(order).unwrap_or_default()
 }
 
+/// The joints of which a log holds positions.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct JointNames {
+    /// Names in the order of the file; empty where the joints are numbered alone.
+    pub names: Vec<String>,
+    /// Number of joints where they are numbered; 0 where they are named.
+    pub numbered: usize,
+}
+
 /// The joints whose positions a header names or numbers.
-pub fn joint_names(header: &[String]) -> crate::recording::lenient::JointNames {
+pub fn joint_names(header: &[String]) -> JointNames {
     let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
     let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
     let numbered = positions(&meanings).iter().filter(numbered).count();
-    crate::recording::lenient::JointNames { names: own_names(&meanings), numbered }
+    JointNames { names: own_names(&meanings), numbered }
 }
 
 /// Joint names in the order of their positions; none where the positions are numbered.

@@ -1,6 +1,6 @@
 //! Columns that are there by their names, but hold too little to be used.
 
-use super::{ABSENT, Layout};
+use super::layout::{ABSENT, Layout};
 
 impl Layout {
     /// Leaves out columns of velocity or acceleration; `why` is what is wrong with them.

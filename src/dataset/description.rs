@@ -1,0 +1,103 @@
+//! A description of logs as a file.
+
+use super::spec::{Part, SCHEMA, Spec};
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// A description of logs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataset {
+    pub(super) path: PathBuf,
+    pub(super) text: String,
+    pub(super) spec: Spec,
+}
+
+impl Dataset {
+    /// Reads a description. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// An unreadable file, an unknown key or unit, another schema, no log to train from.
+    pub fn load(path: impl AsRef<Path>) -> Result<Dataset> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| Error::io(path, "read the dataset", source))?;
+        let spec: Spec = toml::from_str(&text).map_err(|error| Error::toml(path, &text, &error))?;
+        let dataset = Dataset { path: path.to_owned(), text, spec };
+        if dataset.spec.schema != SCHEMA {
+            return Err(dataset.error("schema", format!("`{}` is not known; this is {SCHEMA}", dataset.spec.schema)));
+        }
+        if dataset.spec.train.is_empty() {
+            return Err(dataset.error("train", "name at least one log: [[train]] with file = \"...\""));
+        }
+        dataset.check_parts()?;
+        Ok(dataset)
+    }
+
+    /// Parts end after they begin, and what judges is not what was trained from.
+    fn check_parts(&self) -> Result<()> {
+        for (key, part) in self.parts() {
+            if part.file.is_some() == part.files.is_some() || part.paths().is_empty() {
+                let problem =
+                    "name the log by file = \"...\", or by files = [\"...\", \"...\"] where its columns are in several";
+                return Err(self.error(key, problem));
+            }
+            let [from, to] = part.seconds();
+            // Not a number compares to nothing.
+            if from.partial_cmp(&to) != Some(std::cmp::Ordering::Less) {
+                let problem = format!("{}: from {from} s to {to} s is no part of a log", part.name());
+                return Err(self.error(key, problem));
+            }
+        }
+        for test in &self.spec.test {
+            let [from, to] = test.seconds();
+            let shares = |train: &&Part| {
+                let [begin, end] = train.seconds();
+                train.paths().iter().any(|path| test.paths().contains(path)) && begin < to && from < end
+            };
+            if let Some(train) = self.spec.train.iter().find(shares) {
+                let problem = format!(
+                    "{} is trained from in part or as a whole; judge by what the fit did not see, with to_s in [[train]] and \
+                     from_s in [[test]] or with another log",
+                    train.name()
+                );
+                return Err(self.error("test", problem));
+            }
+        }
+        Ok(())
+    }
+
+    /// All logs with their keys, the training logs first.
+    pub(super) fn parts(&self) -> impl Iterator<Item = (&'static str, &Part)> {
+        let of = |key| move |part| (key, part);
+        self.spec.train.iter().map(of("train")).chain(self.spec.test.iter().map(of("test")))
+    }
+
+    /// The URDF that the dataset names.
+    pub fn robot(&self) -> Option<PathBuf> {
+        self.spec.robot.as_ref().map(|robot| self.beside(robot))
+    }
+
+    /// All logs that it names, the training logs first; of a log in several files the first of them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.parts().filter_map(|(_, part)| Some(self.beside(part.paths().first()?))).collect()
+    }
+
+    /// The files of a log, relative to the description's folder.
+    pub(super) fn beside_all(&self, part: &Part) -> Vec<PathBuf> {
+        part.paths().into_iter().map(|path| self.beside(path)).collect()
+    }
+
+    /// A file, relative to the description's folder.
+    pub(super) fn beside(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    /// An error about a key, at its line.
+    pub(super) fn error(&self, key: &str, problem: impl Into<String>) -> Error {
+        let last = key.rsplit('.').next().unwrap_or(key);
+        let line = self.text.lines().position(|line| {
+            let line = line.trim_start().trim_start_matches('[');
+            line.strip_prefix(last).is_some_and(|rest| rest.trim_start().starts_with(['=', ']']))
+        });
+        Error::input(&self.path, line.map(|line| line + 1), key, problem)
+    }
+}

@@ -1,0 +1,95 @@
+//! Logs as they are read: SI units, at the joints, in the order of the robot's joints.
+
+use super::description::Dataset;
+use super::order::select;
+use super::spec::Part;
+use super::units::TimeUnit;
+use crate::error::Result;
+use crate::recording::lenient::{self, ColumnMap, Sieved};
+use crate::robot::Robot;
+use std::path::{Path, PathBuf};
+
+impl Dataset {
+    /// Reads one log as the dataset says: SI units, at the joints, in the order of `robot`'s joints.
+    ///
+    /// # Errors
+    /// Those of [`lenient::load`]; lists that do not fit the joints, units that need what is not given.
+    pub fn read(&self, file: &Path, robot: &Robot) -> Result<Sieved> {
+        let is_file = |own: &PathBuf| match (own.canonicalize(), file.canonicalize()) {
+            (Ok(own), Ok(file)) => own == file,
+            _ => false,
+        };
+        // A file that is a part of a log is read together with the others.
+        let whole = self.parts().find_map(|(_, part)| {
+            let files = self.beside_all(part);
+            files.iter().any(is_file).then_some((files, part.rate_hz))
+        });
+        let (files, rate_hz) = whole.unwrap_or_else(|| (vec![file.to_owned()], None));
+        self.read_together(&files, rate_hz, robot)
+    }
+
+    /// The same of a log whose columns are in several files; `rate_hz` where it is known and they have no time.
+    fn read_together(&self, files: &[PathBuf], rate_hz: Option<f64>, robot: &Robot) -> Result<Sieved> {
+        let order = self.spec.joints.as_ref().unwrap_or(&robot.columns);
+        if let Some(missing) = robot.joint_names().into_iter().find(|name| !order.contains(name)) {
+            let names = robot.joint_names().join(", ");
+            let problem = format!("{} are not the robot's joints {names}: `{missing}` is missing", order.join(", "));
+            return Err(self.error("joints", problem));
+        }
+        let mut columns = self.spec.columns.clone();
+        columns.rate_hz = rate_hz.or(columns.rate_hz);
+        columns.time_factor = self.spec.units.time.map(TimeUnit::factor);
+        let mut sieved = lenient::load_together(files, Some(order), &columns)?;
+        self.convert(&mut sieved)?;
+        select(&mut sieved, order, &robot.joint_names());
+        self.exchange(&mut sieved.recording)?;
+        Ok(sieved)
+    }
+
+    /// Reads all logs, or the parts of them that are wanted, and leaves them as they are otherwise: the training logs,
+    /// then the held-out ones, each with its file.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::read`].
+    pub fn sieved(&self, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
+        let read = |key: &str, parts: &[Part]| -> Result<Vec<(PathBuf, Sieved)>> {
+            let one = |part: &Part| {
+                let files = self.beside_all(part);
+                let path = files[0].clone();
+                let sieved = self.read_together(&files, part.rate_hz, robot)?;
+                let ends = [sieved.recording.time.first(), sieved.recording.time.last()]
+                    .map(|t| (t.copied().unwrap_or(0.0) * 1e6).round() / 1e6);
+                let sieved = part.of(sieved);
+                if sieved.recording.time.is_empty() {
+                    let ([from, to], [first, last]) = (part.seconds(), ends);
+                    let problem = format!(
+                        "{}: no row is from {from} s to {to} s; the log's clock goes from {first} s to {last} s",
+                        part.name()
+                    );
+                    return Err(self.error(key, problem));
+                }
+                Ok((path, sieved))
+            };
+            parts.iter().map(one).collect()
+        };
+        Ok([read("train", &self.spec.train)?, read("test", &self.spec.test)?])
+    }
+}
+
+/// Reads a log without a description: the joints of `robot` in their order.
+///
+/// # Errors
+/// Those of [`lenient::load`].
+pub fn read(path: &Path, robot: &Robot) -> Result<Sieved> {
+    let mut sieved = lenient::load(path, Some(&robot.columns), &ColumnMap::default())?;
+    select(&mut sieved, &robot.columns, &robot.joint_names());
+    Ok(sieved)
+}
+
+/// Reads logs without a description and leaves them as they are otherwise, each with its file.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_all(paths: &[PathBuf], robot: &Robot) -> Result<Vec<(PathBuf, Sieved)>> {
+    paths.iter().map(|path| Ok((path.clone(), read(path, robot)?))).collect()
+}

@@ -1,0 +1,78 @@
+//! Logs made ready for identification.
+
+use super::read::read_all;
+use crate::error::{Error, Result};
+use crate::quality;
+use crate::quality::descriptions::Description;
+use crate::recording::lenient::Sieved;
+use crate::recording::{Recording, resample};
+use crate::robot::Robot;
+use std::path::{Path, PathBuf};
+
+/// Logs made ready, in SI units at the joints and at even steps, with what had to be done to them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Logs {
+    /// Training logs.
+    pub train: Vec<Recording>,
+    /// Held-out logs.
+    pub test: Vec<Recording>,
+    /// Rows left out, clocks made even, and warnings of [`quality::examine`]; each begins with the file.
+    pub notes: Vec<String>,
+    /// The description that the logs were taken by, where the given one is wrong beyond doubt; the arm's gravity is then the
+    /// one in it.
+    pub correction: Option<Description>,
+}
+
+/// A log without a description made ready: rows that cannot be used left out, clock made even, faults noted.
+///
+/// # Errors
+/// Those of [`lenient::load`](crate::recording::lenient::load), and a log that cannot be used, with the reason.
+pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<Recording>> {
+    let logs = ready([read_all(&[path.to_owned()], robot)?, Vec::new()], robot)?;
+    notes.extend(logs.notes);
+    Ok(logs.train)
+}
+
+/// Examines training and held-out logs, refuses those that cannot be used, corrects what is wrong with their description beyond
+/// doubt, and cuts them into pieces at even steps.
+///
+/// # Errors
+/// A log that cannot be used, with the reason.
+pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Result<Logs> {
+    let mut logs = Logs::default();
+    let trained = train.len();
+    let all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
+    let sieved: Vec<&Sieved> = all.iter().map(|(_, sieved)| sieved).collect();
+    let quality::Together { reports, verdict } = quality::examine_together(&sieved, Some(robot))?;
+    logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
+    for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
+        if let Some(finding) = report.fatal() {
+            let problem = format!("the log cannot be used: {}", finding.text);
+            return Err(Error::input(path, None, finding.place.as_str(), problem));
+        }
+        let rows = sieved.rejected.iter().take(1).map(|row| {
+            let all = sieved.rejected.len();
+            format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
+        });
+        logs.notes.extend(rows);
+        logs.notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
+        let told = report.findings.iter().filter(|finding| {
+            finding.severity == quality::Severity::Warning || finding.kind == quality::Kind::ModelTorque
+        });
+        logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
+        let mut pieces = resample::pieces(sieved.recording);
+        if pieces.is_empty() {
+            return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
+        }
+        if let Some(description) = &logs.correction {
+            pieces.iter_mut().for_each(|piece| description.apply(piece));
+        }
+        if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
+    }
+    if logs.correction.is_some() {
+        logs.notes.push(
+            "the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into(),
+        );
+    }
+    Ok(logs)
+}

@@ -1,0 +1,90 @@
+//! Channels without values, and torques that were not measured.
+
+use crate::recording::Recording;
+use crate::recording::columns::{ABSENT, Layout};
+
+/// A column with a smaller share of numbers holds nothing: drivers send a value when they start, and then none.
+const FEWEST_VALUES: f64 = 0.01;
+
+/// Values that a column of velocity may lack, as a share of the rows: these rows are left out. A velocity can also be taken
+/// from the position, so that more than this costs the velocity and not the rows.
+const FEW_GAPS: f64 = 0.01;
+
+/// A torque that lacks more than half of its values would take the rows of the other joints with it.
+const MOST_VALUES: f64 = 0.5;
+
+/// A torque that is the same in fewer rows may be that by chance.
+const FEWEST_ROWS: usize = 50;
+
+/// The columns in use of which no row holds a number; none where there is no row, or where it is all that there is of position.
+pub fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+    let is_empty = |column: &usize| {
+        let values = &columns[*column];
+        let finite = values.iter().filter(|value| value.is_finite()).count() as f64;
+        !values.is_empty() && finite < FEWEST_VALUES * values.len() as f64
+    };
+    let time = layout.time();
+    let empty: Vec<usize> = layout.used().into_iter().filter(|column| *column != time && is_empty(column)).collect();
+    let positions = layout.positions();
+    if positions.iter().all(|column| empty.contains(column)) { Vec::new() } else { empty }
+}
+
+/// The columns of velocity and acceleration that lack more than a few of the values: what they lack must not cost rows in
+/// which positions and torques are there.
+pub fn derivatives_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+    let lacks = |column: &usize| {
+        let values = &columns[*column];
+        let missing = values.iter().filter(|value| !value.is_finite()).count() as f64;
+        missing > FEW_GAPS * values.len() as f64
+    };
+    layout.derivatives().filter(lacks).collect()
+}
+
+/// The columns of torque that lack most of the values while another joint has them: they cost their joint, and not the rows of the
+/// others.
+pub fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+    let torques: Vec<usize> = layout.torques().iter().copied().filter(|column| *column != ABSENT).collect();
+    let holds = |column: &usize| {
+        let values = &columns[*column];
+        values.iter().filter(|value| value.is_finite()).count() as f64 / values.len().max(1) as f64
+    };
+    let (most, few): (Vec<usize>, Vec<usize>) = torques.into_iter().partition(|column| holds(column) > MOST_VALUES);
+    if most.is_empty() { Vec::new() } else { few }
+}
+
+/// Puts NaN in the place of torques that are the same in every row, unless all are; returns a note on it.
+pub fn constant_torques(log: &mut Recording) -> Vec<String> {
+    let constant = |joint: &usize| {
+        let torque = log.tau.channel(*joint);
+        torque.len() >= FEWEST_ROWS && torque[0].is_finite() && torque.iter().all(|value| *value == torque[0])
+    };
+    let constant: Vec<usize> = (0..log.joints()).filter(constant).collect();
+    let with_torque = (0..log.joints()).filter(|joint| log.has_torque(*joint)).count();
+    if constant.len() == with_torque {
+        return Vec::new();
+    }
+    let mend = |&joint: &usize| {
+        let value = log.tau.channel(joint)[0];
+        log.tau.channel_mut(joint).fill(f64::NAN);
+        format!("the torque of {} is {value} in every row: it was not measured, and is not used", log.joints[joint])
+    };
+    constant.iter().map(mend).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::samples;
+
+    #[test]
+    fn a_constant_torque_was_not_measured() {
+        let mut log = samples::full(3, 60);
+        log.tau.channel_mut(1).fill(0.0);
+        let notes = constant_torques(&mut log);
+        assert!(notes.len() == 1 && notes[0].contains("axis_2 is 0 in every row"), "{notes:?}");
+        assert_eq!([0, 1, 2].map(|joint| log.has_torque(joint)), [true, false, true]);
+        let mut all = samples::full(2, 60);
+        all.tau.as_mut_slice().fill(0.0);
+        assert!(constant_torques(&mut all).is_empty() && all.has_torque(0));
+    }
+}

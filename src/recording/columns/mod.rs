@@ -1,0 +1,19 @@
+//! Columns of a table as signals of joints.
+//!
+//! In: the header of a table, and the joints that are wanted. Out: a [`Layout`], which column is which signal of which joint, with notes
+//! on how names were understood; or an error that names what is missing. With the values it gives the recording. Names are those of
+//! many programs ([`names`]), or given in a data set ([`ColumnMap`]).
+
+mod families;
+pub mod labels;
+mod layout;
+mod left_out;
+mod map;
+pub mod names;
+mod resolve;
+mod search;
+
+pub use families::{JointNames, joint_names};
+pub use layout::{ABSENT, Layout};
+pub use map::ColumnMap;
+pub use search::Demand;

@@ -1,0 +1,249 @@
+//! Which quantity of which joint a column holds, from its name.
+
+use super::quantity::{QUANTITIES, Quantity, TORQUE, TRUE};
+use super::words::{SEPARATORS, without_unit, words};
+
+/// Words for the current of a motor, which stands in for its torque.
+const CURRENT: [&str; 7] = ["current", "currents", "motor_current", "motor_currents", "amps", "cur", "curr"];
+
+/// Units that stand behind a name without brackets.
+const UNIT_WORDS: [&str; 14] =
+    ["deg", "degs", "degree", "degrees", "dps", "degps", "rad", "rads", "radps", "rps", "nm", "mnm", "pct", "percent"];
+
+/// Words around a quantity that mean it was measured; nothing depends on them.
+const MEASURED: [&str; 16] = [
+    "actual", "act", "measured", "meas", "msr", "real", "sensor", "sensed", "joint", "joints", "jnt", "robot", "arm",
+    "feedback", "raw", "true",
+];
+
+/// Those of them that mean a place.
+const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
+
+/// Words that mean a value was wanted, computed or is that of another thing, and not measured at a joint.
+const WANTED: [&str; 19] = [
+    "target",
+    "desired",
+    "des",
+    "ref",
+    "reference",
+    "cmd",
+    "command",
+    "commanded",
+    "goal",
+    "setpoint",
+    "error",
+    "err",
+    "tcp",
+    "cartesian",
+    "temperature",
+    "temperatures",
+    "temp",
+    "voltage",
+    "action",
+];
+
+/// The same of names with a number at their end, as `tau_J_d_0` and `tau_ext_hat_filtered_0` of a Panda.
+const WANTED_NUMBERED: [&str; 4] = ["d", "ext", "hat", "filtered"];
+
+/// Parts of a path that name a message or a group and no joint.
+const GROUPS: [&str; 14] = [
+    "joint_states",
+    "joint_state",
+    "state",
+    "states",
+    "robot_state",
+    "field",
+    "msg",
+    "message",
+    "data",
+    "observation",
+    "obs",
+    "measured",
+    "feedback",
+    "header",
+];
+
+/// Whose signal a column holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Joint {
+    /// The joint's number as it stands in the name.
+    Number(usize),
+    /// The joint's name.
+    Name(String),
+}
+
+/// One way to understand a column's name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Meaning {
+    /// Of the truth behind a simulated log.
+    pub truth: bool,
+    /// Index of the quantity.
+    pub quantity: usize,
+    /// The joint.
+    pub joint: Joint,
+    /// Columns of one family are called alike but for the joint.
+    pub family: String,
+    /// 0 for the names that this program writes, more for others.
+    pub rank: u8,
+    /// A motor current in place of a torque.
+    pub current: bool,
+    /// Counts only for a joint of exactly this name: else it would be a value that was wanted.
+    pub exact_only: bool,
+}
+
+/// All ways to understand a column's name, the most likely first.
+pub fn meanings(column: &str) -> Vec<Meaning> {
+    let (column, _) = without_unit(column);
+    let mut out = readings(column);
+    // A joint may be called like a unit: that comes first.
+    if let Some((stem, unit)) = column.rsplit_once(['_', ' ', '.'])
+        && UNIT_WORDS.contains(&unit.to_lowercase().as_str())
+    {
+        out.extend(readings(stem));
+    }
+    out
+}
+
+/// The ways to understand a name without a unit.
+fn readings(column: &str) -> Vec<Meaning> {
+    let (truth, name) = column.strip_suffix(TRUE).map_or((false, column), |name| (true, name));
+    let own = words(name);
+    let wanted = own.iter().any(|word| WANTED.contains(&word.as_str()))
+        || (index(name).is_some() && own.iter().any(|word| WANTED_NUMBERED.contains(&word.as_str())));
+    let mut out = Vec::new();
+    if !wanted {
+        out.extend(numbered(name));
+    }
+    out.extend(plain(name).map(|(quantity, joint)| Meaning {
+        truth: false,
+        quantity,
+        joint,
+        family: String::new(),
+        rank: 0,
+        current: false,
+        exact_only: wanted,
+    }));
+    if !wanted {
+        out.extend(named(name));
+    }
+    out.iter_mut().for_each(|meaning| meaning.truth = truth);
+    out
+}
+
+/// The names that this program writes and documents.
+fn plain(name: &str) -> Option<(usize, Joint)> {
+    (0..QUANTITIES.len()).find_map(|quantity| {
+        let Quantity { prefixes, suffixes, .. } = QUANTITIES[quantity];
+        let behind = prefixes.iter().find_map(|prefix| {
+            // Exports like to shout: Q1, TAU1.
+            let rest = name
+                .get(..prefix.len())
+                .filter(|own| own.eq_ignore_ascii_case(prefix))
+                .map(|_| &name[prefix.len()..])?;
+            let bare = rest.strip_prefix('_').unwrap_or(rest);
+            if !bare.is_empty() && bare.bytes().all(|byte| byte.is_ascii_digit()) {
+                return bare.parse().ok().map(Joint::Number);
+            }
+            (bare.len() < rest.len() && !bare.is_empty()).then(|| Joint::Name(bare.to_owned()))
+        });
+        let before = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix)).filter(|joint| !joint.is_empty());
+        behind.or(before.map(|joint| Joint::Name(joint.to_owned()))).map(|joint| (quantity, joint))
+    })
+}
+
+/// `actual_q_0`, `state.q[0]`, `position[0]`, `/joint_states/position/0`: a quantity and behind it a number.
+fn numbered(name: &str) -> Option<Meaning> {
+    let (stem, number) = index(name)?;
+    let segments: Vec<&str> = segments(stem);
+    let (last, groups) = segments.split_last()?;
+    if !groups.iter().all(|group| is_group(group)) {
+        return None;
+    }
+    let (quantity, current) = quantity(&words(last))?;
+    let written = groups.is_empty() && QUANTITIES[quantity].prefixes.iter().any(|p| last.eq_ignore_ascii_case(p));
+    // The names written have one family, in which velocity may be `qd` or `dq`.
+    let family = if written { String::new() } else { stem.to_owned() };
+    let rank = if written { 0 } else { 1 };
+    Some(Meaning { truth: false, quantity, joint: Joint::Number(number), family, rank, current, exact_only: false })
+}
+
+/// `/joint_states/position/elbow`, `position_elbow`, `elbow.pos`, `/joint_states/elbow/position`, `elbow current`.
+fn named(name: &str) -> Option<Meaning> {
+    let meaning = |(quantity, current): (usize, bool), joint: &str, family: String, rank| {
+        let joint = joint.trim_matches(SEPARATORS);
+        (!joint.is_empty()).then(|| Meaning {
+            truth: false,
+            quantity,
+            joint: Joint::Name(joint.to_owned()),
+            family,
+            rank,
+            current,
+            exact_only: false,
+        })
+    };
+    // A quantity between groups and joint, or behind the joint, as a part of a path of its own.
+    let all = segments(name);
+    let first = all.iter().position(|part| !is_group(part)).unwrap_or(all.len());
+    let parts = &all[first..];
+    if parts.len() == 2 {
+        if let Some(found) = quantity(&words(parts[0])) {
+            return meaning(found, parts[1], format!("{}/#", parts[0]), 1);
+        }
+        if let Some(found) = quantity(&words(parts[1])) {
+            return meaning(found, parts[0], format!("#/{}", parts[1]), 1);
+        }
+    }
+    // The arm or the namespace of a joint stands before it.
+    if let [joint @ .., last] = parts
+        && joint.len() > 1
+        && let Some(found) = quantity(&words(last))
+    {
+        return meaning(found, &joint.join("/"), format!("#/{last}"), 1);
+    }
+    let [part] = parts else { return None };
+    // One word before or behind the joint's name.
+    let (before, behind) = part.split_once(['_', ' '])?;
+    if let Some(found) = quantity(&words(before)).filter(|_| before.len() > 1) {
+        return meaning(found, behind, format!("{before}_#"), 1);
+    }
+    let (before, behind) = part.rsplit_once(['_', ' '])?;
+    let found = quantity(&words(behind))?;
+    let joint = before.strip_suffix("_actual").or(before.strip_suffix("_measured")).unwrap_or(before);
+    meaning(found, joint, format!("#_{behind}"), 2)
+}
+
+/// Parts of a path.
+fn segments(name: &str) -> Vec<&str> {
+    name.split(['/', '.']).map(str::trim).filter(|part| !part.is_empty()).collect()
+}
+
+fn is_group(part: &str) -> bool {
+    let words = words(part).join("_");
+    GROUPS.contains(&words.as_str()) || words == "joint" || words == "joints" || words == "robot"
+}
+
+/// The quantity that words stand for, and whether it is a current; words that mean only that it was measured may stand around.
+fn quantity(words: &[String]) -> Option<(usize, bool)> {
+    let measured = |word: &&String| MEASURED.contains(&word.as_str());
+    let lookup = |words: &[String]| {
+        let joined = words.join("_");
+        if CURRENT.contains(&joined.as_str()) {
+            return Some((TORQUE, true));
+        }
+        (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
+    };
+    let front = words.iter().take_while(measured).count();
+    // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
+    let of_value = |word: &&String| measured(word) && !OF_JOINT.contains(&word.as_str());
+    let back = words[front..].iter().rev().take_while(of_value).count();
+    lookup(&words[front..words.len() - back])
+}
+
+/// The number at the end of a name, as in `q0`, `q_0`, `q[0]`, `q.0`, with what stands before it.
+fn index(name: &str) -> Option<(&str, usize)> {
+    let bare = name.strip_suffix([']', ')']).unwrap_or(name);
+    let stem = bare.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let number = bare[stem.len()..].parse().ok()?;
+    let stem = stem.trim_end_matches(['[', '(', '_', '.', '/', ' ', '-']);
+    (!stem.is_empty()).then_some((stem, number))
+}

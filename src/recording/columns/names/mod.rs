@@ -1,0 +1,16 @@
+//! The meaning of a column's name: which quantity of which joint, or time. Programs that write logs have their own ways;
+//! these are theirs.
+//!
+//! In: the name of a column. Out: all ways to understand it, the most likely first ([`meanings`]), or what part of time it holds
+//! ([`time()`]).
+
+mod meaning;
+mod quantity;
+#[cfg(test)]
+mod tests;
+mod time;
+mod words;
+
+pub use meaning::{Joint, Meaning, meanings};
+pub use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
+pub use time::{INDEX, OWN_TIME, Part, Time, time};

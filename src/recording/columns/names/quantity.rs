@@ -1,0 +1,104 @@
+//! The measured quantities and what programs call them.
+
+/// Index of position among the quantities.
+pub const POSITION: usize = 0;
+/// Index of velocity.
+pub const VELOCITY: usize = 1;
+/// Index of acceleration.
+pub const ACCELERATION: usize = 2;
+/// Index of torque.
+pub const TORQUE: usize = 3;
+
+/// Ending of a column of the truth behind a simulated log.
+pub const TRUE: &str = "_true";
+
+/// A measured quantity and how its columns are called: `q1`, `q_elbow` or `elbow_position`.
+#[derive(Debug, Clone, Copy)]
+pub struct Quantity {
+    /// Name in messages.
+    pub name: &'static str,
+    /// What stands before the joint; the first is written.
+    pub prefixes: &'static [&'static str],
+    /// What stands behind the joint; the first is written.
+    pub suffixes: &'static [&'static str],
+    /// How other programs call it, in small letters with `_` between the words.
+    pub(super) words: &'static [&'static str],
+}
+
+/// The quantities by their index.
+pub const QUANTITIES: [Quantity; 4] = [
+    Quantity {
+        name: "position",
+        prefixes: &["q"],
+        suffixes: &["_position"],
+        words: &[
+            "q",
+            "pos",
+            "position",
+            "positions",
+            "angle",
+            "angles",
+            "qpos",
+            "dof_pos",
+            "dof_position",
+            "jpos",
+            "state",
+            "winkel",
+            "posicion",
+            "posizione",
+        ],
+    },
+    Quantity {
+        name: "velocity",
+        prefixes: &["qd", "dq"],
+        suffixes: &["_velocity"],
+        words: &[
+            "qd",
+            "dq",
+            "qdot",
+            "q_dot",
+            "vel",
+            "velocity",
+            "velocities",
+            "speed",
+            "speeds",
+            "qvel",
+            "dof_vel",
+            "dof_velocity",
+            "jvel",
+            "geschwindigkeit",
+            "vitesse",
+            "velocidad",
+            "velocita",
+        ],
+    },
+    Quantity {
+        name: "acceleration",
+        prefixes: &["qdd", "ddq"],
+        suffixes: &["_acceleration"],
+        words: &["qdd", "ddq", "qddot", "q_ddot", "acc", "accel", "acceleration", "accelerations", "qacc", "dof_acc"],
+    },
+    Quantity {
+        name: "torque",
+        prefixes: &["tau"],
+        suffixes: &["_effort", "_torque"],
+        words: &[
+            "tau",
+            "tau_j",
+            "torque",
+            "torques",
+            "trq",
+            "effort",
+            "efforts",
+            "eff",
+            "dof_torque",
+            "dof_effort",
+            "qfrc_actuator",
+            "load",
+            "drehmoment",
+            "moment",
+            "couple",
+            "coppia",
+        ],
+    },
+];

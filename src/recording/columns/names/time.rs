@@ -1,0 +1,87 @@
+//! Which part of time a column holds, from its name.
+
+use super::words::{without_unit, words};
+
+/// What a column of time holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Time {
+    /// The lower, the better: the time of the message before that of the logger.
+    pub rank: u8,
+    /// Seconds per unit, where the name gives it.
+    pub factor: Option<f64>,
+    /// Whole seconds, or the nanoseconds behind them, of which the other is in a column of its own.
+    pub part: Part,
+}
+
+/// Which part of a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// Whole seconds.
+    Seconds,
+    /// Nanoseconds of the second.
+    Nanoseconds,
+}
+
+/// Rank of `t` and `time`, which are in seconds.
+pub const OWN_TIME: u8 = 0;
+const OF_MESSAGE: u8 = 1;
+const STAMP: u8 = 2;
+const OF_LOGGER: u8 = 3;
+/// Rank of a first column without a name, in which programs for tables put the index of the rows.
+pub const INDEX: u8 = 9;
+
+/// The meaning of a column's name as time.
+pub fn time(column: &str, place: usize) -> Option<Time> {
+    let time = |rank, factor, part| Some(Time { rank, factor, part });
+    if column.eq_ignore_ascii_case("t") || column.eq_ignore_ascii_case("time") {
+        return time(OWN_TIME, None, Part::Whole);
+    }
+    if place == 0 && (column.is_empty() || column.starts_with("Unnamed:") || column == "index") {
+        return time(INDEX, None, Part::Whole);
+    }
+    let (bare, unit) = without_unit(column);
+    let mut words = words(bare.trim_start_matches('%'));
+    let factor_of = |unit: &str| match unit {
+        "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
+        "ms" | "msec" | "millis" | "milliseconds" => Some(1e-3),
+        "us" | "usec" | "µs" | "micros" | "microseconds" => Some(1e-6),
+        "ns" | "nsec" | "nanos" | "nanoseconds" => Some(1e-9),
+        _ => None,
+    };
+    let whole = words.join("_");
+    let stamped = whole.ends_with("stamp_sec") || whole.ends_with("stamp_secs") || matches!(&*whole, "sec" | "secs");
+    if stamped {
+        return time(OF_MESSAGE, None, Part::Seconds);
+    }
+    let behind = ["nanosec", "nanosecs", "nsec", "nsecs"];
+    if behind.iter().any(|word| whole.ends_with(&format!("stamp_{word}")) || whole == *word) {
+        return time(OF_MESSAGE, None, Part::Nanoseconds);
+    }
+    let mut factor = unit.and_then(|unit| factor_of(&unit.to_lowercase()));
+    if factor.is_none() && words.len() > 1 {
+        factor = words.last().and_then(|word| factor_of(word));
+        if factor.is_some() {
+            words.pop();
+        }
+    }
+    let rank = match &*words.join("_") {
+        "millis" | "milliseconds" | "micros" | "microseconds" | "nanos" | "nanoseconds" | "seconds" => {
+            factor = factor_of(&whole);
+            STAMP
+        }
+        "zeit" | "temps" | "tiempo" | "tempo" => STAMP,
+        "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
+        "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,
+        "t" | "time" => STAMP,
+        "header_stamp" | "field_header_stamp" | "joint_states_header_stamp" | "msg_header_stamp" => OF_MESSAGE,
+        "timestamp" | "timestamps" | "time_stamp" | "stamp" | "times" | "robot_timestamp" | "timestamp_robot"
+        | "elapsed" | "elapsed_time" | "controller_time" | "robot_time" | "sim_time" | "state_time"
+        | "time_from_start" => STAMP,
+        "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time" | "datetime"
+        | "date_time" | "date" => OF_LOGGER,
+        _ => return None,
+    };
+    time(rank, factor, Part::Whole)
+}

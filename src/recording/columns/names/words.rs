@@ -1,0 +1,35 @@
+//! The words of a column's name, and its unit.
+
+/// What stands between words.
+pub(super) const SEPARATORS: [char; 6] = ['/', '.', '_', ' ', '[', ']'];
+
+/// The words of a name in small letters, also of `jointPositions`.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut small = false;
+    for letter in name.chars() {
+        let separates = SEPARATORS.contains(&letter) || letter == '-';
+        if separates || (letter.is_uppercase() && small) {
+            out.push(String::new());
+        }
+        small = letter.is_lowercase();
+        if !separates {
+            out.last_mut().into_iter().for_each(|word| word.extend(letter.to_lowercase()));
+        }
+    }
+    out.retain(|word| !word.is_empty());
+    out
+}
+
+/// A name without the unit in brackets or behind a blank at its end, and the unit: `q1 [rad]`, `time (ms)`.
+pub(super) fn without_unit(name: &str) -> (&str, Option<&str>) {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let Some(inside) = name.strip_suffix(close) else { continue };
+        let Some((stem, unit)) = inside.rsplit_once(open) else { continue };
+        let letters = unit.chars().any(|letter| letter.is_alphabetic() || ['°', '%'].contains(&letter));
+        if letters && !stem.trim().is_empty() {
+            return (stem.trim(), Some(unit.trim()));
+        }
+    }
+    (name, None)
+}

@@ -1,0 +1,163 @@
+//! One column for each joint, and one of time, from the columns that were found by their names; else what is missing.
+
+use super::layout::ABSENT;
+use super::names::{self, Part, Quantity};
+use crate::error::{Error, Result};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Columns of one quantity: number of the joint, counted from 1 -> index of the column.
+pub(super) type Found = BTreeMap<usize, usize>;
+
+/// Where time is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Clock {
+    pub time: usize,
+    pub nanoseconds: Option<usize>,
+    pub factor: Option<f64>,
+    pub open_unit: bool,
+    pub is_index: bool,
+}
+
+/// Turns columns found into one column per joint, or reports what is missing.
+pub(super) struct Resolver<'a> {
+    pub path: &'a Path,
+    pub line: Option<usize>,
+    pub header: &'a [String],
+    pub names: &'a [String],
+    /// The names are the caller's, not the header's.
+    pub fixed: bool,
+    pub lenient: bool,
+}
+
+impl Resolver<'_> {
+    /// The column of time, or the two of seconds and nanoseconds.
+    pub fn clock(&self, used: &BTreeSet<usize>, [no_position, no_torque]: [bool; 2]) -> Result<Clock> {
+        let times = self.header.iter().enumerate().filter(|(column, _)| !used.contains(column));
+        let times = times.filter_map(|(column, name)| names::time(name, column).map(|time| (column, time)));
+        let times: Vec<(usize, names::Time)> = times.collect();
+        let of_part = |part| times.iter().filter(move |(_, time)| time.part == part);
+        let best = times.iter().filter(|(_, time)| time.part != Part::Nanoseconds).min_by_key(|(_, time)| time.rank);
+        let Some(&(column, time)) = best else {
+            let (others, files) = match (no_position, no_torque) {
+                (false, false) => ("", ""),
+                (true, false) => (", and none of position", CURE_OF_SIGNALS),
+                (false, true) => (", and none of torque", CURE_OF_SIGNALS),
+                (true, true) => (", and none of position or torque", CURE_OF_SIGNALS),
+            };
+            let reason = format!("no column of time (t or time, in s){others}");
+            return Err(self.missing("t", &reason, &format!("{CURE_OF_TIME}{files}")));
+        };
+        let second = of_part(Part::Whole).find(|(other, own)| *other != column && own.rank == names::OWN_TIME);
+        if let (names::OWN_TIME, Some(&(second, _))) = (time.rank, second) {
+            let problem = format!("holds the same as column {}; leave one of them out", self.header[column]);
+            return Err(Error::input(self.path, self.line, &self.header[second], problem));
+        }
+        let nanoseconds = of_part(Part::Nanoseconds).next().map(|(column, _)| *column);
+        Ok(Clock {
+            time: column,
+            nanoseconds: nanoseconds.filter(|_| time.part == Part::Seconds),
+            factor: time.factor,
+            open_unit: time.factor.is_none()
+                && !matches!(time.rank, names::OWN_TIME | names::INDEX)
+                && time.part == Part::Whole,
+            is_index: time.rank == names::INDEX,
+        })
+    }
+
+    /// Column of each joint; `count` joints where that is already known.
+    pub fn all(&self, quantity: Quantity, found: &Found, count: Option<usize>) -> Result<Vec<usize>> {
+        let Quantity { name, prefixes, suffixes, .. } = quantity;
+        let named = (!self.names.is_empty() || self.fixed).then_some(self.names.len());
+        let highest = found.last_key_value().map_or(0, |(&number, _)| number);
+        let may_lack = self.lenient && count.is_some() && !found.is_empty();
+        let count = count.or(named).unwrap_or(highest);
+        let robot = || format!("the robot has {} joints ({})", self.names.len(), self.names.join(", "));
+        if let Some((_, &column)) = found.range(count + 1..).next() {
+            let known = if self.fixed { robot() } else { format!("there are positions of {count} joints") };
+            let problem = format!("a {name} too many: {known}");
+            return Err(Error::input(self.path, self.line, &self.header[column], problem));
+        }
+        let gap = (1..=count.max(1)).find(|number| !found.contains_key(number));
+        let Some(gap) = gap else { return Ok(found.values().copied().collect()) };
+        if may_lack {
+            return Ok((1..=count).map(|number| found.get(&number).copied().unwrap_or(ABSENT)).collect());
+        }
+        let column = format!("{}{gap}", prefixes[0]);
+        let accepted = match self.names.get(gap - 1) {
+            Some(joint) => format!("{column}, {}_{joint} or {joint}{}", prefixes[0], suffixes[0]),
+            None => column.clone(),
+        };
+        let reason = if found.is_empty() {
+            format!("no column of {name} ({accepted})")
+        } else if gap < highest {
+            let next = found.range(gap..).next().map_or("", |(_, &column)| self.header[column].as_str());
+            format!("a hole in the numbering: {next} is there, but no {accepted}")
+        } else if self.fixed {
+            format!("fewer joints than the robot: no {accepted}; {}", robot())
+        } else {
+            format!("no column {accepted}, though there are positions of {count} joints")
+        };
+        let of_rows = |column: &String| ["name", "joint", "joint_name"].contains(&column.to_lowercase().as_str());
+        let cure = match found.is_empty() {
+            true if self.header.iter().any(of_rows) => CURE_OF_LONG,
+            true => CURE_OF_SIGNALS,
+            false => "",
+        };
+        Err(self.missing(&column, &reason, cure))
+    }
+
+    fn missing(&self, column: &str, reason: &str, cure: &str) -> Error {
+        let found = listed(self.header);
+        let hint = if self.header.iter().all(|name| name.parse::<f64>().is_ok()) {
+            "; the first line must name the columns"
+        } else if self.line.is_some() {
+            "; rename the columns, or give their names in a dataset ([columns])"
+        } else {
+            ""
+        };
+        let cure = if hint.contains("first line") { "" } else { cure };
+        Error::input(self.path, self.line, column, format!("missing column: {reason}; found: {found}{hint}{cure}"))
+    }
+}
+
+/// Names of columns, those of one list as one: `action[0..5]`.
+pub(super) fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 30;
+    let parts = |name: &str| -> Option<(String, usize)> {
+        let (stem, number) = name.strip_suffix(']')?.rsplit_once('[')?;
+        Some((stem.to_owned(), number.parse().ok()?))
+    };
+    let mut out: Vec<String> = Vec::new();
+    let mut at = 0;
+    while at < names.len() {
+        let mut end = at + 1;
+        if let Some((stem, first)) = parts(&names[at]) {
+            while end < names.len() && parts(&names[end]) == Some((stem.clone(), first + end - at)) {
+                end += 1;
+            }
+            if end > at + 1 {
+                out.push(format!("{stem}[{first}..{}]", first + end - at - 1));
+                at = end;
+                continue;
+            }
+        }
+        out.push(names[at].clone());
+        at = end;
+    }
+    let more = out.len().saturating_sub(SHOWN);
+    out.truncate(SHOWN);
+    let text = out.join(", ");
+    if more > 0 { format!("{text} and {more} more") } else { text }
+}
+
+/// What helps where no column of time is there.
+const CURE_OF_TIME: &str = "; without one, give the sampling rate in a dataset: rate_hz = 100 in [columns]";
+
+/// What helps where positions or torques are not there.
+const CURE_OF_SIGNALS: &str =
+    "; if another file holds them, name both in a dataset: [[train]] files = [\"q.csv\", \"tau.csv\"]";
+
+/// What helps where each row is of one joint.
+const CURE_OF_LONG: &str = "; each row holds one joint: make one row of each time, as pandas does with pivot(index=\"time\", \
+                            columns=\"name\"), and join the two levels of names by \"/\"";

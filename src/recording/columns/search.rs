@@ -1,0 +1,171 @@
+//! The search for the columns of a recording by their names.
+
+use super::families::{Place, any_position, base, behind_prefix, best_family, candidates, numbers_in_names, own_names};
+use super::layout::{ABSENT, Layout};
+use super::names::{self, QUANTITIES, TRUE};
+use super::resolve::{Clock, Found, Resolver, listed};
+use crate::error::{Error, Result};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// How much must be there.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Demand {
+    /// A joint may lack its torque or its velocity.
+    pub lenient: bool,
+    /// The rows come at a rate that is given, and no column of time is looked for.
+    pub timeless: bool,
+    /// No joint needs a torque.
+    pub positions_alone: bool,
+}
+
+impl Layout {
+    /// Finds the columns by their names in the header, which stands at `line` of the file. `joints` are the robot's
+    /// joints in order; without them the header's own numbers or names are taken. Every joint must have all that any has.
+    ///
+    /// # Errors
+    /// A column missing or twice, a hole in the numbering, other joints than `joints`.
+    pub fn find(path: &Path, line: Option<usize>, header: &[String], joints: Option<&[String]>) -> Result<Layout> {
+        Layout::search(path, line, header, joints, Demand::default())
+    }
+
+    /// The same with a demand of one's own.
+    ///
+    /// # Errors
+    /// Those of [`Layout::find`].
+    pub fn search(
+        path: &Path,
+        line: Option<usize>,
+        header: &[String],
+        joints: Option<&[String]>,
+        demand: Demand,
+    ) -> Result<Layout> {
+        let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
+        let names = match joints {
+            Some(joints) => joints.to_vec(),
+            None => own_names(&meanings),
+        };
+        let mut understood = Vec::new();
+        let mut numbers = BTreeMap::new();
+        if joints.is_some() && !any_position(&meanings, &names) {
+            numbers = numbers_in_names(&meanings, names.len());
+            if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
+                understood
+                    .push(format!("joints are taken by the numbers in their names, {first} for {name} and so on"));
+            } else if let Some((found, prefix)) = behind_prefix(&meanings, &names) {
+                understood.push(format!("the names of the joints differ by the prefix {prefix}"));
+                numbers = found;
+            }
+        }
+        let mut used = BTreeSet::new();
+        let mut found: [[Found; 4]; 2] = Default::default();
+        let mut bases = [None; 4];
+        let mut currents = false;
+        for (truth, quantity) in
+            [false, true].into_iter().flat_map(|truth| (0..4).map(move |quantity| (truth, quantity)))
+        {
+            let family = best_family(candidates(&meanings, &names, &numbers, truth, quantity));
+            currents |= family.iter().any(|candidate| candidate.meaning.current);
+            let positions = found[0][names::POSITION].len();
+            let base =
+                base(&family, if quantity == names::POSITION { None } else { bases[names::POSITION] }, positions);
+            if !truth {
+                bases[quantity] = base;
+            }
+            for candidate in family {
+                let number = match candidate.joint {
+                    Place::Index(index) => index,
+                    Place::Number(number) => number + 1 - base.unwrap_or(1),
+                };
+                let second = found[usize::from(truth)][quantity].insert(number, candidate.column);
+                if let Some(first) = second.filter(|first| demand.lenient && header[*first] == header[candidate.column])
+                {
+                    found[usize::from(truth)][quantity].insert(number, first);
+                    understood.push(format!("{} stands twice in the header: the first is used", header[first]));
+                    continue;
+                }
+                if let Some(first) = second {
+                    let problem = format!("holds the same as column {}; leave one of them out", header[first]);
+                    return Err(Error::input(path, line, &header[candidate.column], problem));
+                }
+                used.insert(candidate.column);
+            }
+        }
+        if let [Some(of_position), .., Some(of_torque)] = bases
+            && of_position != of_torque
+        {
+            understood.push(format!(
+                "positions are numbered from {of_position} and torques from {of_torque}: the first of each belong together"
+            ));
+        }
+        let resolver = Resolver { path, line, header, names: &names, fixed: joints.is_some(), lenient: demand.lenient };
+        let time = match demand.timeless {
+            true => Clock { time: ABSENT, ..Clock::default() },
+            false => resolver.clock(&used, [names::POSITION, names::TORQUE].map(|kind| found[0][kind].is_empty()))?,
+        };
+        used.extend([time.time].into_iter().chain(time.nanoseconds).filter(|column| *column != ABSENT));
+        let [measured, truth] = &found;
+        let q = resolver.all(QUANTITIES[names::POSITION], &measured[0], None)?;
+        let count = q.len();
+        let mut notes = Vec::new();
+        let mut optional = |kind: usize| -> Result<Option<Vec<usize>>> {
+            let found = &measured[kind];
+            if found.is_empty() {
+                return Ok(None);
+            }
+            let columns = resolver.all(QUANTITIES[kind], found, Some(count))?;
+            for joint in (0..count).filter(|&joint| columns[joint] == ABSENT) {
+                let name = names.get(joint).cloned().unwrap_or_else(|| format!("joint_{}", joint + 1));
+                understood.push(format!("{name} has no {}, which is taken from its position", QUANTITIES[kind].name));
+            }
+            Ok(Some(columns))
+        };
+        let (qd, qdd) = (optional(names::VELOCITY)?, optional(names::ACCELERATION)?);
+        let tau = match demand.positions_alone && measured[names::TORQUE].is_empty() {
+            true => vec![ABSENT; count],
+            false => resolver.all(QUANTITIES[names::TORQUE], &measured[names::TORQUE], Some(count))?,
+        };
+        let whole_truth = truth.iter().all(|found| found.keys().copied().eq(1..=count));
+        let truth_columns = whole_truth.then(|| std::array::from_fn(|kind| truth[kind].values().copied().collect()));
+        if truth_columns.is_none() && truth.iter().any(|found| !found.is_empty()) {
+            notes.push(format!(
+                "columns ending in {TRUE} are not used: they must be there for position, velocity, acceleration and \
+                 torque of all {count} joints"
+            ));
+            used.retain(|column| !header[*column].ends_with(TRUE));
+        }
+        let unused: Vec<String> =
+            (0..header.len())
+                .filter(|column| !used.contains(column) && (notes.is_empty() || !header[*column].ends_with(TRUE)))
+                .map(|column| {
+                    if header[column].is_empty() { format!("(column {})", column + 1) } else { header[column].clone() }
+                })
+                .collect();
+        if !unused.is_empty() {
+            notes.push(format!("columns not used: {}", listed(&unused)));
+        }
+        if currents {
+            let column = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
+            understood.push(format!("{column} and its like are motor currents, taken in the place of torques"));
+        }
+        Ok(Layout {
+            time: time.time,
+            nanoseconds: time.nanoseconds,
+            time_factor: time.factor,
+            open_unit: time.open_unit,
+            time_is_index: time.is_index,
+            q,
+            qd,
+            qdd,
+            tau,
+            truth: truth_columns,
+            currents,
+            notes,
+            understood,
+            joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! What stands in a cell: a number as programs of many countries write it, a date, a list, or nothing.
+
+use super::quotes::OPEN_QUOTE;
+
+/// What programs write for a value that is not there.
+pub fn is_empty(cell: &[u8]) -> bool {
+    let cell = cell.trim_ascii();
+    cell.is_empty()
+        || ["none", "null", "na", "n/a", "-", "--", "missing", "<na>"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+        // Spreadsheets' errors, and what C of Windows prints for what is no number.
+        || cell.starts_with(b"#")
+        || cell.strip_prefix(b"-").unwrap_or(cell).starts_with(b"1.#")
+        || cell.strip_prefix(b"-").unwrap_or(cell).starts_with(b"nan(")
+}
+
+pub fn not_a_number(cell: &[u8]) -> String {
+    let cell = String::from_utf8_lossy(cell).replace(char::from(OPEN_QUOTE), "\"");
+    match cell.trim() {
+        "" => "the cell is empty; a number goes here".to_owned(),
+        text if text.contains('"') => format!("'{text}' has a quote that is not closed"),
+        text => format!("'{text}' is not a number"),
+    }
+}
+
+/// A cell as a number; `decimal_comma` takes 1,5 for 1.5.
+pub fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
+    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    let plain = cell.parse().ok();
+    if plain.is_none()
+        && let Some((mantissa, exponent)) = cell.split_once(['D', 'd'])
+        && !mantissa.is_empty()
+    {
+        // Fortran's double precision.
+        return format!("{mantissa}E{exponent}").parse().ok();
+    }
+    if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
+        return cell.replace(',', ".").parse().ok();
+    }
+    plain
+}
+
+/// Seconds of a date with a time, from 1970, or of a time of day, from midnight: `2024-05-01 12:00:00.004`, `5/1/2024 12:00:00 PM`.
+pub fn date(cell: &[u8]) -> Option<f64> {
+    let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
+    let (day, clock) = match cell.split_once(['T', ' ']) {
+        Some((day, clock)) if !day.contains(':') => (Some(day), clock),
+        _ => (None, cell),
+    };
+    let half = clock.rsplit_once(' ').and_then(|(clock, half)| match half.to_ascii_lowercase().as_str() {
+        "am" => Some((clock, 0.0)),
+        "pm" => Some((clock, 12.0)),
+        _ => None,
+    });
+    // A zone shifts all rows alike.
+    let clock = half.map_or(clock, |(clock, _)| clock).trim_end_matches('Z');
+    let clock = clock.split_once(['+', ' ']).map_or(clock, |(clock, _)| clock);
+    let clock = clock.rsplit_once('-').map_or(clock, |(clock, _)| clock);
+    let mut parts = clock.split(':');
+    let mut next = || parts.next()?.replace(',', ".").parse::<f64>().ok();
+    let (hours, minutes, seconds) = (next()?, next()?, next()?);
+    let hours = half.map_or(hours, |(_, half)| half + hours % 12.0);
+    let days = match day {
+        None => 0.0,
+        Some(day) => days_of(day)? as f64,
+    };
+    Some(86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds)
+}
+
+/// Days from 1970 of a date: year, month, day; or with the year last, behind day and month with points, and behind month and day or
+/// day and month with strokes. A log of minutes has one order or the other, and its steps are the same.
+fn days_of(day: &str) -> Option<i64> {
+    let mut parts = day.split(['-', '/', '.']);
+    let mut next = || parts.next()?.parse::<i64>().ok();
+    let (first, second, third) = (next()?, next()?, next()?);
+    let (year, month, day) = match first > 31 {
+        true => (first, second, third),
+        false if day.contains('/') && second > 12 => (third, first, second),
+        false if day.contains('/') && first <= 12 => (third, first, second),
+        false => (third, second, first),
+    };
+    Some(days_from_1970(year, month, day))
+}
+
+/// Days of the Gregorian calendar.
+fn days_from_1970(year: i64, month: i64, day: i64) -> i64 {
+    let year = if month <= 2 { year - 1 } else { year };
+    let era = year.div_euclid(400);
+    let of_era = year - era * 400;
+    let of_year = (153 * (month + if month > 2 { -3 } else { 9 }) + 2) / 5 + day - 1;
+    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
+}
+
+/// The parts of a cell that is a list, `[0.1, 0.2]` or `array('d', [0.1, 0.2])`; none of another cell.
+pub fn list(cell: &str) -> Vec<&str> {
+    let Some(start) = cell.rfind('[').or(cell.starts_with('(').then_some(0)) else { return Vec::new() };
+    if start > 0 && !cell.starts_with("array(") {
+        return Vec::new();
+    }
+    let inside = cell[start + 1..].trim_end_matches([']', ')']);
+    inside
+        .split([',', ';', ' ', '\t'])
+        .map(|part| part.trim_matches(['\'', '"', ' ']))
+        .filter(|part| !part.is_empty())
+        .collect()
+}
+
+/// The parts of a cell in a column of lists, or the cell itself.
+pub fn of_width(cell: &str, width: usize) -> Vec<String> {
+    match width {
+        1 => vec![cell.to_owned()],
+        _ => list(cell).into_iter().map(str::to_owned).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_seconds() {
+        assert_eq!(date(b"1970-01-02T00:00:01.5Z"), Some(86401.5));
+        assert_eq!(date(b"2024-02-29 12:00:00"), Some(1_709_208_000.0));
+        assert_eq!(date(b"2/29/2024 12:00:00 PM"), Some(1_709_208_000.0));
+        assert_eq!(date(b"29.02.2024 12:00:00"), Some(1_709_208_000.0));
+        assert_eq!(date(b"00:01:02.25"), Some(62.25));
+        assert_eq!([date(b"12:00:01 AM"), date(b"01:00:00 pm")], [Some(1.0), Some(46800.0)]);
+        assert_eq!((date(b"1.5"), date(b"x:y:z"), date(b"")), (None, None, None));
+    }
+
+    #[test]
+    fn numbers_of_many_programs() {
+        assert_eq!(number(b" 1.5D-03 ", false), Some(0.0015));
+        assert_eq!(number(b"-2,5", true), Some(-2.5));
+        assert_eq!([number(b"1,5", false), number(b"D1", false), number(b"12d", false)], [None; 3]);
+        assert!([b"#N/A".as_slice(), b"1.#IND", b"-1.#INF", b"-nan(ind)", b"None"].iter().all(|cell| is_empty(cell)));
+        assert!(!is_empty(b"-1.5") && !is_empty(b"x"));
+    }
+
+    #[test]
+    fn lists_in_cells() {
+        assert_eq!(list("[0.1, -2e3]"), ["0.1", "-2e3"]);
+        assert_eq!(list("array('d', [1.0, 2.0])"), ["1.0", "2.0"]);
+        assert_eq!(list("['a', 'b']"), ["a", "b"]);
+        assert!(list("1.5").is_empty() && list("elbow[0]").is_empty() && list("").is_empty());
+    }
+}

@@ -1,0 +1,140 @@
+//! What stands above the numbers besides one line of names: titles, and a second line of units or of joints.
+
+use super::cells::{date, is_empty, number};
+use super::separators::SEPARATORS;
+
+/// Lines that are looked at, and rows of numbers that show how many cells a row has.
+const LINES: usize = 60;
+const ROWS: usize = 3;
+
+/// Units that a second line may name.
+const UNITS: [&str; 26] = [
+    "s", "sec", "ms", "us", "ns", "rad", "rad/s", "rad/s2", "rad/s^2", "deg", "deg/s", "deg/s2", "deg/s^2", "°", "°/s",
+    "m", "mm", "m/s", "mm/s", "nm", "n*m", "n.m", "n m", "n", "a", "ma",
+];
+
+fn is_number(cell: &[u8]) -> bool {
+    number(cell, true).is_some() || date(cell).is_some()
+}
+
+/// The lines with content, with their places; of the first ones.
+fn lines(bytes: &[u8]) -> Vec<(usize, &[u8])> {
+    let mut start = 0;
+    let mut out = Vec::new();
+    for line in bytes.split(|byte| *byte == b'\n') {
+        if !line.trim_ascii().is_empty() {
+            out.push((start, line.trim_ascii_end()));
+        }
+        start += line.len() + 1;
+        if out.len() == LINES {
+            break;
+        }
+    }
+    out
+}
+
+/// The cells of a line, where it is one of numbers between separators.
+fn count(line: &[u8], separator: u8) -> usize {
+    line.iter().filter(|byte| **byte == separator).count() + 1
+}
+
+/// Makes blank what stands above the header without being marked as a comment: lines with other numbers of cells than the rows
+/// of numbers below. Joins a second line below the header to it, of units or of joints: its cells come behind the names. Lengths
+/// stay, so that places in the file stay what they are, where no second line is joined.
+pub fn blank_titles(bytes: &mut Vec<u8>) {
+    let Some((separator, width, first)) = rows(bytes) else { return };
+    let lines = lines(bytes);
+    let above: Vec<(usize, usize, bool)> =
+        lines[..first].iter().map(|(start, line)| (*start, line.len(), count(line, separator) == width)).collect();
+    let fits: Vec<(usize, usize)> =
+        above.iter().filter(|(.., fits)| *fits).map(|&(start, len, _)| (start, len)).collect();
+    if fits.is_empty() || fits.len() > 2 || above.iter().rev().take(fits.len()).any(|(.., fits)| !fits) {
+        return;
+    }
+    let titles: Vec<(usize, usize)> =
+        above.iter().filter(|(.., fits)| !fits).map(|&(start, len, _)| (start, len)).collect();
+    for (start, length) in titles {
+        bytes[start..start + length].fill(b'\r');
+    }
+    if let [(name_start, name_length), (below_start, below_length)] = fits[..] {
+        let names = bytes[name_start..name_start + name_length].to_vec();
+        let below = bytes[below_start..below_start + below_length].to_vec();
+        if let Some(joined) = joined(&names, &below, separator) {
+            bytes[below_start..below_start + below_length].fill(b'\r');
+            bytes.splice(name_start..name_start + name_length, joined);
+        }
+    }
+}
+
+/// The separator, the cells of a row, and the first line of numbers among those with content; None where the rows are not alike, or
+/// begin at once.
+fn rows(bytes: &[u8]) -> Option<(u8, usize, usize)> {
+    let lines = lines(bytes);
+    SEPARATORS.into_iter().find_map(|separator| {
+        let of_numbers = |line: &[u8]| {
+            let cells = line.split(|byte| *byte == separator);
+            let (mut all, mut numbers) = (0, 0);
+            for cell in cells.map(|cell| cell.trim_ascii().trim_ascii_start()) {
+                let cell = cell.strip_prefix(b"\"").and_then(|cell| cell.strip_suffix(b"\"")).unwrap_or(cell);
+                all += 1;
+                numbers += usize::from(is_number(cell) && !is_empty(cell));
+            }
+            all > 2 && 2 * numbers > all
+        };
+        let first = lines.iter().position(|(_, line)| of_numbers(line)).filter(|first| *first > 1)?;
+        let width = count(lines[first].1, separator);
+        let alike =
+            lines[first..].iter().take(ROWS).all(|(_, line)| of_numbers(line) && count(line, separator) == width);
+        alike.then_some((separator, width, first))
+    })
+}
+
+/// A line of names with the cells of the line below it: units in brackets, and joints as parts of a path.
+fn joined(names: &[u8], below: &[u8], separator: u8) -> Option<Vec<u8>> {
+    let split = |line: &[u8]| -> Vec<String> {
+        let cells = line.split(|byte| *byte == separator);
+        cells.map(|cell| String::from_utf8_lossy(cell.trim_ascii()).trim_matches('"').to_owned()).collect()
+    };
+    let (names, below) = (split(names), split(below));
+    if below.iter().any(|cell| is_number(cell.as_bytes())) {
+        return None;
+    }
+    let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
+    let is_unit = |cell: &String| UNITS.contains(&bare(cell).to_lowercase().as_str());
+    let units = below.iter().filter(|cell| is_unit(cell)).count();
+    let of_units = 2 * units > below.iter().filter(|cell| !cell.is_empty()).count();
+    let cells = names.iter().zip(&below).map(|(name, cell)| match (name.as_str(), cell.as_str()) {
+        (name, "") => name.to_owned(),
+        ("", cell) => cell.to_owned(),
+        (name, cell) if of_units => format!("{name} [{}]", bare(cell)),
+        (name, cell) if name.eq_ignore_ascii_case(cell) => name.to_owned(),
+        (name, cell) => format!("{name}/{cell}"),
+    });
+    Some(cells.collect::<Vec<_>>().join(&char::from(separator).to_string()).into_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> String {
+        let mut bytes = text.as_bytes().to_vec();
+        blank_titles(&mut bytes);
+        String::from_utf8(bytes).unwrap().replace('\r', "")
+    }
+
+    #[test]
+    fn titles_go_and_second_lines_are_joined() {
+        let rows = "0,1,2\n1,2,3\n2,3,4\n";
+        assert_eq!(read(&format!("Log of May\nBy: A, B\n\nt,q1,tau1\n{rows}")), format!("\n\n\nt,q1,tau1\n{rows}"));
+        assert_eq!(read(&format!("t,q1,tau1\ns,deg,Nm\n{rows}")), format!("t [s],q1 [deg],tau1 [Nm]\n\n{rows}"));
+        let two = format!("time,position,effort\n,elbow,elbow\n{rows}");
+        assert_eq!(read(&two), format!("time,position/elbow,effort/elbow\n\n{rows}"));
+        // One line of names, no line of names, rows of other lengths: as they are.
+        for text in
+            [format!("t,q1,tau1\n{rows}"), rows.to_owned(), format!("a\nb\n{rows}"), "t,q1\nx\n0,1\n".to_owned()]
+        {
+            assert_eq!(read(&text), text);
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The rows of a log whose columns are in several files.
+
+use super::source::{Content, Source};
+use crate::error::{Error, Result};
+use crate::recording::cleaning::Rejected;
+use crate::recording::columns::names;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
+pub type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
+
+/// Hides the times of all files but the first that has one, and returns for every file its column of time.
+pub fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<usize>> {
+    let mut start = 0;
+    let mut known = false;
+    let mut out = Vec::new();
+    for source in sources {
+        let own = start..start + source.header().len();
+        let ranked = own.clone().filter_map(|column| {
+            let time = names::time(&header[column], column - own.start)?;
+            (time.rank < names::INDEX).then_some((time.rank, column))
+        });
+        let time = ranked.min().map(|(_, column)| column);
+        if known && sources.len() > 1 {
+            for column in own.clone() {
+                if names::time(&header[column], column - own.start).is_some() {
+                    header[column] = format!("({})", header[column]);
+                }
+            }
+        }
+        known |= time.is_some();
+        out.push(time);
+        start = own.end;
+    }
+    out
+}
+
+/// The rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
+///
+/// # Errors
+/// Those of reading, and files whose rows cannot be matched.
+pub fn rows(
+    paths: &[PathBuf],
+    sources: &mut [Source],
+    header: &[String],
+    used: &[usize],
+    times: &[Option<usize>],
+) -> Result<Joined> {
+    let mut contents = Vec::new();
+    let mut start = 0;
+    for ((path, source), time) in paths.iter().zip(sources.iter_mut()).zip(times) {
+        let own = start..start + source.header().len();
+        let mut wanted: Vec<usize> =
+            used.iter().filter(|column| own.contains(*column)).map(|column| column - own.start).collect();
+        if paths.len() > 1 {
+            wanted.extend(time.map(|time| time - own.start).filter(|time| !wanted.contains(time)));
+            wanted.sort_unstable();
+        }
+        contents.push(source.content(path, &header[own.clone()], &wanted)?);
+        start = own.end;
+    }
+    let Some(first) = contents.first() else { return Ok(Default::default()) };
+    if contents.len() == 1 {
+        let Content { columns, lines, rejected, .. } = contents.remove(0);
+        return Ok((columns, lines, rejected));
+    }
+    let one_by_one = contents.iter().all(|content| content.all == first.all);
+    if one_by_one { matched(contents) } else { by_time(paths, contents, times) }
+}
+
+/// Rows that are good in every file, matched by their place.
+fn matched(contents: Vec<Content>) -> Result<Joined> {
+    let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
+    contents.iter().flat_map(|content| &content.ordinals).for_each(|&ordinal| *seen.entry(ordinal).or_default() += 1);
+    let good = |ordinal: &usize| seen.get(ordinal) == Some(&contents.len());
+    let mut out = (Vec::new(), Vec::new(), Vec::new());
+    for (file, content) in contents.iter().enumerate() {
+        let kept: Vec<usize> = (0..content.ordinals.len()).filter(|&row| good(&content.ordinals[row])).collect();
+        out.0.extend(content.columns.iter().map(|column| match column.is_empty() {
+            true => Vec::new(),
+            false => kept.iter().map(|&row| column[row]).collect(),
+        }));
+        if file == 0 {
+            out.1 = kept.iter().map(|&row| content.lines[row]).collect();
+        }
+        out.2.extend(content.rejected.iter().cloned());
+    }
+    Ok(out)
+}
+
+/// The rows of the first file with time, and the values of the others at its times.
+fn by_time(paths: &[PathBuf], contents: Vec<Content>, times: &[Option<usize>]) -> Result<Joined> {
+    let mut start = 0;
+    let mut clocks: Vec<&[f64]> = Vec::new();
+    for ((content, time), path) in contents.iter().zip(times).zip(paths) {
+        let Some(time) = time else {
+            let counts: Vec<String> = contents.iter().map(|content| content.all.to_string()).collect();
+            let problem = format!(
+                "no column of time, and the files have {} rows, so that they cannot be matched; give each a time, or as many \
+                 rows",
+                counts.join(" and ")
+            );
+            return Err(Error::input(path, None, "t", problem));
+        };
+        clocks.push(&content.columns[time - start]);
+        start += content.columns.len();
+    }
+    let mut out = (Vec::new(), Vec::new(), Vec::new());
+    for (file, content) in contents.iter().enumerate() {
+        out.0.extend(content.columns.iter().map(|column| match (file, column.is_empty()) {
+            (0, _) | (_, true) => column.clone(),
+            _ => at_times(clocks[file], column, clocks[0]),
+        }));
+        if file == 0 {
+            out.1 = content.lines.clone();
+        }
+        out.2.extend(content.rejected.iter().cloned());
+    }
+    Ok(out)
+}
+
+/// Values at other times, in a line between samples; NaN outside.
+fn at_times(time: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
+    let mut points: Vec<(f64, f64)> =
+        time.iter().copied().zip(values.iter().copied()).filter(|(t, v)| t.is_finite() && v.is_finite()).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points.dedup_by(|a, b| a.0 == b.0);
+    let at = |&t: &f64| {
+        let next = points.partition_point(|point| point.0 < t);
+        match (next.checked_sub(1).map(|before| points[before]), points.get(next)) {
+            (_, Some(&(t1, v1))) if t1 == t => v1,
+            (Some((t0, v0)), Some(&(t1, v1))) => v0 + (v1 - v0) * (t - t0) / (t1 - t0),
+            _ => f64::NAN,
+        }
+    };
+    wanted.iter().map(at).collect()
+}

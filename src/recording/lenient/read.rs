@@ -1,0 +1,129 @@
+//! Reading of logs as controllers write them.
+
+use super::join;
+use super::source::{self, Source};
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use crate::recording::cleaning::{Rejected, Rows, missing, unwrap};
+use crate::recording::columns::{self, ABSENT, ColumnMap, Demand, JointNames, Layout};
+use crate::recording::sampling::{rates, stamps};
+use std::path::{Path, PathBuf};
+
+/// A log without its unusable rows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sieved {
+    /// The accepted rows; there may be none. Time is in seconds, all else in the units of the file.
+    pub recording: Recording,
+    /// Line (CSV), row (Parquet) or message (ROS 2) of every sample, counted from 1.
+    pub lines: Vec<usize>,
+    /// The rows left out, in the order of the file.
+    pub rejected: Vec<Rejected>,
+    /// What the file has and the recording has not.
+    pub notes: Vec<String>,
+    /// How the file was understood and what was corrected.
+    pub mended: Vec<String>,
+    /// Joints whose position jumped by whole turns, which was undone: they may lie whole turns outside their limits.
+    pub unwrapped: Vec<usize>,
+    /// Torques are motor currents by their name.
+    pub currents: bool,
+    /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
+    pub spoilt: Option<String>,
+}
+
+/// The joints of which a log holds positions, from its header alone where the format has one.
+///
+/// # Errors
+/// Those of [`load`] about the file and its header.
+pub fn joint_names(path: impl AsRef<Path>, map: &ColumnMap) -> Result<JointNames> {
+    if let Some(q) = &map.q {
+        return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
+    }
+    Ok(columns::joint_names(source::open(path.as_ref(), None, map)?.header()))
+}
+
+/// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
+/// joints that are wanted in order, of which the log may hold more; `map` renames columns. A joint without torque, or with
+/// one that never changes, has NaN in its place.
+///
+/// # Errors
+/// An unreadable file, one of a kind that is not read, a header without what is needed, no usable row at all.
+pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    load_together(&[path.as_ref().to_owned()], joints, map)
+}
+
+/// The same of a log whose columns are in several files: their rows are matched one by one where there are as many in each,
+/// else by their times. Lines and messages are those of the first.
+///
+/// # Errors
+/// Those of [`load`]; files of different length without time; no file at all.
+pub fn load_together(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap) -> Result<Sieved> {
+    read(paths, joints, map, false)
+}
+
+/// The motion of joints of which no torque is wanted, whose torques may be missing: those of a gripper, or of another arm.
+///
+/// # Errors
+/// Those of [`load`], but for torques.
+pub fn positions(path: impl AsRef<Path>, joints: &[String], map: &ColumnMap) -> Result<Sieved> {
+    read(&[path.as_ref().to_owned()], Some(joints), map, true)
+}
+
+fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions_alone: bool) -> Result<Sieved> {
+    let Some(path) = paths.first() else { return Err(Error::request("files", "name at least one file")) };
+    // Joints under other names are found by their columns, not by the arm's names.
+    let wanted = joints.filter(|_| map.q.is_none());
+    let mut sources = paths.iter().map(|path| source::open(path, wanted, map)).collect::<Result<Vec<Source>>>()?;
+    if let ([source], None, Some(problem)) = (sources.as_slice(), &map.tau, sources[0].without_effort(wanted))
+        && !positions_alone
+    {
+        return Err(Error::input(path, source.line(), "effort", problem));
+    }
+    let header = sources.iter().flat_map(Source::header).cloned().collect();
+    let mut header = map.rename(path, header)?;
+    let by_time = join::hide_times(&sources, &mut header);
+    let own = sources[0].own_joints();
+    let demand = Demand { lenient: true, timeless: map.rate_hz.is_some(), positions_alone };
+    let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
+    let (mut columns, mut lines, unreadable) = join::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
+
+    let empty = missing::empty_columns(&layout, &columns);
+    if let Err(joint) = layout.leave_out(&empty, joints.is_some()) {
+        let name = &layout.joints()[joint];
+        let problem = "holds no position in any row; log it, or choose joints that were logged";
+        return Err(Error::input(path, None, name.as_str(), problem));
+    }
+    layout.understood.extend(rates::without_blanks(&layout, &mut columns, &mut lines));
+    layout.leave_out_derivatives(&missing::derivatives_with_gaps(&layout, &columns), "has gaps");
+    layout.leave_out_torques(&missing::torques_with_gaps(&layout, &columns));
+    if !positions_alone && layout.torques().iter().all(|column| *column == ABSENT) {
+        let problem = "the torques of all joints are empty or not a number: the driver did not report them; log them, or motor \
+                       currents";
+        return Err(Error::input(path, None, "torque", problem));
+    }
+    let mut mended = std::mem::take(&mut layout.understood);
+    let clock = stamps::clock(path, sources[0].text(), &mut layout, &mut columns, &mut header, lines.len(), map)?;
+    mended.extend(clock.mended);
+    mended.extend(rates::without_whole(&layout, &mut columns, &mut lines));
+    mended.extend(rates::without_repeats(&layout, &mut columns, &mut lines));
+    let mut rows = Rows { header, lines, columns };
+    let rejected = rows.sieve(&layout, unreadable);
+    let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
+    let currents = layout.currents;
+    let mut recording = layout.recording(rows.columns);
+    sources[0].describe(&mut recording);
+    mended.extend(missing::constant_torques(&mut recording));
+    let (unwrapped, note) = unwrap(&mut recording);
+    mended.extend(note);
+    let sieved =
+        Sieved { recording, lines: rows.lines, rejected, notes, mended, unwrapped, currents, spoilt: clock.spoilt };
+    match sieved.rejected.first() {
+        Some(first) if sieved.lines.is_empty() => {
+            let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);
+            Err(Error::input(path, Some(first.line), &first.column, problem))
+        }
+        _ => Ok(sieved),
+    }
+}
+
+#[cfg(test)]
+mod tests;

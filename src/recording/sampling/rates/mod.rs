@@ -1,0 +1,17 @@
+//! Signals that are sampled at different rates in one table.
+//!
+//! In: columns as the file has them. Out: columns at the rows of the slower of positions and torques, the others interpolated, and a
+//! note on what was done. Three cases: rows of two sources with blanks, values that are repeated while the other signals go on, and
+//! rows that repeat whole.
+
+mod blanks;
+mod digits;
+mod repeats;
+mod rows;
+#[cfg(test)]
+mod tests;
+mod whole;
+
+pub use blanks::without_blanks;
+pub use repeats::without_repeats;
+pub use whole::without_whole;

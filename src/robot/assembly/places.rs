@@ -1,0 +1,119 @@
+//! Where the joints of a file are: which have a coordinate, which follow one, and where the others stand.
+
+use super::choice::Choice;
+use crate::error::{Error, Result};
+use crate::robot::description::{Description, JointDescription, Motion};
+use crate::robot::model::JointKind;
+use std::collections::HashMap;
+
+/// How a joint of the file moves with the coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Place {
+    /// q = multiplier x + offset, x the position of the joint with this index.
+    Moves { leader: usize, multiplier: f64, offset: f64 },
+    /// It stands at this position.
+    Held(f64),
+}
+
+impl Description {
+    /// What every joint of the file does.
+    pub(super) fn places(&self, choice: &Choice) -> Result<Vec<Place>> {
+        let index: HashMap<&str, usize> = self.joints.iter().enumerate().map(|(at, j)| (j.name.as_str(), at)).collect();
+        let chosen = self.chosen(choice, &index)?;
+        // A joint that follows one not under study leads instead of it.
+        let mut leaders: HashMap<usize, (usize, f64, f64)> = HashMap::new();
+        for &joint in &chosen {
+            let (master, multiplier, offset) = self.leader(&self.joints[joint]);
+            let master = index[master.name.as_str()];
+            let own = chosen.contains(&master);
+            if !own && multiplier == 0.0 {
+                let problem = "it follows another with a multiplier of zero; name that one instead";
+                return Err(self.refused(&self.joints[joint], problem));
+            }
+            let lead = if own { (master, 1.0, 0.0) } else { (joint, multiplier, offset) };
+            leaders.entry(master).or_insert(lead);
+        }
+        let place = |joint: &JointDescription| {
+            let (master, multiplier, offset) = self.leader(joint);
+            match (moves(joint), leaders.get(&index[master.name.as_str()])) {
+                (false, _) => Place::Held(0.0),
+                // x of the master is (q - offset) / multiplier of the joint that leads.
+                (true, Some(&(leader, own, shift))) => {
+                    Place::Moves { leader, multiplier: multiplier / own, offset: offset - multiplier / own * shift }
+                }
+                (true, None) => {
+                    let follows = choice.hold.get(&joint.name).copied();
+                    Place::Held(follows.unwrap_or_else(|| multiplier * self.rest(master, choice) + offset))
+                }
+            }
+        };
+        Ok(self.joints.iter().map(place).collect())
+    }
+
+    fn chosen(&self, choice: &Choice, index: &HashMap<&str, usize>) -> Result<Vec<usize>> {
+        let of =
+            |joints: Vec<&JointDescription>| -> Vec<usize> { joints.iter().map(|j| index[j.name.as_str()]).collect() };
+        match (&choice.joints, &choice.tip) {
+            (None, None) => Ok(of(self.masters())),
+            (None, Some(tip)) => Ok(of(self.path_to(tip)?.into_iter().filter(|joint| moves(joint)).collect())),
+            (Some(names), _) => names.iter().map(|name| self.named(name, index)).collect(),
+        }
+    }
+
+    fn named(&self, name: &str, index: &HashMap<&str, usize>) -> Result<usize> {
+        match index.get(name) {
+            Some(&joint) if moves(&self.joints[joint]) => Ok(joint),
+            Some(&joint) => Err(self.refused(&self.joints[joint], "it does not turn or slide; name joints that do")),
+            None => {
+                let names: Vec<&str> = self.moving().iter().map(|joint| joint.name.as_str()).collect();
+                let problem =
+                    format!("{} has no such joint; its moving joints are {}", self.source.display(), names.join(", "));
+                Err(Error::request(format!("joint `{name}`"), problem))
+            }
+        }
+    }
+
+    /// Where a joint without coordinate stands.
+    fn rest(&self, joint: &JointDescription, choice: &Choice) -> f64 {
+        let limits = &joint.limits;
+        let middle = 0.5 * (limits.lower + limits.upper);
+        let zero = if moves(joint) { 0.0f64.clamp(limits.lower, limits.upper) } else { 0.0 };
+        choice.hold.get(&joint.name).copied().unwrap_or(if middle.is_finite() && moves(joint) { middle } else { zero })
+    }
+
+    /// Moving joints that are held, with a note of where.
+    pub(super) fn held(&self, places: &[Place], choice: &Choice, notes: &mut Vec<String>) -> Vec<(String, f64)> {
+        let mut held = Vec::new();
+        let mut given = Vec::new();
+        let mut middle = Vec::new();
+        for (joint, place) in self.joints.iter().zip(places) {
+            let Place::Held(position) = *place else { continue };
+            match joint.motion {
+                Motion::Fixed => continue,
+                Motion::Floating | Motion::Planar => {
+                    let motion = if joint.motion == Motion::Floating { "floats" } else { "moves in a plane" };
+                    notes.push(format!("joint `{}` {motion}: its link stands still at zero", joint.name));
+                    continue;
+                }
+                Motion::Revolute | Motion::Prismatic => {}
+            }
+            held.push((joint.name.clone(), position));
+            let unit = if joint.kind() == Some(JointKind::Prismatic) { "m" } else { "rad" };
+            let said = |name: &String| choice.hold.contains_key(name);
+            let is_given = said(&joint.name) || said(&self.leader(joint).0.name);
+            let list = if is_given { &mut given } else { &mut middle };
+            list.push(format!("{} {position:.4} {unit}", joint.name));
+        }
+        for (list, place) in [(given, "as given"), (middle, "in the middle of their range")] {
+            if !list.is_empty() {
+                notes.push(format!("joints not under study stand still {place}: {}", list.join(", ")));
+            }
+        }
+        held
+    }
+}
+
+/// Whether a joint of the file can have a coordinate.
+fn moves(joint: &JointDescription) -> bool {
+    joint.kind().is_some()
+}

@@ -1,0 +1,73 @@
+//! A robot as it is modelled: coordinates, bodies and flange.
+
+use super::joint::Joint;
+use super::pose::Pose;
+use super::tree::Tree;
+use crate::error::{Error, Result};
+use nalgebra::Vector3;
+use std::path::PathBuf;
+
+/// A robot of one or more revolute or prismatic joints with a coordinate each, and of joints that follow them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// Name of the robot in the URDF.
+    pub name: String,
+    /// The file it came from.
+    pub source: PathBuf,
+    /// Gravity in base coordinates, m/s2.
+    pub gravity: Vector3<f64>,
+    /// The joints with a coordinate, from base to flange; on a tree branch by branch.
+    pub joints: Vec<Joint>,
+    /// Pose of the flange (the last link behind fixed joints) in the frame of the joint that carries it.
+    pub flange: Pose,
+    /// What a serial arm does not have; absent on one.
+    pub tree: Option<Tree>,
+    /// Joints that the columns of a log stand for where they are numbered or described one by one: those under study, and those
+    /// that turned out to stand still or to follow.
+    pub columns: Vec<String>,
+    /// Moving joints of the file that stand still here, each at its position, rad or m.
+    pub held: Vec<(String, f64)>,
+    /// What was read otherwise than it is written, and which joints are held; a line each.
+    pub notes: Vec<String>,
+}
+
+impl Robot {
+    /// Number of coordinates.
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Joint names from base to flange.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// Inertial parameters of all moving bodies, ten each, in the order of [`Robot::body`].
+    pub fn inertial_parameters(&self) -> Vec<f64> {
+        (0..self.bodies()).flat_map(|body| self.body(body).inertia.0).collect()
+    }
+
+    /// Index of the joint called `name`; the error lists the joints there are.
+    pub fn joint_index(&self, name: &str) -> Result<usize> {
+        self.joints.iter().position(|joint| joint.name == name).ok_or_else(|| {
+            Error::request(
+                format!("joint `{name}`"),
+                format!("{} has no such joint; its joints are {}", self.name, self.joint_names().join(", ")),
+            )
+        })
+    }
+
+    /// Poses of all moving joint frames, in the order of [`Robot::body`], and of the flange as the last entry, in the base at
+    /// the coordinates `x`.
+    pub fn frames(&self, x: &[f64]) -> Vec<Pose> {
+        let mut frames = vec![Pose::identity(); self.bodies() + 1];
+        for body in self.outwards() {
+            let (joint, coupling) = (self.body(body), self.coupling(body));
+            let carrier = self.parent(body).map_or(Pose::identity(), |parent| frames[parent]);
+            let moved = joint.motion(coupling.position(x[coupling.coordinate]));
+            frames[body] = carrier.then(&joint.origin).then(&moved);
+        }
+        frames[self.bodies()] = frames[self.tip()].then(&self.flange);
+        frames
+    }
+}

@@ -1,0 +1,99 @@
+//! Joints: how they move, their limits and their drives, and the body that each carries.
+
+use super::constants::LARGEST;
+use super::inertia::Inertia;
+use super::pose::Pose;
+use nalgebra::{Matrix3, Vector3};
+
+/// How a joint moves along or about its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// Turns about the axis; coordinates in rad, efforts in N m.
+    Revolute,
+    /// Slides along the axis; coordinates in m, efforts in N.
+    Prismatic,
+}
+
+impl JointKind {
+    /// Pose of the moved joint frame in the joint frame at zero, for a joint of this kind with the unit vector `axis`.
+    pub fn motion(self, axis: &Vector3<f64>, q: f64) -> Pose {
+        match self {
+            JointKind::Revolute => {
+                let rotation =
+                    nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_unchecked(*axis), q).into_inner();
+                Pose { rotation, translation: Vector3::zeros() }
+            }
+            JointKind::Prismatic => Pose { rotation: Matrix3::identity(), translation: q * axis },
+        }
+    }
+}
+
+/// Limits of a joint, in rad (or m), rad/s (or m/s), and N m (or N). Infinite where the URDF gives none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Lowest position.
+    pub lower: f64,
+    /// Highest position.
+    pub upper: f64,
+    /// Highest speed.
+    pub velocity: f64,
+    /// Highest effort of the drive.
+    pub effort: f64,
+}
+
+/// Friction and rotor of a joint's drive, at the joint side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Drive {
+    /// Viscous friction Fv, N m s/rad.
+    pub viscous: f64,
+    /// Coulomb friction Fc, N m.
+    pub coulomb: f64,
+    /// Rotor inertia reflected to the joint Ia, kg m2.
+    pub armature: f64,
+}
+
+/// One joint and the body it carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name of the joint in the URDF.
+    pub name: String,
+    /// Name of the link it carries.
+    pub link: String,
+    /// Revolute or prismatic.
+    pub kind: JointKind,
+    /// Pose of the joint frame at zero position in the frame of the joint that carries it (or the base).
+    pub origin: Pose,
+    /// Unit axis in the joint frame.
+    pub axis: Vector3<f64>,
+    /// Position, velocity and effort limits.
+    pub limits: Limits,
+    /// The body, links behind fixed joints included, about the joint frame.
+    pub inertia: Inertia,
+    /// Friction and rotor inertia as the URDF gives them.
+    pub drive: Drive,
+}
+
+impl Drive {
+    /// Takes away what is beyond any machine, with a note: such numbers fix a joint, or are placeholders.
+    pub(in crate::robot) fn credible(mut self, joint: &str, line: usize, notes: &mut Vec<String>) -> Drive {
+        for (value, attribute) in
+            [(&mut self.viscous, "damping"), (&mut self.coulomb, "friction"), (&mut self.armature, "armature")]
+        {
+            if value.abs() > LARGEST {
+                notes.push(format!(
+                    "joint `{joint}` (line {line}): {attribute} {value:e} is beyond any machine and counts as none"
+                ));
+                *value = 0.0;
+            }
+        }
+        self
+    }
+}
+
+impl Joint {
+    /// Pose of the moved joint frame in the joint frame at zero.
+    pub fn motion(&self, q: f64) -> Pose {
+        self.kind.motion(&self.axis, q)
+    }
+}

@@ -80,7 +80,7 @@ pub struct About {
     pub scope: Scope,
     /// Whether its torque jumps with the direction of motion at its joint, so that the joint can stick.
     pub dry: bool,
-    /// Whether its torque depends on [`Instant::qdd`] or [`Instant::load`].
+    /// Whether its torque depends on [`Instant::qdd`](super::Instant::qdd) or [`Instant::load`](super::Instant::load).
     pub uses_acceleration: bool,
     /// What sets it apart from most laws when it is looked for in logs.
     pub nature: Nature,

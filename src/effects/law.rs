@@ -132,6 +132,11 @@ pub trait Effect: Sync {
         None
     }
 
+    /// The effect on the same joint that is this one with one parameter more, where motion alone cannot separate the two.
+    fn contained_in(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Quantities by which practitioners know it.
     fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
         let _ = (p, joint, robot);

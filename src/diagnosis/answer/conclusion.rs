@@ -1,7 +1,7 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
 use super::derived::derived;
-use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, take_back};
+use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, withdraw};
 use super::extended::ExtendedModel;
 use super::gap::Residuals;
 use super::inertias::{Gain, all_inertias};
@@ -225,7 +225,8 @@ fn answer<'a>(
     let trained = session.residual_on(&session.train, &members, &whitener)?;
     let left = [(&session.train.rows, &trained), (test, &extended)];
     // What a search that was ended has not looked for is no disagreement.
-    let disagreement = disagreement(left, &baseline, &noise_floor, &prediction_std).into_iter();
+    let disagreement =
+        disagreement(left, &baseline, &noise_floor, &prediction_std, &options.criteria.structure).into_iter();
     for other in disagreement.filter(|_| !unfinished) {
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
@@ -234,26 +235,32 @@ fn answer<'a>(
     let apart = || {
         Ok([map_on(&session, &session.train, &members, options)?, map_on(&session, &session.test, &members, options)?])
     };
-    let followed = mapped(&left, &session.cutoffs_hz, &unexplained, options.alpha, apart)?;
+    let followed = mapped(&left, &session.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
     unexplained.extend(followed);
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
     let extended_test_rms = rms(&test.valid, &extended);
     let simulation_test_rms = rms(&test.valid, &simulation);
-    take_back(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor);
+    let criteria = &options.criteria.verdict;
+    withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, criteria);
     let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.robot());
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
-        match diagnosis::of_sampling(&session, &found, &noise_floor)? {
+        match diagnosis::of_sampling(&session, &found, &noise_floor, criteria)? {
             Some(short) => of_sampling.push(short),
             None => named.push(((found, derived), effect)),
         }
     }
     let ((found, derived), effects): ((Vec<Found>, Vec<_>), Vec<_>) = named.into_iter().unzip();
     evidence.effects = effects;
-    let next_experiment =
-        next_experiment(&found, &unexplained, session.model.robot(), [&simulation_test_rms, &extended_test_rms]);
+    let next_experiment = next_experiment(
+        &found,
+        &unexplained,
+        session.model.robot(),
+        [&simulation_test_rms, &extended_test_rms],
+        criteria,
+    );
     let errors = Errors {
         test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
         simulation_test_rms,

@@ -6,7 +6,7 @@ use super::inertias::Gain;
 use super::residual_structure::ResidualStructure;
 use super::traces::Evidence;
 use crate::diagnosis::Options;
-use crate::diagnosis::criteria::Criteria;
+use crate::diagnosis::criteria::{Criteria, VerdictCriteria};
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
 use crate::diagnosis::logs::LowPass;
@@ -21,23 +21,8 @@ use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 
-/// Share of a joint's excess over the noise, in squares, that must be explained for the names on it to stand, where structure is left;
-/// and where as much as the noise itself is left. A name that only comes near the law leaves a tenth of a strong one.
-const FIRM: f64 = 0.7;
-const FIRM_ABOVE_NOISE: f64 = 0.9;
-
-/// Factor on the held-out residual, in squares over the noise, from which an effect predicts them worse than none: noise in
-/// the estimate of what is there makes less.
-const WORSE: f64 = 1.1;
-
-/// Factor on what re-identified parameters leave from which those of the description are off.
-const MISDESCRIBED: f64 = 3.0;
-
 /// Probability with which an effect of the minimum detectable size is found.
 const POWER: f64 = 0.8;
-
-/// Size of a delay or lag, over the noise of every joint, up to which it is of the sampling.
-const SMALL: f64 = 1.0;
 
 /// An effect that was looked for and not found.
 #[derive(Debug, Clone)]
@@ -169,7 +154,13 @@ pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplaine
 /// which the held-out logs are predicted worse.
 /// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.
-pub(super) fn take_back(found: &mut [Found], unexplained: &[Unexplained], residuals: [&[f64]; 2], noise: &[f64]) {
+pub(super) fn withdraw(
+    found: &mut [Found],
+    unexplained: &[Unexplained],
+    residuals: [&[f64]; 2],
+    noise: &[f64],
+    criteria: &VerdictCriteria,
+) {
     for &place in unexplained.iter().flat_map(|left| &left.instead_of) {
         found[place].verdict = Verdict::Unexplained;
     }
@@ -180,7 +171,8 @@ pub(super) fn take_back(found: &mut [Found], unexplained: &[Unexplained], residu
         .map(|left| left.joint)
         .filter(|&joint| {
             let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
-            let share = if excess(after) > noise[joint].powi(2) { FIRM_ABOVE_NOISE } else { FIRM };
+            let share =
+                if excess(after) > noise[joint].powi(2) { criteria.explained_above_noise } else { criteria.explained };
             excess(after) > (1.0 - share) * excess(before)
         })
         .collect();
@@ -188,7 +180,7 @@ pub(super) fn take_back(found: &mut [Found], unexplained: &[Unexplained], residu
         let joints = one.member.candidate.joints();
         // An effect on many joints does not fall with one of them, and what happened in one log is not in the others.
         let is_open = one.member.candidate.log.is_none() && joints.iter().all(|joint| open.contains(joint));
-        if is_open || predicts_worse(one, noise) {
+        if is_open || predicts_worse(one, noise, criteria) {
             one.verdict = Verdict::Unexplained;
         }
     }
@@ -196,11 +188,11 @@ pub(super) fn take_back(found: &mut [Found], unexplained: &[Unexplained], residu
 
 /// Whether the held-out logs are predicted worse with a finding than without it, on the joints that it acts on together: it fits the
 /// training logs, and is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
-pub fn predicts_worse(found: &Found, noise: &[f64]) -> bool {
+pub fn predicts_worse(found: &Found, noise: &[f64], criteria: &VerdictCriteria) -> bool {
     let joints = found.member.candidate.joints();
     let [before, after] =
         found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
-    found.impacts.is_none() && after > WORSE * before
+    found.impacts.is_none() && after > criteria.worse * before
 }
 
 /// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
@@ -209,7 +201,12 @@ pub fn predicts_worse(found: &Found, noise: &[f64]) -> bool {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn of_sampling(session: &Session, found: &Found, noise: &[f64]) -> Result<Option<OfSampling>> {
+pub(super) fn of_sampling(
+    session: &Session,
+    found: &Found,
+    noise: &[f64],
+    criteria: &VerdictCriteria,
+) -> Result<Option<OfSampling>> {
     let Member { placed, std, .. } = &found.member;
     let joint = match placed.effect.about().nature {
         Nature::Delay => None,
@@ -224,7 +221,7 @@ pub(super) fn of_sampling(session: &Session, found: &Found, noise: &[f64]) -> Re
     let test = &session.test.rows;
     let added = session.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
-    Ok((size < SMALL).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
+    Ok((size < criteria.sampling_size).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
@@ -281,6 +278,7 @@ pub(super) fn next_experiment(
     unexplained: &[Unexplained],
     robot: &Robot,
     [described, left]: [&[f64]; 2],
+    criteria: &VerdictCriteria,
 ) -> String {
     let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
     if let Some((found, other)) = tied {
@@ -302,7 +300,8 @@ pub(super) fn next_experiment(
         );
     }
     let off = |joint: usize| described[joint] / left[joint];
-    let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > MISDESCRIBED);
+    let worst =
+        (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > criteria.misdescribed);
     match (found.is_empty(), worst) {
         (true, Some(joint)) => format!(
             "the description is off ({} is left with {:.1} times as much as with re-identified inertias and friction): extended.urdf holds \
@@ -343,7 +342,13 @@ mod tests {
         let left = |excess: f64, left: f64, unexplained: &[Unexplained]| {
             let [before, after] = [excess, left].map(|excess| (1.0 + excess).sqrt());
             let mut found = [spring([before, 1.0], [after, 1.0])];
-            take_back(&mut found, unexplained, [&[before, 1.0], &[after, 1.0]], &[1.0, 1.0]);
+            withdraw(
+                &mut found,
+                unexplained,
+                [&[before, 1.0], &[after, 1.0]],
+                &[1.0, 1.0],
+                &VerdictCriteria::default(),
+            );
             found[0].verdict
         };
         assert_eq!(left(15.0, 1.6, &[structure(true)]), Verdict::Unexplained);
@@ -360,7 +365,7 @@ mod tests {
         // Squares of 1.44 and 1.21 times as much are worse, of 1.0816 are not; nor is what happens on another joint.
         let after = [[1.2, 1.0], [1.1, 1.0], [1.04, 1.0], [0.5, 3.0]];
         let mut found: Vec<Found> = after.into_iter().map(|after| spring([1.0, 1.0], after)).collect();
-        take_back(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5]);
+        withdraw(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5], &VerdictCriteria::default());
         let stay: Vec<bool> = found.iter().map(|one| one.verdict == Verdict::Named).collect();
         assert_eq!(stay, [false, false, true, true]);
     }

@@ -17,12 +17,6 @@ use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
 
-/// Wrong bodies beyond which it is simpler to say that all of them are.
-const WRONG_BODIES: usize = 2;
-
-/// Joints with structure left beyond which trusted inertias are doubted.
-const DOUBTFUL_JOINTS: usize = 1;
-
 /// What re-identified inertias gain on the held-out logs over those of the description.
 #[derive(Debug, Clone)]
 pub struct Gain {
@@ -57,17 +51,18 @@ pub(super) fn all_inertias<'a>(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<Option<Free<'a>>> {
+    let criteria = &options.criteria.verdict;
     let is_body = |found: &&Found| found.member.placed.effect.about().site == Site::Body;
     let Searched { selection, unexplained: left, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
-    let left = surely_left(left);
-    if (bodies <= WRONG_BODIES && left <= DOUBTFUL_JOINTS) || watch.is_over() {
+    let left = certain(left);
+    if (bodies <= criteria.wrong_bodies && left <= criteria.doubtful_joints) || watch.is_over() {
         return Ok(None);
     }
     let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
     let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
-    let left_free = surely_left(&searched.unexplained);
+    let left_free = certain(&searched.unexplained);
     // Half a search is no comparison.
     if watch.is_over() {
         return Ok(None);
@@ -85,13 +80,10 @@ pub(super) fn all_inertias<'a>(
     let lower_bound = Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound();
     let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
     let gain = Gain { lower_bound, rms };
-    Ok((lower_bound > LEAST_GAIN).then_some(Free { session, searched, gain }))
+    Ok((lower_bound > criteria.inertias_gain).then_some(Free { session, searched, gain }))
 }
 
 /// Number of joints with unexplained structure that is certain.
-fn surely_left(unexplained: &[Unexplained]) -> usize {
+fn certain(unexplained: &[Unexplained]) -> usize {
     unexplained.iter().filter(|left| left.sure).count()
 }
-
-/// Least share of the whitened sum of squares that all inertias together must gain to be called wrong.
-const LEAST_GAIN: f64 = 0.1;

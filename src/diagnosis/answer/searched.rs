@@ -49,7 +49,7 @@ impl Searched {
         let (selection, minor) = found_that_matter(session, options, watch)?;
         let unexplained = match watch.is_over() {
             true => Vec::new(),
-            false => unexplained(session, &selection, options.alpha)?,
+            false => unexplained(session, &selection, &options.criteria.structure, options.alpha)?,
         };
         Ok(Searched { selection, minor, unexplained })
     }

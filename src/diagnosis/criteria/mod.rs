@@ -1,8 +1,16 @@
 //! Thresholds that decide what is reported, each with its reason, and the judgement of a gate.
 
+mod comparison;
+mod impacts;
 mod search;
+mod structure;
+mod verdict;
 
+pub use comparison::ComparisonCriteria;
+pub use impacts::ImpactCriteria;
 pub use search::SearchCriteria;
+pub use structure::StructureCriteria;
+pub use verdict::VerdictCriteria;
 
 use serde::Serialize;
 
@@ -29,6 +37,14 @@ pub struct Criteria {
     pub beyond_structure: f64,
     /// Thresholds of the search that finds them.
     pub search: SearchCriteria,
+    /// Thresholds of model comparison.
+    pub comparison: ComparisonCriteria,
+    /// Thresholds of gears with play that impacts show.
+    pub impacts: ImpactCriteria,
+    /// Thresholds of structure that no effect explains.
+    pub structure: StructureCriteria,
+    /// Thresholds of the verdict.
+    pub verdict: VerdictCriteria,
 }
 
 impl Default for Criteria {
@@ -42,6 +58,10 @@ impl Default for Criteria {
             worse_p: 0.16,
             beyond_structure: 3.0,
             search: SearchCriteria::default(),
+            comparison: ComparisonCriteria::default(),
+            impacts: ImpactCriteria::default(),
+            structure: StructureCriteria::default(),
+            verdict: VerdictCriteria::default(),
         }
     }
 }

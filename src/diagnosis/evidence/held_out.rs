@@ -12,9 +12,6 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 /// training logs, and the held-out logs, often fewer, must not contradict it.
 const SURELY: f64 = 1.0;
 
-/// What goes with a prediction on held-out rows is seen there again if it is less likely than this by chance.
-pub const SEEN_AGAIN: f64 = 0.05;
-
 /// Factor on the chance that noise alone makes up to which nothing else need be in the residual.
 const CALM: f64 = 1.5;
 

@@ -16,7 +16,7 @@ pub use adjusted::{against_slow_noise, log_p_adjusted};
 pub use blocks::without_influential_blocks;
 pub use cross_validation::cross_validated_residual;
 pub use generic::{Block, DELAYS_S, Reach, blocks, modulated, slow_cosines};
-pub use held_out::{Gains, SEEN_AGAIN};
+pub use held_out::Gains;
 pub use judging::Judged;
 pub use multiplicity::{Multiplicity, family_wise};
 pub use scan::{Ranked, Scan, ranking};

@@ -2,6 +2,7 @@
 //! from the training logs, they do not judge it.
 
 use super::structure::Unexplained;
+use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, rms};
 
@@ -11,14 +12,6 @@ pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
 /// Rows over which the residual is averaged: half a second. What smooth positions do to steps of the motion turns over within less, and
 /// a load or another arm is there for longer.
 const AVERAGED: usize = 25;
-
-/// Factors by which the averages of the held-out rows must exceed those of the training rows, the noise of a single row and what the model is
-/// unsure of, root mean square.
-const FOREIGN: f64 = 3.0;
-const BEYOND_NOISE: f64 = 2.0;
-
-/// Share of what the baseline leaves of the held-out rows up to which what was found goes with them too: its law is carried on there.
-const CARRIED_ON: f64 = 0.5;
 
 /// What a model leaves of one kind of rows.
 type Left<'a> = (&'a Rows, &'a Column);
@@ -30,11 +23,14 @@ pub fn disagreement(
     baseline: &Column,
     noise: &[f64],
     prediction_std: &[f64],
+    criteria: &StructureCriteria,
 ) -> Vec<Unexplained> {
     let on_joint = |joint: usize| {
         let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
-        let expected = (FOREIGN * trained).max(BEYOND_NOISE * noise[joint]).max(FOREIGN * prediction_std[joint]);
-        let expected = expected.max(CARRIED_ON * averages(test.0, baseline, joint));
+        let expected = (criteria.foreign * trained)
+            .max(criteria.foreign_noise * noise[joint])
+            .max(criteria.foreign * prediction_std[joint]);
+        let expected = expected.max(criteria.carried_on * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out rows beside training rows");
         (held_out > expected).then(|| Unexplained {
             joint,

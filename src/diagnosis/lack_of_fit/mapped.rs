@@ -3,20 +3,13 @@
 //! The block tests estimate the noise spectrum from the residual itself, so that a slow, periodic or wandering residual is part of that
 //! noise. The tests of the mixed model need no noise spectrum.
 
-use super::structure::{STRICTER, Unexplained, WORTH_TELLING};
-use crate::diagnosis::evidence::SEEN_AGAIN;
+use super::structure::Unexplained;
+use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::variance::{JointMap, Kind, Line, ResidualMap};
 use crate::error::Result;
 
 /// What a spectral line is.
 const LINE: &str = "oscillates at a fixed frequency";
-
-/// Share of the cut-off of a joint's positions up to which a spectral line counts: nearer to it, what the differences make of encoder
-/// noise is a peak, too.
-const BELOW_CUTOFF: f64 = 0.5;
-
-/// Difference of two spectral lines up to which they are one, Hz: half the width of the peak in a Hann window of 20 s.
-const SAME_LINE_HZ: f64 = 0.1;
 
 /// The largest part, or line, of every joint that is significant over all logs, and again in the training and in the held-out logs by
 /// themselves: few blocks of uneven noise make the p-value of one map too small now and then, but not of the same kind in both.
@@ -30,14 +23,19 @@ pub fn mapped(
     map: &ResidualMap,
     cutoffs_hz: &[f64],
     known: &[Unexplained],
+    criteria: &StructureCriteria,
     alpha: f64,
     apart: impl FnOnce() -> Result<[ResidualMap; 2]>,
 ) -> Result<Vec<Unexplained>> {
-    let level = STRICTER * alpha;
+    let level = criteria.together * alpha;
     let count = map.joints.len() as f64;
     let open = map.joints.iter().filter(|own| known.iter().all(|left| left.joint != own.joint));
     let shown: Vec<(&JointMap, Vec<Shown>)> = open
-        .map(|own| (own, shown(own, count, BELOW_CUTOFF * cutoffs_hz[own.joint], level)))
+        .map(|own| (own, shown(own, count, criteria.below_cutoff * cutoffs_hz[own.joint], level)))
+        .map(|(own, mut shown)| {
+            shown.retain(|shown| shown.share >= criteria.share_of_residual);
+            (own, shown)
+        })
         .filter(|(_, shown)| !shown.is_empty())
         .collect();
     if shown.is_empty() {
@@ -45,7 +43,7 @@ pub fn mapped(
     }
     let apart = apart()?;
     let largest = |(own, shown): (&JointMap, Vec<Shown>)| {
-        let again = |shown: &Shown| apart.iter().all(|map| shown.follows.is_seen_again(map, own.joint));
+        let again = |shown: &Shown| apart.iter().all(|map| shown.follows.is_seen_again(map, own.joint, criteria));
         let largest = shown.into_iter().filter(again).max_by(|a, b| a.share.total_cmp(&b.share))?;
         Some(Unexplained {
             joint: own.joint,
@@ -84,16 +82,16 @@ impl Follows {
     }
 
     /// Whether a map of other logs does not speak against it: it is significant there, or the logs are too short to be asked.
-    fn is_seen_again(self, map: &ResidualMap, joint: usize) -> bool {
+    fn is_seen_again(self, map: &ResidualMap, joint: usize, criteria: &StructureCriteria) -> bool {
         let Some(own) = map.joints.iter().find(|own| own.joint == joint) else { return false };
         match self {
-            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < SEEN_AGAIN),
-            Follows::Line(line) => own.lines.iter().any(|other| (other.hz - line.hz).abs() <= SAME_LINE_HZ),
+            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < criteria.again_p),
+            Follows::Line(line) => own.lines.iter().any(|other| (other.hz - line.hz).abs() <= criteria.same_line_hz),
         }
     }
 }
 
-/// What is significant at `level` on a joint, clear of the noise, and large enough to be reported.
+/// What is significant at `level` on a joint, and clear of the noise.
 fn shown(own: &JointMap, joints: f64, highest_hz: f64, level: f64) -> Vec<Shown> {
     let share = |rms: f64| (rms / own.residual).powi(2).min(1.0);
     // A constant torque is a law of the library, which has been tested.
@@ -106,7 +104,7 @@ fn shown(own: &JointMap, joints: f64, highest_hz: f64, level: f64) -> Vec<Shown>
         share: share(line.rms),
         family_wise_p: (joints * line.p).min(1.0),
     });
-    parts.chain(lines).filter(|shown| shown.family_wise_p <= level && shown.share >= WORTH_TELLING).collect()
+    parts.chain(lines).filter(|shown| shown.family_wise_p <= level).collect()
 }
 
 #[cfg(test)]
@@ -131,46 +129,48 @@ mod tests {
     }
 
     /// What is reported where the logs by themselves show the same.
-    fn told(map: &ResidualMap, cutoff_hz: f64, known: &[Unexplained]) -> Vec<Unexplained> {
-        mapped(map, &[cutoff_hz], known, 0.05, || Ok([map.clone(), map.clone()])).unwrap()
+    fn reported(map: &ResidualMap, cutoff_hz: f64, known: &[Unexplained]) -> Vec<Unexplained> {
+        mapped(map, &[cutoff_hz], known, &StructureCriteria::default(), 0.05, || Ok([map.clone(), map.clone()]))
+            .unwrap()
     }
 
     #[test]
     fn what_is_significant_and_clear_of_the_noise_is_told() {
-        let [left] = &told(&map(0.6, 0.009, None), 15.0, &[])[..] else { panic!() };
+        let [left] = &reported(&map(0.6, 0.009, None), 15.0, &[])[..] else { panic!() };
         assert!(left.structure == Kind::SlowTime.meaning() && (left.share - 0.25).abs() < 1e-12 && !left.sure);
         // A fifth of the level decides, and a quarter of the noise.
-        assert!(told(&map(0.6, 0.011, None), 15.0, &[]).is_empty());
-        assert!(told(&map(0.24, 0.001, None), 15.0, &[]).is_empty());
-        assert_eq!(told(&map(0.26, 0.001, None), 15.0, &[]).len(), 1);
-        assert_eq!(told(&map(0.1, 0.001, Some((0.3, 1e-3))), 15.0, &[])[0].structure, LINE);
-        assert!(told(&map(0.1, 0.001, Some((0.2, 1e-3))), 15.0, &[]).is_empty());
+        assert!(reported(&map(0.6, 0.011, None), 15.0, &[]).is_empty());
+        assert!(reported(&map(0.24, 0.001, None), 15.0, &[]).is_empty());
+        assert_eq!(reported(&map(0.26, 0.001, None), 15.0, &[]).len(), 1);
+        assert_eq!(reported(&map(0.1, 0.001, Some((0.3, 1e-3))), 15.0, &[])[0].structure, LINE);
+        assert!(reported(&map(0.1, 0.001, Some((0.2, 1e-3))), 15.0, &[]).is_empty());
         // A line near the cut-off is none.
-        assert!(told(&map(0.1, 0.001, Some((0.3, 1e-3))), 14.0, &[]).is_empty());
+        assert!(reported(&map(0.1, 0.001, Some((0.3, 1e-3))), 14.0, &[]).is_empty());
         // What is known of a joint stays as it is.
-        let once = told(&map(0.6, 0.001, None), 15.0, &[]);
-        assert!(told(&map(0.6, 0.001, None), 15.0, &once).is_empty());
+        let once = reported(&map(0.6, 0.001, None), 15.0, &[]);
+        assert!(reported(&map(0.6, 0.001, None), 15.0, &once).is_empty());
     }
 
     #[test]
     fn the_training_and_the_held_out_logs_each_show_it() {
-        let told = |map: &ResidualMap, apart: [ResidualMap; 2]| mapped(map, &[15.0], &[], 0.05, || Ok(apart)).unwrap();
+        let criteria = StructureCriteria::default();
+        let reported = |map: &ResidualMap, apart| mapped(map, &[15.0], &[], &criteria, 0.05, || Ok(apart)).unwrap();
         let slow = map(0.6, 0.001, None);
-        assert_eq!(told(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)]).len(), 1);
-        assert!(told(&slow, [map(0.6, 0.051, None), slow.clone()]).is_empty());
-        assert!(told(&slow, [slow.clone(), map(0.6, 0.051, None)]).is_empty());
+        assert_eq!(reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)]).len(), 1);
+        assert!(reported(&slow, [map(0.6, 0.051, None), slow.clone()]).is_empty());
+        assert!(reported(&slow, [slow.clone(), map(0.6, 0.051, None)]).is_empty());
         // Logs that are too short for the test do not speak against it.
         let mut short = slow.clone();
         (short.joints[0].parts[0].p, short.joints[0].parts[0].family_wise_p) = (None, None);
-        assert_eq!(told(&slow, [slow.clone(), short]).len(), 1);
+        assert_eq!(reported(&slow, [slow.clone(), short]).len(), 1);
         let line = map(0.1, 0.5, Some((0.3, 1e-3)));
         let moved = |hz: f64| {
             let mut moved = line.clone();
             moved.joints[0].lines[0].hz = hz;
             moved
         };
-        assert_eq!(told(&line, [line.clone(), moved(7.39)]).len(), 1);
-        assert!(told(&line, [line.clone(), moved(7.41)]).is_empty());
-        assert!(told(&line, [line.clone(), slow]).is_empty());
+        assert_eq!(reported(&line, [line.clone(), moved(7.39)]).len(), 1);
+        assert!(reported(&line, [line.clone(), moved(7.41)]).is_empty());
+        assert!(reported(&line, [line.clone(), slow]).is_empty());
     }
 }

@@ -1,47 +1,14 @@
 //! Generic functions of a joint as structure of what a model leaves: what training and held-out rows show of them, and which names on
 //! the joint they replace.
 
-use crate::diagnosis::evidence::{Block, Gains, SEEN_AGAIN, against_slow_noise, modulated};
+use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Noise, Nuisances, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
 use crate::diagnosis::search::{Selection, members};
 use crate::error::Result;
 use std::borrow::Cow;
-
-/// Share of the level of named effects at which training and held-out logs together show structure: the columns are many and
-/// general, and what they find cannot be checked against a law.
-pub(super) const STRICTER: f64 = 0.2;
-
-/// Share of the level of named effects at which the training logs by themselves make structure sure.
-const SURE: f64 = 0.02;
-
-/// Probability by chance up to which structure on the training logs is looked for on the held-out logs.
-const LOOKED_FOR: f64 = 0.5;
-
-/// Probability of a block in the noise that does not know it up to which the noise is estimated anew with it.
-const SUGGESTED: f64 = 0.1;
-
-/// Least share of the residual of a joint that structure must have to be reported: with many rows that of any simplification of
-/// a simulator or a sensor is sure.
-pub(super) const WORTH_TELLING: f64 = 0.03;
-
-/// A finding adds nothing to structure when the p-value of what it adds is above this.
-const EMPTY: f64 = 1e-3;
-
-/// Share of what a finding explains by itself that structure must explain beyond it to replace it: less may be any simplification of its
-/// law.
-const LITTLE: f64 = 0.02;
-
-/// Level, over all kinds of structure of a joint, at which training and held-out logs together show that a name on it is not all: that
-/// something is there is known, and what is asked is only whether the name is it.
-const NOT_ALL: f64 = 0.01;
-
-/// Probability by chance of what held-out logs alone must say for that.
-const LEANS: f64 = 0.2;
-
-/// p-value of the held-out logs by themselves below which they confirm what has no prediction for other logs.
-pub(super) const CONFIRMED: f64 = 0.01;
 
 /// Structure that no candidate carries.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,6 +87,8 @@ struct Again {
 pub(super) struct Fitted<'a> {
     /// Logs and arm.
     pub session: &'a Session<'a>,
+    /// Thresholds.
+    pub criteria: &'a StructureCriteria,
     /// The effects in it.
     pub members: Vec<Member>,
     /// Which of them have no rivals.
@@ -166,7 +135,12 @@ impl<'a> Fitted<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
+    pub fn new(
+        session: &'a Session,
+        selection: &'a Selection,
+        criteria: &'a StructureCriteria,
+        alpha: f64,
+    ) -> Result<Self> {
         let members = members(&selection.found);
         let columns = session.all_columns(&session.train, &members)?;
         let errors = |data: &DataSet| {
@@ -181,8 +155,9 @@ impl<'a> Fitted<'a> {
             held_out_columns: session.all_columns(&session.test, &members)?,
             held_out_errors: errors(&session.test),
             before: &selection.held_out,
-            together: STRICTER * alpha,
-            sure: SURE * alpha,
+            criteria,
+            together: criteria.together * alpha,
+            sure: criteria.certain * alpha,
             session,
             firm: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
@@ -212,7 +187,7 @@ impl<'a> Fitted<'a> {
     pub fn seen(&self, place: &Place, block: &Block) -> Option<Seen<'_>> {
         let rows = &self.session.train.rows;
         let plain = self.under.test(&block.columns)?;
-        if plain.1.log_p() > SUGGESTED.ln() {
+        if plain.1.log_p() > self.criteria.suggested_p.ln() {
             return None;
         }
         let mut all = vec![(Cow::Borrowed(&self.under), plain)];
@@ -225,12 +200,12 @@ impl<'a> Fitted<'a> {
         let seen = all.into_iter().filter_map(|(under, (whitened, test))| {
             // On a joint with a finding only the kinds of this joint count. Slow noise only adds to what chance alone brings.
             let tries = if place.has_names { place.kinds } else { place.tests };
-            let p = (tries * test.log_p().exp() <= LOOKED_FOR).then(|| {
+            let p = (tries * test.log_p().exp() <= self.criteria.looked_for_p).then(|| {
                 against_slow_noise(rows, &under.whitener, &under.adjusted_for_errors, &whitened, &test).exp()
             })?;
             tracing::debug!(place.joint, block.structure, p, plain = test.log_p(), "structure");
             let family_wise_p = (place.tests * p).min(1.0);
-            (tries * p <= LOOKED_FOR).then_some(Seen { under, whitened, test, p, family_wise_p })
+            (tries * p <= self.criteria.looked_for_p).then_some(Seen { under, whitened, test, p, family_wise_p })
         });
         seen.min_by(|a, b| a.p.total_cmp(&b.p))
     }
@@ -252,15 +227,17 @@ impl<'a> Fitted<'a> {
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
         tracing::debug!(joint, structure, chance, gained, surely, "structure on held-out rows");
         // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
-        let goes_along = family_wise_p < self.sure && chance < CONFIRMED;
+        let goes_along = family_wise_p < self.sure && chance < self.criteria.confirmed_p;
         let sure = gained && family_wise_p < self.sure && surely;
-        let shown = sure || goes_along || (gained && with(family_wise_p) < self.together && chance < SEEN_AGAIN);
-        let is_not_all = place.has_names && chance < LEANS && with(place.kinds * p) < NOT_ALL;
+        let shown =
+            sure || goes_along || (gained && with(family_wise_p) < self.together && chance < self.criteria.again_p);
+        let is_not_all =
+            place.has_names && chance < self.criteria.leans_p && with(place.kinds * p) < self.criteria.not_all_p;
         let share = under.share(joint, test.statistic);
         let weighs = sure || is_not_all;
         let instead_of = if weighs { self.empty_beside(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
-        let told = (shown && share > WORTH_TELLING) || !instead_of.is_empty();
+        let told = (shown && share > self.criteria.share_of_residual) || !instead_of.is_empty();
         told.then_some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), sure, instead_of })
     }
 
@@ -272,7 +249,7 @@ impl<'a> Fitted<'a> {
         let whitened = under.on_held_out.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
         let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
-        let surely = chance < CONFIRMED;
+        let surely = chance < self.criteria.confirmed_p;
         Some(Again { chance, gained: surely, surely })
     }
 
@@ -312,7 +289,7 @@ impl<'a> Fitted<'a> {
             let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
             let beside = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
             tracing::debug!(joint, family = ?member.candidate.family(), alone, beside, "name beside structure");
-            if beside > EMPTY.ln() && more > LITTLE * alone {
+            if beside > self.criteria.adds_nothing_p.ln() && more > self.criteria.beyond_finding * alone {
                 empty.push(place);
             }
         }

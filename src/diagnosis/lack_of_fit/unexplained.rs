@@ -2,8 +2,9 @@
 //! structure, and whether a finding is only a part of that.
 
 use super::harmonics::Spectrum;
-use super::structure::{CONFIRMED, Fitted, Place, Under, Unexplained, is_weighed};
-use crate::diagnosis::evidence::{Block, Reach, SEEN_AGAIN, blocks, slow_cosines};
+use super::structure::{Fitted, Place, Under, Unexplained, is_weighed};
+use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::Session;
 use crate::diagnosis::search::Selection;
 use crate::error::Result;
@@ -21,8 +22,13 @@ const OTHER_KINDS: usize = 2;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Vec<Unexplained>> {
-    let model = Fitted::new(session, selection, alpha)?;
+pub fn unexplained(
+    session: &Session,
+    selection: &Selection,
+    criteria: &StructureCriteria,
+    alpha: f64,
+) -> Result<Vec<Unexplained>> {
+    let model = Fitted::new(session, selection, criteria, alpha)?;
     let each: Vec<Option<Unexplained>> =
         (0..session.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
     Ok(each.into_iter().flatten().collect())
@@ -99,12 +105,12 @@ impl Fitted<'_> {
             .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
-        (again.log_p < SEEN_AGAIN.ln()).then_some(Unexplained {
+        (again.log_p < self.criteria.again_p.ln()).then_some(Unexplained {
             joint,
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p: Some(family_wise_p),
-            sure: again.log_p < CONFIRMED.ln(),
+            sure: again.log_p < self.criteria.confirmed_p.ln(),
             instead_of: Vec::new(),
         })
     }

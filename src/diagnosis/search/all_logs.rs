@@ -39,6 +39,7 @@ pub(super) fn search(
     let mut all_logs = session.over_all_logs();
     let mut known = found.clone();
     let mut refused: Vec<Refused> = Vec::new();
+    let criteria = &options.criteria.comparison;
     let mut in_own_noise = InOwnNoise::default();
     let mut more = false;
     // What happens once is in one log.
@@ -57,7 +58,7 @@ pub(super) fn search(
         }
         let before = members(&known);
         let Comparison { winner, alternatives, .. } =
-            compare(&all_logs, &before, &contenders, &round.all, multiplicity, &mut in_own_noise)?;
+            compare(&all_logs, &before, &contenders, &round.all, multiplicity, criteria, &mut in_own_noise)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison over all logs");
         let Round { whitener, fit, .. } = &round;
         let (alpha, session) = (options.alpha, &all_logs);
@@ -78,7 +79,7 @@ pub(super) fn search(
             }
         }
     }
-    list_alternatives(&all_logs, &mut known, &round, multiplicity, watch)?;
+    list_alternatives(&all_logs, &mut known, &round, multiplicity, criteria, watch)?;
     for (finding, known) in found.iter_mut().zip(&known) {
         finding.set_alternatives(known.alternatives.clone());
     }

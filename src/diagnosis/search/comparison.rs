@@ -2,6 +2,7 @@
 
 use super::eligible::Contenders;
 use super::found::Alternative;
+use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Member, Noise, Session, Slot, shapes};
 use crate::diagnosis::noise::Whitener;
@@ -9,36 +10,6 @@ use crate::diagnosis::regression::{Projection, Test, log_survival};
 use crate::error::Result;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Candidates that are fitted with a noise model of their own before one is chosen.
-const SHORTLIST: usize = 4;
-
-/// Share of the winner's statistic that a rival must reach to be looked at.
-const RIVAL: f64 = 0.3;
-
-/// Share of the winner's statistic from which a rival is close enough for held-out logs to judge.
-const CLOSE: f64 = 0.8;
-
-/// Share of the held-out sum of squares, as a lower bound, for which a rival takes the winner's place: less may come of a further
-/// parameter or of chance.
-const CLEARLY_BETTER: f64 = 0.02;
-
-/// A rival is out when what the winner adds to it is less likely than this without need.
-const ENCOMPASSED: f64 = 1e-3;
-
-/// A rival that holds the winner and more stays only if what it adds is less likely than this without need.
-const SUPERFLUOUS: f64 = 0.05;
-
-/// A rival with more parameters stays only within this gap of the information criterion.
-const CRITERION_GAP: f64 = 6.0;
-
-/// Smaller and larger effects on one joint that motion alone cannot separate: the larger one with nothing in its further parameter
-/// is the smaller one.
-const ONE_MORE: [(&str, &str); 3] = [
-    ("torque_offset", "friction_asymmetry"),
-    ("encoder_offset", "encoder_eccentricity"),
-    ("gravity_balancer", "link_inertia_error"),
-];
 
 /// Candidates that were seen in the noise under the model with them: criterion and candidate at its best shape there, None where it
 /// cannot be. They hold as long as the rest of the model stays the same.
@@ -66,6 +37,7 @@ pub(super) fn compare(
     contenders: &Contenders,
     all: &[Candidate],
     multiplicity: &Multiplicity,
+    criteria: &ComparisonCriteria,
     in_own_noise: &mut InOwnNoise,
 ) -> Result<Comparison> {
     let Contenders { best, eligible, .. } = contenders;
@@ -81,7 +53,7 @@ pub(super) fn compare(
         let criterion = 2.0 * whitener.log_scale() + left + 2.0 * parameters(&own) as f64 + looked_for(&own);
         Ok(Some((criterion, own.candidate)))
     };
-    let shortlist = &best[..best.len().min(SHORTLIST)];
+    let shortlist = &best[..best.len().min(criteria.shortlist)];
     let new = shortlist.par_iter().filter(|judged| !in_own_noise.contains_key(&judged.candidate.slot()));
     let new = new.map(|judged| Ok((judged.candidate.slot(), seen(judged)?)));
     let new: Vec<(Slot, Option<(f64, Candidate)>)> = new.collect::<Result<_>>()?;
@@ -100,7 +72,7 @@ pub(super) fn compare(
     let scan = Scan::new(session, &again, &whitener, &fit);
     let ranked = scan.best_per_family();
     let largest = ranked.iter().map(|judged| judged.test.statistic).fold(0.0, f64::max);
-    let strong = ranked.into_par_iter().filter(|judged| judged.test.statistic > RIVAL * largest);
+    let strong = ranked.into_par_iter().filter(|judged| judged.test.statistic > criteria.rival * largest);
     let mut strong: Vec<Judged> =
         strong.map(|judged| session.refined(judged.clone(), &whitener, &fit)).collect::<Result<_>>()?;
     strong.sort_by(|a, b| (criterion(a) + looked_for(a)).total_cmp(&(criterion(b) + looked_for(b))));
@@ -120,12 +92,12 @@ pub(super) fn compare(
         let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
         let gap = criterion(rival) + looked_for(rival) - criterion(&winner) - looked_for(&winner);
         let needed = |test: Option<Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
-        let winner_adds = needed(beside_rival.test(&winner.whitened), ENCOMPASSED);
-        let rival_adds = needed(beside_winner.test(&rival.whitened), SUPERFLUOUS);
+        let winner_adds = needed(beside_rival.test(&winner.whitened), criteria.encompassed_p);
+        let rival_adds = needed(beside_winner.test(&rival.whitened), criteria.superfluous_p);
         let larger = parameters(rival) > parameters(&winner);
         // What fits better, and was not sure enough to win, is not excluded by what the winner adds to it.
         let explains_as_much =
-            !winner_adds && (!larger || (rival_adds && gap < CRITERION_GAP) || is_one_more(&winner, rival));
+            !winner_adds && (!larger || (rival_adds && gap < criteria.criterion_gap) || is_one_more(&winner, rival));
         if explains_as_much || gap < 0.0 {
             alternatives.push(Alternative {
                 family: rival.candidate.family(),
@@ -133,7 +105,7 @@ pub(super) fn compare(
             });
         }
     }
-    let least = CLOSE * winner.test.statistic;
+    let least = criteria.close * winner.test.statistic;
     strong.retain(|rival| rival.test.statistic > least && eligible.may_win(&rival.candidate));
     Ok(Comparison { winner, alternatives, close: strong })
 }
@@ -151,7 +123,12 @@ pub(super) struct Chosen {
 
 /// The one of those that come close that predicts the held-out rows significantly better than the winner, if any; the winner then
 /// stays as an alternative. Where the residual is well above the noise, the training rows separate rivals by what is wrong with both.
-pub(super) fn better_held_out(session: &Session, members: &[Member], comparison: Comparison) -> Result<Chosen> {
+pub(super) fn better_held_out(
+    session: &Session,
+    members: &[Member],
+    comparison: Comparison,
+    criteria: &ComparisonCriteria,
+) -> Result<Chosen> {
     let Comparison { winner, mut alternatives, close } = comparison;
     if winner.candidate.log.is_some() {
         return Ok(Chosen { winner, alternatives, whitener: None });
@@ -173,7 +150,7 @@ pub(super) fn better_held_out(session: &Session, members: &[Member], comparison:
         Ok(bound)
     };
     let bounds: Vec<f64> = rivals.par_iter().map(bound).collect::<Result<_>>()?;
-    let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > CLEARLY_BETTER);
+    let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > criteria.clearly_better);
     let best = better.max_by(|(a, _), (b, _)| a.total_cmp(b));
     let Some((_, rival)) = best else { return Ok(Chosen { winner, alternatives, whitener: Some(whitener) }) };
     alternatives.retain(|other| other.family != rival.candidate.family());
@@ -181,9 +158,11 @@ pub(super) fn better_held_out(session: &Session, members: &[Member], comparison:
     Ok(Chosen { winner: rival.clone(), alternatives, whitener: None })
 }
 
+/// Whether the rival is the winner with one parameter more, from which motion alone cannot separate it.
 fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
-    let (winner, rival) = (winner.candidate.family(), rival.candidate.family());
-    winner.joint == rival.joint && ONE_MORE.contains(&(winner.effect, rival.effect))
+    let (family, other) = (winner.candidate.family(), rival.candidate.family());
+    let effect = winner.candidate.placed.effect;
+    family.joint == other.joint && effect.contained_in() == Some(other.effect)
 }
 
 /// The fit with a candidate and the derivatives to its shapes.

@@ -10,21 +10,7 @@ use crate::diagnosis::regression::fisher;
 use crate::effects::{Backlash, Effect, Nature, Placed};
 use crate::error::Result;
 
-/// Factor on alpha at which impacts are significant where the held-out logs have no change of sign.
-const UNCONFIRMED: f64 = 1e-6;
-
-/// What training and held-out logs must each say for themselves.
-const EACH: f64 = 0.05;
-
-/// What is left of a gear's impacts without those moments at which another gear's load changes sign too, from which on the
-/// other is not an alternative; and among moments only in which the loads change as much, where they must still show.
-const OWN: f64 = 0.01;
-
-/// Probability of a joint's impacts by chance up to which they leave its play open: small play hardly rattles, and where it is another
-/// name for what was found it need not be shown, only not spoken against.
-const OPEN: f64 = 0.1;
-
-/// Gears with play that impacts in the logs show, the surest first; the session is told which others they leave open. Their
+/// Gears with play that impacts in the logs show, the most significant first; the session takes over which others they leave open. Their
 /// steady torque joins the session's baseline, and the rows that impacts disturb are left out.
 ///
 /// # Errors
@@ -34,6 +20,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Vec::new());
     }
+    let criteria = &options.criteria.impacts;
     let dof = session.model.dof();
     let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
     let known: Vec<usize> = session.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
@@ -53,15 +40,15 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         let level = family_wise(best, dof as f64);
         let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
         tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
-        let both = each.iter().all(|log_p| *log_p < EACH.ln());
-        let told = both || test.changes(joint) == 0;
-        let limit = options.alpha * if both { options.criteria.search.impacts } else { UNCONFIRMED };
-        if level > limit || !told {
+        let both = each.iter().all(|log_p| *log_p < criteria.each_p.ln());
+        let confirmed = both || test.changes(joint) == 0;
+        let limit = options.alpha * if both { options.criteria.search.impacts } else { criteria.unconfirmed };
+        if level > limit || !confirmed {
             break;
         }
         let alike = fisher([&train, &test].map(|traces| traces.log_p_among_alike(joint)));
         tracing::debug!(alike, "impacts among moments alike");
-        if alike > OWN.ln() {
+        if alike > criteria.own_p.ln() {
             break;
         }
         let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
@@ -69,7 +56,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
             .iter()
             .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
             .map(|(other, _)| *other)
-            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > OWN.ln())
+            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > criteria.own_p.ln())
             .collect();
         rattling.push(joint);
         rattling.extend(&rivals);
@@ -77,7 +64,8 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     }
     let named = |joint: &usize| found.iter().any(|one| one.member.placed.joint == *joint);
     let chance = |joint: usize| fisher([&train, &test].map(|traces| traces.log_p(joint, &rattling)));
-    let open = (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < OPEN.ln());
+    let open =
+        (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < criteria.open_p.ln());
     session.open_play = open.collect();
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();

@@ -7,6 +7,7 @@ use super::eligible::{Contenders, Standing};
 use super::found::{Alternative, Found, explained_by_play, members};
 use super::round::Round;
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Family, Noise, Session};
 use crate::diagnosis::watch::{Progress, Watch};
@@ -28,6 +29,7 @@ impl Again {
         index: usize,
         everywhere: &[Candidate],
         multiplicity: &Multiplicity,
+        criteria: &ComparisonCriteria,
     ) -> Result<Option<Self>> {
         let others: Vec<Found> =
             found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
@@ -39,7 +41,8 @@ impl Again {
         let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
         let anyone = |_: &Candidate, _| Standing::MayWin;
         let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
-        let comparison = compare(session, &of_others, &contenders, &all, multiplicity, &mut InOwnNoise::new())?;
+        let own_noise = &mut InOwnNoise::new();
+        let comparison = compare(session, &of_others, &contenders, &all, multiplicity, criteria, own_noise)?;
         Ok(Some(Again { others, noise, comparison }))
     }
 }
@@ -63,6 +66,7 @@ pub(super) fn rename(
     watch: &mut Watch,
 ) -> Result<bool> {
     let (alpha, criteria) = (options.alpha, &options.criteria.search);
+    let comparing = &options.criteria.comparison;
     let mut changed = false;
     if found.len() < 2 {
         return Ok(changed);
@@ -73,12 +77,13 @@ pub(super) fn rename(
         }
         watch.tell(Progress::Found(found.len()));
         let Some(Again { others, noise: Noise { whitener, fit }, comparison }) =
-            Again::new(session, found, index, everywhere, multiplicity)?
+            Again::new(session, found, index, everywhere, multiplicity, comparing)?
         else {
             continue;
         };
         let of_others = members(&others);
-        let Chosen { winner, alternatives, whitener: under } = better_held_out(session, &of_others, comparison)?;
+        let Chosen { winner, alternatives, whitener: under } =
+            better_held_out(session, &of_others, comparison, comparing)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
@@ -113,6 +118,7 @@ pub(super) fn list_alternatives(
     found: &mut [Found],
     round: &Round,
     multiplicity: &Multiplicity,
+    criteria: &ComparisonCriteria,
     watch: &mut Watch,
 ) -> Result<()> {
     // Where the residual is well above the noise, more rows separate rivals by what is wrong with both.
@@ -128,7 +134,7 @@ pub(super) fn list_alternatives(
         }
         watch.tell(Progress::Found(found.len()));
         let Some(Again { others, comparison: Comparison { winner, alternatives, .. }, .. }) =
-            Again::new(session, found, index, &round.all, multiplicity)?
+            Again::new(session, found, index, &round.all, multiplicity, criteria)?
         else {
             continue;
         };

@@ -18,20 +18,11 @@ use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-/// Effects are dropped in the end when what they take is more likely than this without them.
-const KEPT: f64 = 1e-4;
-
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
 
 /// Candidates that may be refused one after the other before the search ends.
 const REFUSALS: usize = 12;
-
-/// Candidates of which held-out logs are asked, one after the other, whether they confirm what training logs leave open: by how
-/// much less likely than by itself each must be by chance, so that all together keep the level; and the level of the best beyond
-/// which there is nothing to confirm.
-const CONFIRMATIONS: [f64; 2] = [1.25, 5.0];
-const NOTHING_TO_CONFIRM: f64 = 0.5;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -62,6 +53,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let mut rejected: Vec<Rejected> = Vec::new();
+    let comparison = &options.criteria.comparison;
     let (mut in_a_row, mut asked) = (0, 0);
     let mut in_own_noise = InOwnNoise::default();
     let mut round = Round::first(session, &mut found, options)?;
@@ -94,14 +86,16 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
             );
         }
         // What the training logs alone do not show may show together with the held-out ones.
-        let tries = CONFIRMATIONS.get(asked).copied();
-        if level > options.alpha && (tries.is_none() || level > NOTHING_TO_CONFIRM) {
+        let tries = options.criteria.search.attempts.get(asked).copied();
+        if level > options.alpha && (tries.is_none() || level > options.criteria.search.hopeless_p) {
             break;
         }
         let members = members(&found);
-        let comparison = compare(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
+        let compared =
+            compare(session, &members, &contenders, &round.all, &multiplicity, comparison, &mut in_own_noise)?;
         watch.tell(Progress::Found(found.len()));
-        let Chosen { winner, alternatives, whitener: under } = better_held_out(session, &members, comparison)?;
+        let Chosen { winner, alternatives, whitener: under } =
+            better_held_out(session, &members, compared, comparison)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
         let Round { whitener, fit, .. } = &round;
         let trial = Trial {
@@ -133,7 +127,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
             }
         }
     }
-    let dropped = drop_superfluous(session, &mut found)?;
+    let dropped = drop_superfluous(session, &mut found, comparison.dropped_p)?;
     let renamed = rename(session, &mut found, &round.all, &multiplicity, options, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
@@ -172,8 +166,8 @@ fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Resu
     Ok(left)
 }
 
-/// Drops effects that the others have made superfluous, the least needed first; tells whether it did.
-fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
+/// Drops effects that the others have made superfluous (p-value above `dropped_p`), the least needed first; returns whether it did.
+fn drop_superfluous(session: &Session, found: &mut Vec<Found>, dropped_p: f64) -> Result<bool> {
     let mut dropped = false;
     while found.len() > 1 {
         let all = members(found);
@@ -188,7 +182,7 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<bool> {
                 least = (log_p, index);
             }
         }
-        if least.0 < KEPT.ln() {
+        if least.0 < dropped_p.ln() {
             break;
         }
         found.remove(least.1);

@@ -94,6 +94,11 @@ impl Effect for GravityBalancer {
         &PARAMETERS
     }
 
+    /// The pull of a balancer is that of a link of another first moment.
+    fn contained_in(&self) -> Option<&'static str> {
+        Some("link_inertia_error")
+    }
+
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
         let [preload, stiffness, geometry, angle] = [p[0], p[1], p[2], p[3]];
         let (sine, cosine) = (x.q[joint] - angle).sin_cos();

@@ -54,6 +54,11 @@ impl Effect for EncoderOffset {
         &PARAMETERS
     }
 
+    /// An eccentricity of a joint that turns little is an offset.
+    fn contained_in(&self) -> Option<&'static str> {
+        Some("encoder_eccentricity")
+    }
+
     fn distort_position(&self, p: &[f64], signal: &mut [f64]) {
         for value in signal {
             *value += p[0];

@@ -51,6 +51,11 @@ impl Effect for TorqueOffset {
         &PARAMETERS
     }
 
+    /// A constant torque is friction of one size in both directions, and an asymmetry that is not there.
+    fn contained_in(&self) -> Option<&'static str> {
+        Some("friction_asymmetry")
+    }
+
     /// No amplifier is off by more.
     fn largest_share(&self) -> Option<f64> {
         Some(0.5)

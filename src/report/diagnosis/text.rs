@@ -148,7 +148,7 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         names += &format!(" or {}", place(robot, other.family));
     }
     if found.verdict == Verdict::Unexplained {
-        let why = match predicts_worse(found, &diagnosis.errors.noise_floor) {
+        let why = match predicts_worse(found, &diagnosis.errors.noise_floor, &diagnosis.scope.criteria.verdict) {
             true => "it fits the training logs and not the held-out logs",
             false => "much stays unexplained there",
         };

@@ -96,6 +96,13 @@ impl Rows {
     }
 }
 
+impl Rows {
+    /// Number of logs.
+    pub fn logs(&self) -> usize {
+        self.log.last().map_or(0, |last| last + 1)
+    }
+}
+
 /// Where a position surely changes; nowhere for one that stands still throughout.
 fn moves(q: &[f64], qd: &[f64], unit: f64) -> Vec<bool> {
     let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));

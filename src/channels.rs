@@ -72,6 +72,11 @@ impl Channels {
         &mut self.data
     }
 
+    /// The numbers of the whole table, `[channel][time]`.
+    pub fn into_vec(self) -> Vec<f64> {
+        self.data
+    }
+
     /// Adds a signal behind the others.
     ///
     /// # Panics

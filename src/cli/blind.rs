@@ -139,7 +139,7 @@ fn make(
     jobs: Option<std::num::NonZeroUsize>,
     global: &Global,
 ) -> Result<(Journal, Vec<Row>)> {
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag(global)?;
     let bar = progress::bar(global, "blind runs", cases.len());
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = jobs.map_or(processors, usize::from).min(cases.len().max(1));

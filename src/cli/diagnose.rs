@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     let [train, test, reference] = logs;
     let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag(global)?;
     let mut diagnosis = Diagnosis::of(&robot)
         .train(train)
         .test(test)

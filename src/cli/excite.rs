@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let (None, Some(budget)) = (arguments.evaluations, arguments.budget_s) {
         request.evaluations = affordable(&problem, &request, budget)?;
     }
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag(global)?;
     let go_on = || !stop.load(Ordering::Relaxed) && deadline.is_none_or(|deadline| Instant::now() < deadline);
     if arguments.compare {
         return run_comparison(&problem, &request, global, &go_on);

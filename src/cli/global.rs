@@ -1,7 +1,9 @@
 //! What all commands share: options and exit codes.
 
+use super::Host;
 use clap::Args;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Done.
 pub const DONE: u8 = 0;
@@ -26,6 +28,9 @@ pub struct Global {
     /// Print errors only: no progress bar, no tables.
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// The program that runs the command inside itself, if any.
+    #[arg(skip)]
+    pub host: Option<Arc<Host>>,
 }
 
 impl Global {

@@ -9,6 +9,7 @@ mod effects;
 mod excite;
 mod global;
 mod gravity;
+mod host;
 mod identify;
 mod inspect;
 mod interrupt;
@@ -26,10 +27,14 @@ mod usual_way;
 mod view;
 
 pub use global::{BAD_INPUT, DONE, FAILED, Global};
+pub use host::{Host, Printed};
 
+use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::Arc;
 use tracing_subscriber::EnvFilter;
 
 /// Says what the dynamic model of a robot arm misses, by how much, and what to do about it.
@@ -90,33 +95,70 @@ enum Command {
 
 /// Parses the command line and runs the command.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    ExitCode::from(main_with(std::env::args_os()))
+}
+
+/// [`main`] with a command line of one's own, the name of the program first. Returns the exit code. Ends the program where the command
+/// line asks for help or is wrong.
+pub fn main_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = Cli::parse_from(arguments);
     log_warnings(&cli.global);
-    let command = cli.command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
-    let result = match command {
-        Command::Run(arguments) => run::run(&arguments, &cli.global),
-        Command::Identify(arguments) => identify::run(&arguments, &cli.global),
-        Command::Inspect(arguments) => inspect::run(&arguments, &cli.global),
-        Command::Paper(arguments) => paper::run(&arguments, &cli.global),
-        Command::Simulate(arguments) => simulate::run(&arguments, &cli.global),
-        Command::Excite(arguments) => excite::run(&arguments, &cli.global),
-        Command::Diagnose(arguments) => diagnose::run(&arguments, &cli.global),
-        Command::Payload(arguments) => payload::run(&arguments, &cli.global),
-        Command::Blind(arguments) => blind::run(&arguments, &cli.global),
-        Command::Montecarlo(arguments) => montecarlo::run(&arguments, &cli.global),
-        Command::Check(arguments) => check::run(&arguments, &cli.global),
-        Command::Robot(arguments) => robot::run(&arguments, &cli.global),
-        Command::View(arguments) => view::run(&arguments, &cli.global),
-        Command::Effects(arguments) => effects::run(&arguments, &cli.global),
-    };
-    match result {
-        Ok(code) => ExitCode::from(code),
-        Err(error) => {
-            // If standard error cannot be written, the exit code still reports the failure.
-            let red = anstyle::AnsiColor::Red.on_default().bold();
-            let _ = writeln!(anstream::stderr(), "{red}tauscope:{red:#} {error}");
-            ExitCode::from(BAD_INPUT)
-        }
+    execute(cli).unwrap_or_else(|error| {
+        // If standard error cannot be written, the exit code still reports the failure.
+        let red = anstyle::AnsiColor::Red.on_default().bold();
+        let _ = writeln!(anstream::stderr(), "{red}tauscope:{red:#} {error}");
+        BAD_INPUT
+    })
+}
+
+/// Runs a command inside a program: `arguments` are those of the command line without the program's name. Nothing is printed; `host`
+/// has the answer, also where a command ends with an error after it. Returns the exit code.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tauscope::cli::{self, Host};
+///
+/// let host = Arc::new(Host::default());
+/// assert_eq!(cli::call(["effects", "backlash"], &host)?, cli::DONE);
+/// assert!(host.take().is_some_and(|printed| printed.json.contains("tauscope.effects/1")));
+///
+/// let refused = cli::call(["effects", "--seed", "x"], &host).unwrap_err();
+/// assert!(refused.to_string().starts_with("arguments: invalid value 'x' for '--seed <N>'"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of the command; a command line that is wrong.
+pub fn call<A: Into<OsString>>(arguments: impl IntoIterator<Item = A>, host: &Arc<Host>) -> Result<u8> {
+    let arguments = arguments.into_iter().map(A::into);
+    let mut cli =
+        Cli::try_parse_from(std::iter::once(OsString::from("tauscope")).chain(arguments)).map_err(|problem| {
+            let text = problem.to_string();
+            let lines = text.lines().map(str::trim).take_while(|line| !line.is_empty());
+            let line = lines.collect::<Vec<_>>().join(" ");
+            Error::request("arguments", line.strip_prefix("error: ").unwrap_or(&line))
+        })?;
+    cli.global.host = Some(Arc::clone(host));
+    cli.global.quiet = true;
+    execute(cli)
+}
+
+fn execute(Cli { global, command }: Cli) -> Result<u8> {
+    match command.unwrap_or_else(|| Command::Run(run::Arguments::default())) {
+        Command::Run(arguments) => run::run(&arguments, &global),
+        Command::Identify(arguments) => identify::run(&arguments, &global),
+        Command::Inspect(arguments) => inspect::run(&arguments, &global),
+        Command::Paper(arguments) => paper::run(&arguments, &global),
+        Command::Simulate(arguments) => simulate::run(&arguments, &global),
+        Command::Excite(arguments) => excite::run(&arguments, &global),
+        Command::Diagnose(arguments) => diagnose::run(&arguments, &global),
+        Command::Payload(arguments) => payload::run(&arguments, &global),
+        Command::Blind(arguments) => blind::run(&arguments, &global),
+        Command::Montecarlo(arguments) => montecarlo::run(&arguments, &global),
+        Command::Check(arguments) => check::run(&arguments, &global),
+        Command::Robot(arguments) => robot::run(&arguments, &global),
+        Command::View(arguments) => view::run(&arguments, &global),
+        Command::Effects(arguments) => effects::run(&arguments, &global),
     }
 }
 

@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let out = global.folder(&format!("{}_montecarlo", setup.scenario.name));
     let study = Study::new(setup, plan)?;
     let folder = StudyFolder::open(&out, &study, shard, arguments.resume)?;
-    let stop = interrupt::flag()?;
+    let stop = interrupt::flag(global)?;
     let bar = progress::bar(global, "trials", folder.trials(&study));
     let done = |trials: usize| bar.inc(trials as u64);
     let finished = folder.run(&study, &Progress { done: &done, stop: &stop }, &page)?;

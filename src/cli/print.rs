@@ -7,7 +7,7 @@ use anstyle::Style;
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
 
-/// Prints what a command found: nothing under `--quiet`, `value` under `--json`, else the text for people. A closed pipe
+/// Prints what a command found: to the program that runs it, if there is one; else nothing under `--quiet`, `value` under `--json`, else the text for people. A closed pipe
 /// (`tauscope | head`) is not an error: the reader has had enough.
 ///
 /// # Errors
@@ -18,6 +18,9 @@ pub(super) fn result(
     value: &impl Serialize,
     text: impl FnOnce() -> String,
 ) -> Result<()> {
+    if let Some(host) = &global.host {
+        return host.print(schema, value, text());
+    }
     let mut bytes = Vec::new();
     let made = match (global.quiet, global.json) {
         (true, _) => return Ok(()),

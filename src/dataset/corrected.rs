@@ -4,6 +4,7 @@ use super::{Dataset, SCHEMA};
 use crate::error::{Error, Result};
 use crate::quality::UnitChanges;
 use crate::quality::descriptions::{Change, Description};
+use crate::recording::memory;
 use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -109,6 +110,9 @@ pub fn corrected(
 /// Names all files from the root.
 fn files(table: &mut Table, dataset: Option<&Dataset>, named: &Named) -> Result<()> {
     let absolute = |path: &Path| {
+        if memory::is_held(path) {
+            return Ok(Value::from(path.display().to_string()));
+        }
         let path = std::path::absolute(path).map_err(|source| Error::io(path, "find this file", source))?;
         Ok::<Value, Error>(Value::from(path.display().to_string()))
     };

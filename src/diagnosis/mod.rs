@@ -38,7 +38,7 @@ pub use answer::{
 };
 pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;
-pub use criteria::{Criteria, Gate, Judgement};
+pub use criteria::{Criteria, Gate, Judgement, SearchCriteria};
 pub use evidence::Ranked;
 pub use lack_of_fit::LOGS_DISAGREE;
 pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};

@@ -4,6 +4,7 @@
 mod bag;
 pub mod csv;
 pub mod lenient;
+pub mod memory;
 pub mod parquet;
 pub mod resample;
 
@@ -84,6 +85,68 @@ impl Signals {
 }
 
 impl Recording {
+    /// A log of positions and torques, one channel per joint. Velocities and accelerations may follow:
+    /// [`Recording::with_velocities`], [`Recording::with_accelerations`].
+    ///
+    /// ```
+    /// use tauscope::channels::Channels;
+    /// use tauscope::recording::Recording;
+    ///
+    /// let (time, two) = (vec![0.0, 0.01, 0.02], Channels::zeros(2, 3));
+    /// let names = || vec!["hip".to_owned(), "knee".to_owned()];
+    /// let log = Recording::new(names(), time.clone(), two.clone(), two.clone())?.with_velocities(two.clone())?;
+    /// assert_eq!((log.joints(), log.samples()), (2, 3));
+    ///
+    /// let refused = Recording::new(names(), time, two, Channels::zeros(1, 3)).unwrap_err();
+    /// assert_eq!(refused.to_string(), "tau: has 1 joint of 3 samples; 2 joints of 3 samples are wanted");
+    /// # Ok::<(), tauscope::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Signals of another shape than one channel per joint and one sample per time.
+    pub fn new(joints: Vec<String>, time: Vec<f64>, q: Channels, tau: Channels) -> Result<Self> {
+        let recording = Recording { joints, time, q, tau, ..Recording::default() };
+        recording.check("q", &recording.q)?;
+        recording.check("tau", &recording.tau)?;
+        Ok(recording)
+    }
+
+    /// The log with measured velocities.
+    ///
+    /// # Errors
+    /// Those of [`Recording::new`].
+    pub fn with_velocities(self, qd: Channels) -> Result<Self> {
+        self.check("qd", &qd)?;
+        Ok(Recording { qd: Some(qd), ..self })
+    }
+
+    /// The log with measured accelerations.
+    ///
+    /// # Errors
+    /// Those of [`Recording::new`].
+    pub fn with_accelerations(self, qdd: Channels) -> Result<Self> {
+        self.check("qdd", &qdd)?;
+        Ok(Recording { qdd: Some(qdd), ..self })
+    }
+
+    fn check(&self, name: &str, signals: &Channels) -> Result<()> {
+        let shape = |joints: usize, samples: usize| {
+            let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
+            format!("{} of {}", count(joints, "joint"), count(samples, "sample"))
+        };
+        let (found, wanted) = ((signals.channels(), signals.samples()), (self.joints(), self.samples()));
+        if found != wanted {
+            let problem = format!("has {}; {} are wanted", shape(found.0, found.1), shape(wanted.0, wanted.1));
+            return Err(Error::request(name, problem));
+        }
+        Ok(())
+    }
+
+    /// Whether the joints are called by number alone: `joint_1` and so on.
+    pub fn is_numbered(&self) -> bool {
+        self.joints.iter().enumerate().all(|(joint, name)| *name == format!("joint_{}", joint + 1))
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.joints.len()
@@ -184,8 +247,7 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
     let mut lost = Vec::new();
     match extension.as_deref() {
         Some("csv") => {
-            let numbered = |(joint, name): (usize, &String)| *name == format!("joint_{}", joint + 1);
-            match recording.joints.iter().enumerate().all(numbered) {
+            match recording.is_numbered() {
                 true => csv::write(path, recording)?,
                 false => csv::write_named(path, recording)?,
             }

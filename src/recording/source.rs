@@ -4,10 +4,11 @@ use super::format::{self, Format};
 use super::lenient::ColumnMap;
 use super::sieve::{Cause, Rejected};
 use super::text::Text;
-use super::{Recording, names, numpy, parquet};
+use super::{Recording, memory, names, numpy, parquet};
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A file whose header is known.
 pub enum Source {
@@ -20,6 +21,8 @@ pub enum Source {
     Bag(super::bag::Table),
     /// Arrays of numpy, read already.
     Arrays(numpy::Table),
+    /// A log that this program holds.
+    Memory(Arc<memory::Table>),
 }
 
 /// The rows of a file.
@@ -39,12 +42,15 @@ struct Content {
 /// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
 pub type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
 
-/// Opens a file. `joints` are wanted where they are known.
+/// Opens a file, or a log in memory. `joints` are wanted where they are known.
 ///
 /// # Errors
 /// An unreadable file, or one of a kind that is not read.
 #[cfg_attr(not(feature = "bags"), allow(unused_variables, reason = "only bags are read by joint and topic"))]
 pub fn open(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<Source> {
+    if let Some(table) = memory::find(path) {
+        return Ok(Source::Memory(table));
+    }
     Ok(match format::of(path)? {
         Format::Text => Source::Text(Text::open(path)?),
         Format::Parquet => Source::Parquet(parquet::Table::open(path)?),
@@ -64,6 +70,7 @@ impl Source {
             #[cfg(feature = "bags")]
             Source::Bag(table) => &table.header,
             Source::Arrays(table) => &table.header,
+            Source::Memory(table) => &table.header,
         }
     }
 
@@ -155,6 +162,7 @@ impl Source {
             }
             Source::Parquet(table) => numbered(table.rows(path, header, used, true)?),
             Source::Arrays(table) => numbered(std::mem::take(&mut table.columns)),
+            Source::Memory(table) => numbered(table.columns(used)?),
             #[cfg(feature = "bags")]
             Source::Bag(table) => {
                 let unreadable = std::mem::take(&mut table.bad).into_iter().map(|(line, problem)| Rejected {

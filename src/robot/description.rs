@@ -120,6 +120,24 @@ pub fn read(path: &Path) -> Result<Description> {
     file_kind::read(path)
 }
 
+/// Reads a robot from the text of a URDF or a MuJoCo model. `source` is what messages call it; files that the text includes are
+/// looked for beside it.
+///
+/// ```
+/// use tauscope::robot::{Choice, InertiaCheck, description};
+///
+/// let text = std::fs::read_to_string("urdf/irb1600_6_120.urdf")?;
+/// let robot = description::parse(&text, "arm")?.robot(&Choice::default(), InertiaCheck::Required)?;
+/// assert_eq!(robot.dof(), 6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`read`].
+pub fn parse(text: &str, source: impl AsRef<Path>) -> Result<Description> {
+    file_kind::of_bytes(source.as_ref(), text.as_bytes().to_vec())
+}
+
 impl Description {
     /// Index of the link without a joint above it.
     pub fn root(&self) -> usize {

@@ -47,7 +47,10 @@ pub(super) fn read(path: &Path) -> Result<Description> {
 }
 
 /// Reads a robot from what a file holds.
-fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Description> {
+///
+/// # Errors
+/// Those of [`read`].
+pub(super) fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Description> {
     if let Some((what, cure)) = binary(path, &bytes) {
         return Err(refusal(path, None, what, cure));
     }

@@ -2,9 +2,12 @@
 
 use super::assert_done;
 use super::diagnose::{LOGS, changed};
+use std::sync::Arc;
+use tauscope::cli::{self, Host};
 use tauscope::dataset;
 use tauscope::diagnosis::{Answer, Consequence, Diagnosis, Outcome, Verdict};
 use tauscope::quality::Kind;
+use tauscope::recording::{self, memory::Held};
 use tauscope::robot::{self, InertiaCheck};
 use tauscope::simulation::engine::EngineKind;
 
@@ -52,4 +55,34 @@ fn the_library_screens_the_logs_as_the_command_does() {
     assert!(json(&answer) == by_command("negative.csv", "stopped"), "the bytes differ");
     let refusal = answer.into_conclusion().unwrap_err().to_string();
     assert!(refusal.starts_with("negative.csv: tau3"), "{refusal}");
+}
+
+#[test]
+fn a_program_gets_what_the_command_prints() {
+    let [log, robot] = ["out/recording.csv", "arm.urdf"].map(|name| LOGS.path(name).display().to_string());
+    let by_command = LOGS.tauscope(&["inspect", &log, "--robot", &robot, "--json"]);
+    assert_done(&by_command);
+    let by_command = String::from_utf8(by_command.stdout).unwrap();
+    let host = Arc::new(Host::default());
+    let called = |log: &str| {
+        assert_eq!(cli::call(["inspect", log, "--robot", &robot], &host).unwrap(), cli::DONE);
+        host.take().unwrap()
+    };
+    let printed = called(&log);
+    assert!(printed.json == by_command, "the bytes differ");
+    assert!(printed.text.contains("joint_1") && host.take().is_none());
+    let held = Held::new("monday", recording::load(&log, None).unwrap()).unwrap();
+    let from_memory = called(held.path().to_str().unwrap()).json;
+    assert!(from_memory == by_command.replace(&log, "<monday>"), "the bytes of a log in memory differ");
+}
+
+#[test]
+fn a_program_stops_a_command() {
+    let [log, robot, out] =
+        ["out/recording.csv", "arm.urdf", "stopped_by_a_program"].map(|name| LOGS.path(name).display().to_string());
+    let host = Arc::new(Host::default());
+    host.stop();
+    let arguments = ["diagnose", "--robot", &robot, "--train", &log, "--no-resimulation", "--out", &out];
+    assert_eq!(cli::call(arguments, &host).unwrap(), cli::DONE);
+    assert!(host.take().unwrap().json.contains("\"unfinished\": true"));
 }

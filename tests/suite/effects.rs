@@ -2,6 +2,7 @@
 
 use rand::RngExt;
 use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
 use tauscope::channels::Channels;
 use tauscope::dynamics::{Chain, Motion};
 use tauscope::effects::{Along, CoulombFriction, Effect, LIBRARY, Placed, Role, Scope, ViscousFriction, contributions};
@@ -128,11 +129,12 @@ fn amplitudes(effect: &dyn Effect) -> Vec<usize> {
 
 #[test]
 fn every_file_is_registered_under_its_name_and_in_the_vocabulary() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/effects");
-    let files: Vec<String> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
-        .collect();
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src/effects"));
+    let entries = |folder: &Path| std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let rooms: Vec<PathBuf> = entries(folder);
+    let files: Vec<PathBuf> = rooms.iter().filter(|room| room.is_dir()).flat_map(|room| entries(room)).collect();
+    let files: Vec<String> =
+        files.iter().map(|file| file.file_stem().unwrap().to_string_lossy().into_owned()).collect();
     let names: Vec<&str> = LIBRARY.iter().map(|effect| effect.about().name).collect();
     for (index, name) in names.iter().enumerate() {
         assert!(VOCABULARY.contains(name), "{name} is not in the vocabulary");

@@ -198,8 +198,16 @@ fn answer<'a>(
     let Circumstances { simulation, before, inertias, held_out_from_training, present, map, unfinished } =
         circumstances;
     let Searched { selection, minor, mut unexplained } = searched;
-    let Selection { mut found, whitener, first_whitener, held_out: extended, multiplicity, ranking, sensitivity } =
-        selection;
+    let Selection {
+        mut found,
+        rejected,
+        whitener,
+        first_whitener,
+        held_out: extended,
+        multiplicity,
+        ranking,
+        sensitivity,
+    } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let valid = |side: &'_ Side| side.rows.valid.clone();
     let train = session.baseline_residual_on(&session.train, &first_whitener)?;
@@ -274,6 +282,7 @@ fn answer<'a>(
         of_sampling,
         inertias,
         minor,
+        rejected,
         unexplained,
         map,
         unfinished,

@@ -2,10 +2,11 @@
 
 use crate::diagnosis::model::{Member, linear};
 use crate::diagnosis::regression::Solved;
-use crate::robot::{Inertia, Robot};
+use crate::effects::{self, Placed};
+use crate::robot::Robot;
 
-/// A centre of mass is told where the mass is this many standard deviations from zero.
-const MASS_TELLS: f64 = 3.0;
+/// Standard deviations from zero at which the first quantity is significant: a centre of mass is given where the mass is.
+const SIGNIFICANT: f64 = 3.0;
 
 /// A quantity that follows from an effect's parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +15,7 @@ pub struct Derived {
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// Its standard deviation, by the delta method; infinite where the logs do not tell it by itself.
+    /// Its standard deviation, by the delta method; infinite where the logs do not determine it by itself.
     pub std: f64,
     /// Its unit.
     pub unit: &'static str,
@@ -29,19 +30,21 @@ pub(super) fn derived(members: &[Member], solved: &Solved, first: usize, robot: 
             let effect = member.placed.effect;
             let places: Vec<usize> = (first..first + linear(effect).len()).collect();
             first += member.columns();
-            let parameters = &member.placed.parameters;
-            let last = member.placed.joint + 1 == robot.dof();
-            let with = |of: &dyn Fn(&[f64]) -> Vec<f64>| delta(of, parameters, &places, solved);
-            match effect.about().name {
-                "payload" => body(with(&|p| mass_and_center(p, None))),
-                "link_inertia_error" if last => body(with(&|p| mass_and_center(p, Some(robot)))),
-                "base_tilt" => with(&|p| vec![(p[0].cos() * p[1].cos()).acos()])
-                    .into_iter()
-                    .map(|(value, std)| Derived { name: "tilt", value, std, unit: "rad" })
-                    .collect(),
-                _ => Vec::new(),
-            }
+            let Placed { joint, parameters, .. } = &member.placed;
+            let of = |p: &[f64]| effect.derived(p, *joint, robot);
+            let quantities = of(parameters);
+            let values = |p: &[f64]| of(p).into_iter().map(|quantity| quantity.value).collect();
+            let std = delta(&values, parameters, &places, solved).into_iter().map(|(_, std)| std);
+            meaningful(quantities.into_iter().zip(std).collect())
         })
+        .collect()
+}
+
+/// Quantities with their standard deviations, without those that mean nothing where the first is not significant.
+fn meaningful(quantities: Vec<(effects::Derived, f64)>) -> Vec<Derived> {
+    let significant = quantities.first().is_some_and(|(first, std)| first.value.abs() > SIGNIFICANT * std);
+    let kept = quantities.into_iter().filter(|(quantity, _)| significant || !quantity.of_the_first);
+    kept.map(|(quantity, std)| Derived { name: quantity.name, value: quantity.value, std, unit: quantity.unit })
         .collect()
 }
 
@@ -71,29 +74,11 @@ fn delta(of: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], places: &[usize], solved: 
         .collect()
 }
 
-/// Mass and centre of mass in the flange frame, from parameters about that frame, or about the last joint's frame of `robot`.
-fn mass_and_center(parameters: &[f64], robot: Option<&Robot>) -> Vec<f64> {
-    let Ok(parameters) = parameters.try_into() else { return Vec::new() };
-    let body = Inertia(parameters);
-    let mut center = body.center_of_mass();
-    if let Some(robot) = robot {
-        center = robot.flange.rotation.transpose() * (center - robot.flange.translation);
-    }
-    vec![body.mass(), center.x, center.y, center.z]
-}
-
-/// Names for mass and centre of mass; the centre only where there is a mass.
-fn body(values: Vec<(f64, f64)>) -> Vec<Derived> {
-    let names = [("mass", "kg"), ("center_x", "m"), ("center_y", "m"), ("center_z", "m")];
-    let told = values.first().map_or(0, |(mass, std)| if mass.abs() > MASS_TELLS * std { values.len() } else { 1 });
-    let named = names.into_iter().zip(values).take(told);
-    named.map(|((name, unit), (value, std))| Derived { name, value, std, unit }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnosis::regression::{Column, solve};
+    use crate::robot::{InertiaCheck, load};
 
     #[test]
     fn centre_of_mass_by_hand() {
@@ -104,13 +89,22 @@ mod tests {
         let solved = solve(&columns, &unit(0, 1.0));
         let parameters = [4.0, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let places: Vec<usize> = (1..11).collect();
-        let named = body(delta(&|p| mass_and_center(p, None), &parameters, &places, &solved));
+        let payload = effects::find("payload").unwrap();
+        let robot =
+            load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+        let named = |parameters: &[f64]| {
+            let of = |p: &[f64]| payload.derived(p, 0, &robot);
+            let values = |p: &[f64]| of(p).iter().map(|quantity| quantity.value).collect();
+            let std = delta(&values, parameters, &places, &solved).into_iter().map(|(_, std)| std);
+            meaningful(of(parameters).into_iter().zip(std).collect())
+        };
+        let light = named(&[0.1, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let named = named(&parameters);
         assert_eq!((named[1].name, named[1].unit), ("center_x", "m"));
         assert!((named[0].value - 4.0).abs() < 1e-12 && (named[0].std - 0.1).abs() < 1e-9);
         assert!((named[1].value - 0.2).abs() < 1e-12);
         assert!((named[1].std - (0.25f64 * 0.02).hypot(0.05 * 0.1)).abs() < 1e-9, "{named:?}");
         // A mass that is nothing has no centre.
-        let light = [0.1, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        assert_eq!(body(delta(&|p| mass_and_center(p, None), &light, &places, &solved)).len(), 1);
+        assert_eq!(light.len(), 1);
     }
 }

@@ -13,7 +13,7 @@ use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::model::{Family, Member, Session, is_candidate, is_wanted, places};
 use crate::diagnosis::regression::rms;
 use crate::diagnosis::relevance::Minor;
-use crate::diagnosis::search::{Alternative, Found, Verdict};
+use crate::diagnosis::search::{Alternative, Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{LIBRARY, Nature, Parameter, Placed};
 use crate::error::Result;
@@ -136,6 +136,8 @@ pub struct Diagnosis {
     pub of_sampling: Vec<OfSampling>,
     /// Effects found that do not matter, each with the gate that it failed: not in the model.
     pub minor: Vec<Minor>,
+    /// The best candidates of rounds of the search that failed a gate.
+    pub rejected: Vec<Rejected>,
     /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
     pub inertias: Option<Gain>,
     /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.

@@ -8,7 +8,7 @@ use super::residual_structure::ResidualStructure;
 use crate::diagnosis::criteria::{Criteria, Judgement};
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;
-use crate::diagnosis::search::Verdict;
+use crate::diagnosis::search::{Rejected, Verdict};
 use crate::diagnosis::variance::{JointMap, Line, Part};
 use crate::quality::Kind;
 use crate::robot::Robot;
@@ -51,6 +51,9 @@ pub(super) struct Document {
     /// Effects found that do not matter, not in the extended model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     smaller_findings: Vec<SmallerFinding>,
+    /// The best candidates of rounds of the search that failed a gate, and are not found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rejected: Vec<RejectedCandidate>,
     /// Thresholds that decide what is a finding.
     criteria: Criteria,
     /// What the residual of the baseline follows, joint by joint, in means of 80 ms over all logs.
@@ -83,6 +86,25 @@ impl SmallerFinding {
     fn new(robot: &Robot, minor: &Minor) -> Self {
         let Finding { effect, joints, parameters, .. } = finding(robot, &minor.found, &[]);
         SmallerFinding { effect, joints, parameters, size_nm: minor.size.clone(), failed: minor.failed }
+    }
+}
+
+/// A candidate that failed a gate of the search.
+#[derive(Debug, Serialize)]
+struct RejectedCandidate {
+    effect: &'static str,
+    joints: Vec<String>,
+    /// The training log in which it would act, where that is one alone; counted from one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    log: Option<usize>,
+    /// The gate that it failed.
+    failed: Judgement,
+}
+
+impl RejectedCandidate {
+    fn new(robot: &Robot, Rejected { slot: (family, log), failed }: &Rejected) -> Self {
+        let (joints, log) = (joints(robot, *family), log.map(|log| log + 1));
+        RejectedCandidate { effect: family.effect, joints, log, failed: *failed }
     }
 }
 
@@ -263,6 +285,7 @@ impl Document {
             reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
             findings: findings(robot, diagnosis),
             smaller_findings: diagnosis.minor.iter().map(|minor| SmallerFinding::new(robot, minor)).collect(),
+            rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
             criteria: diagnosis.scope.criteria,
             residual_map: diagnosis.map.joints.iter().map(|map| MapOfJoint::new(robot, map)).collect(),
             extended: Some(Extended {

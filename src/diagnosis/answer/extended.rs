@@ -6,7 +6,7 @@ use crate::diagnosis::model::{Arm, Member, Session, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::gram;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
-use crate::effects::{Along, Placed, Role, Site, contributions};
+use crate::effects::{Along, DriveParameter, Placed, Role, Site, contributions};
 use crate::error::Result;
 use crate::identification::consistent;
 use crate::identification::effect_model::Trust;
@@ -86,13 +86,14 @@ pub fn torque(robot: &Robot, effects: &[Placed], time: &[f64], motion: &Motion) 
 /// Bodies, rotors, friction and gravity go into the arm, all else beside it. An effect that is there already grows.
 fn take_in(placed: Placed, robot: &mut Robot, effects: &mut Vec<Placed>) {
     let drive = &mut robot.joints[placed.joint].drive;
-    match placed.effect.about().name {
-        "coulomb_friction" => drive.coulomb += placed.parameters[0],
-        "viscous_friction" => drive.viscous += placed.parameters[0],
+    let name = placed.effect.about().name;
+    match placed.effect.of_drive() {
+        Some(DriveParameter::Coulomb) => drive.coulomb += placed.parameters[0],
+        Some(DriveParameter::Viscous) => drive.viscous += placed.parameters[0],
         _ if placed.effect.about().site == Site::Body => {
             placed.effect.alter(&placed.parameters, placed.joint, robot);
         }
-        name => {
+        _ => {
             let same = |other: &&mut Placed| other.effect.about().name == name && other.joint == placed.joint;
             match effects.iter_mut().find(same) {
                 Some(there) => linear(placed.effect)

@@ -1,12 +1,12 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
 use crate::diagnosis::model::{
-    Candidate, Member, Moved, Session, bends, bounded, columns_in, forms, inertial_prior, is_believable, is_level,
-    is_sensible, largest_share, linear, shapes, sizes, within_bounds,
+    Candidate, Member, Moved, Session, bends, bounded, columns_in, is_level, linear, prior, shapes, sizes,
+    within_bounds,
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};
-use crate::effects::{Parameter, Placed, Role};
+use crate::effects::{Effect, Parameter, Placed, Role, Search};
 use crate::error::Result;
 use rayon::prelude::*;
 
@@ -61,7 +61,7 @@ impl Session<'_> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);
         let effect = candidate.placed.effect;
-        let spread = inertial_prior(self.model.robot(), &candidate.placed);
+        let spread = prior(&candidate.placed, self.model.robot());
         loop {
             let test = fit.test_with_prior(&whitened, &spread)?;
             if !test.values.iter().all(|value| value.is_finite()) {
@@ -71,7 +71,8 @@ impl Session<'_> {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
                 let believable = is_level(effect)
-                    || is_believable(self.model.robot(), &placed) && self.is_in_proportion(&candidate, &test);
+                    || effect.is_believable(&placed.parameters, placed.joint, self.model.robot())
+                        && self.is_in_proportion(&candidate, &test);
                 return believable.then_some(Judged { candidate, whitened, test });
             }
             // An amplitude beyond its bound is one that is not there; the others may do without it.
@@ -116,7 +117,7 @@ impl Session<'_> {
                 return false;
             }
         }
-        let Some(share) = largest_share(&candidate.placed) else { return true };
+        let Some(share) = candidate.placed.effect.largest_share() else { return true };
         let valid = &self.train.rows.valid;
         let joint = candidate.placed.joint;
         let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
@@ -140,7 +141,7 @@ impl Session<'_> {
         {
             // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
             // as straight, and stands for everything below it.
-            let sizes = sizes(&effect.parameters()[only], candidate.placed.joint, &self.train.rows);
+            let sizes = sizes(effect, only, candidate.placed.joint, &self.train.rows);
             let smallest = sizes.first().copied().unwrap_or_default();
             let size = candidate.placed.parameters[only];
             let share = test.values[0] / size;
@@ -163,8 +164,8 @@ impl Session<'_> {
     pub fn refined(&self, start: Judged, whitener: &Whitener, fit: &Projection) -> Result<Judged> {
         let (placed, log) = (start.candidate.placed.clone(), start.candidate.log);
         let mut best = self.refined_in_form(start, whitener, fit)?;
-        for (index, parameter) in placed.effect.parameters().iter().enumerate() {
-            for value in forms(placed.effect, parameter).iter().filter(|value| **value != placed.parameters[index]) {
+        for index in 0..placed.effect.parameters().len() {
+            for value in placed.effect.forms(index).iter().filter(|value| **value != placed.parameters[index]) {
                 let mut other = placed.clone();
                 other.parameters[index] = *value;
                 let start = self.judged_at(&[other], log, whitener, fit)?;
@@ -187,13 +188,12 @@ impl Session<'_> {
         let mut share = 0.25;
         for _ in 0..HALVINGS {
             for &index in &shapes {
-                let parameter = &effect.parameters()[index];
                 let sideways = |sign: f64| {
                     let mut placed = best.candidate.placed.clone();
                     let value = &mut placed.parameters[index];
-                    let wanted = moved(parameter, *value, sign * share);
+                    let wanted = moved(effect, index, *value, sign * share);
                     *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
-                    is_sensible(&placed).then_some(placed)
+                    effect.is_sensible(&placed.parameters).then_some(placed)
                 };
                 // Both sides at once: most steps succeed on neither.
                 let sides: Vec<Placed> = [1.0, -1.0].into_iter().filter_map(sideways).collect();
@@ -228,11 +228,11 @@ impl Session<'_> {
 }
 
 /// A value moved by a share of itself where it is positive and wide, else of its range.
-fn moved(parameter: &Parameter, value: f64, share: f64) -> f64 {
-    let (low, high) = (parameter.lower, parameter.upper);
-    match parameter.unit {
-        "1/turn" => value + 2.0 * share,
-        "s" if low == 0.0 => value + 4.0 * share,
+fn moved(effect: &dyn Effect, index: usize, value: f64, share: f64) -> f64 {
+    let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
+    match effect.search(index) {
+        Search::PerTurn => value + 2.0 * share,
+        Search::Instant => value + 4.0 * share,
         _ if low >= 0.0 && (low == 0.0 || high / low > 10.0) => value * (4.0 * share).exp(),
         _ => value + 0.4 * share * (high - low),
     }

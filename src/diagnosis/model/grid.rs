@@ -1,8 +1,8 @@
 //! Grids of the parameters that are not linear: where shapes and departures of an effect are looked for on a joint.
 
-use super::roles::{COMPLIANCE, bends, is_event, is_level, shapes};
+use super::roles::{bends, is_event, is_level, shapes};
 use crate::diagnosis::logs::Rows;
-use crate::effects::{Effect, Parameter, Placed, Role};
+use crate::effects::{Effect, Parameter, Placed, Role, Search};
 
 /// Points over the range of a shape, alone or one of several, and how far the range reaches to either side of the typical
 /// size.
@@ -23,9 +23,6 @@ const LONGEST_DRIFT: f64 = 3.0;
 /// beyond any bound.
 const APART: f64 = 0.3;
 
-/// Exponents of the Stribeck curve: Tustin's exponential and Armstrong-Helouvry's Gaussian.
-const FORMS: [(&str, &str, [f64; 2]); 1] = [("stribeck_friction", "exponent", [1.0, 2.0])];
-
 /// Sizes of departures of which the torque is not linear: times as multiples of the typical one, and the compliance of gears by
 /// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
 /// in all but that.
@@ -35,9 +32,6 @@ const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
 /// Highest harmonic of a ripple scan, and lengths of contacts, s.
 const HIGHEST_HARMONIC: f64 = 60.0;
 const CONTACTS_S: [f64; 3] = [1.5, 3.0, 6.0];
-
-/// Shortest contact, s: what is shorter is a knock, and its column singles out a row or two, which anything can fill.
-const SHORTEST_CONTACT_S: f64 = 0.3;
 
 /// The effect at one place with every combination of its grids.
 pub(super) fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Vec<Placed> {
@@ -52,7 +46,7 @@ pub(super) fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Ve
             Role::Amplitude | Role::Held => continue,
             Role::Departure => departures(effect, index, joint, rows),
             Role::Shape => {
-                let grid = shape_grid(parameter, alone, joint, rows);
+                let grid = shape_grid(effect, index, alone, joint, rows);
                 grid.into_iter().map(|value| within_bounds(effect, index, value, joint, rows)).collect()
             }
         };
@@ -70,12 +64,6 @@ pub(super) fn grid(effect: &'static dyn Effect, joint: usize, rows: &Rows) -> Ve
     all
 }
 
-/// Values of a parameter that is held: one for every form in which books write the law. A grid holds the usual one.
-pub fn forms(effect: &dyn Effect, parameter: &Parameter) -> &'static [f64] {
-    let written = FORMS.iter().find(|(name, of, _)| *name == effect.about().name && *of == parameter.name);
-    written.map_or(&[], |(.., values)| values)
-}
-
 /// Effects in the log's timing bend with their size; the others are straight as far as one looks.
 fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
     let parameter = &effect.parameters()[index];
@@ -86,15 +74,16 @@ fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> V
     if !bends(effect, index) {
         return vec![parameter.typical];
     }
-    let sizes = sizes(parameter, joint, rows);
+    let sizes = sizes(effect, index, joint, rows);
     let negative = sizes.iter().map(|size| -size);
     negative.chain(sizes.iter().copied()).filter(|size| (parameter.lower..=parameter.upper).contains(size)).collect()
 }
 
 /// Sizes at which the columns of a departure that bends are taken on a joint, without signs, the smallest first: below that one
 /// the torque is as good as straight in it.
-pub fn sizes(parameter: &Parameter, joint: usize, rows: &Rows) -> Vec<f64> {
-    if parameter.unit == COMPLIANCE {
+pub fn sizes(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
+    let parameter = &effect.parameters()[index];
+    if effect.search(index) == Search::Compliance {
         return compliances(parameter, largest_torque(rows, joint));
     }
     TIMES.iter().map(|multiple| multiple * parameter.typical.abs()).collect()
@@ -114,11 +103,12 @@ fn largest_torque(rows: &Rows, joint: usize) -> f64 {
 
 /// Bounds of a shape on a joint as it moves in these logs: what is called a transition at low speed must lie at low speed, and
 /// a time constant longer than the logs is a drift.
-fn shape_bounds(parameter: &Parameter, joint: usize, rows: &Rows) -> (f64, f64) {
+fn shape_bounds(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> (f64, f64) {
+    let parameter = &effect.parameters()[index];
     let (low, high) = (parameter.lower, parameter.upper);
-    let (least, most) = match parameter.unit {
-        "rad/s" => (0.0, LOW_SPEED * fastest(rows, joint)),
-        "s" if parameter.role == Role::Shape && low > 0.0 => {
+    let (least, most) = match effect.search(index) {
+        Search::LowSpeed => (0.0, LOW_SPEED * fastest(rows, joint)),
+        Search::TimeConstant => {
             let longest = duration(rows);
             (SHORTEST_DRIFT * longest, LONGEST_DRIFT * longest)
         }
@@ -131,25 +121,12 @@ fn shape_bounds(parameter: &Parameter, joint: usize, rows: &Rows) -> (f64, f64) 
 /// A shape within its bounds and away from where its effect is one of the baseline: a power of speed near one takes
 /// coefficients of any size that all but cancel the viscous friction's.
 pub fn within_bounds(effect: &dyn Effect, index: usize, value: f64, joint: usize, rows: &Rows) -> f64 {
-    let parameter = &effect.parameters()[index];
-    let (low, high) = shape_bounds(parameter, joint, rows);
+    let (low, high) = shape_bounds(effect, index, joint, rows);
     let value = value.clamp(low, high);
-    match effect.about().name == "nonlinear_viscous_friction" && (value - 1.0).abs() < APART {
+    match effect.search(index) == Search::PowerOfSpeed && (value - 1.0).abs() < APART {
         true if value < 1.0 => 1.0 - APART,
         true => 1.0 + APART,
         false => value,
-    }
-}
-
-/// Whether an effect's shapes make sense together: a contact ends some time after it began.
-pub fn is_sensible(placed: &Placed) -> bool {
-    let of = |name: &str| {
-        let index = placed.effect.parameters().iter().position(|parameter| parameter.name == name)?;
-        placed.parameters.get(index).copied()
-    };
-    match (of("start"), of("end")) {
-        (Some(start), Some(end)) => end - start >= SHORTEST_CONTACT_S,
-        _ => true,
     }
 }
 
@@ -161,9 +138,10 @@ fn duration(rows: &Rows) -> f64 {
     rows.logs.iter().filter_map(|log| log.time.last().copied()).fold(0.0, f64::max)
 }
 
-fn shape_grid(parameter: &Parameter, alone: bool, joint: usize, rows: &Rows) -> Vec<f64> {
-    let (low, high) = shape_bounds(parameter, joint, rows);
-    if parameter.unit == "1/turn" {
+fn shape_grid(effect: &dyn Effect, index: usize, alone: bool, joint: usize, rows: &Rows) -> Vec<f64> {
+    let parameter = &effect.parameters()[index];
+    let (low, high) = shape_bounds(effect, index, joint, rows);
+    if effect.search(index) == Search::PerTurn {
         let step = (std::f64::consts::PI / (2.0 * range(rows, joint))).max(0.4);
         let count = ((HIGHEST_HARMONIC - low) / step) as usize;
         return (0..=count).map(|k| low + k as f64 * step).collect();
@@ -192,13 +170,7 @@ fn contacts(typical: &Placed, rows: &Rows) -> Vec<Placed> {
         (0..).map(move |k| begin + f64::from(k) * 0.5 * length).take_while(move |start| start + 0.5 * length < end).map(
             move |start| {
                 let mut placed = typical.clone();
-                for (parameter, value) in placed.effect.parameters().iter().zip(&mut placed.parameters) {
-                    match parameter.name {
-                        "start" => *value = start,
-                        "end" => *value = start + length,
-                        _ => {}
-                    }
-                }
+                placed.effect.move_between(start, start + length, &mut placed.parameters);
                 placed
             },
         )
@@ -212,15 +184,6 @@ mod tests {
     use crate::effects::find;
 
     #[test]
-    fn a_contact_lasts() {
-        let mut contact = Placed::typical(find("external_contact").unwrap(), 0);
-        assert!(is_sensible(&contact));
-        // A fit once ended it before it began: within its rise a row was left, which took up whatever was wrong there.
-        (contact.parameters[3], contact.parameters[4]) = (19.59, 19.56);
-        assert!(!is_sensible(&contact));
-        assert!(is_sensible(&Placed::typical(find("stribeck_friction").unwrap(), 0)));
-    }
-    #[test]
     fn compliances_are_those_of_the_joint() {
         // A gear that winds up by 0.1 rad under 500 N m, and one under 0.5 N m.
         let compliance = &find("joint_elasticity").unwrap().parameters()[0];
@@ -229,12 +192,5 @@ mod tests {
             assert!((sizes[0] * largest - 1e-4).abs() < 1e-12 && (sizes.last().unwrap() * largest - 0.1).abs() < 1e-12);
         }
         assert!(compliances(compliance, 0.0).is_empty());
-    }
-
-    #[test]
-    fn other_forms_of_a_law_stay_out_of_the_grid() {
-        let stribeck = find("stribeck_friction").unwrap();
-        let exponent = stribeck.parameters().iter().find(|parameter| parameter.name == "exponent").unwrap();
-        assert!(forms(stribeck, exponent).len() == 2 && forms(stribeck, exponent).contains(&exponent.typical));
     }
 }

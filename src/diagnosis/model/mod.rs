@@ -4,7 +4,6 @@
 //! effect, errors in variables (nuisance columns), and fits of baseline and effects under a noise model.
 
 mod arm;
-mod bodies;
 mod candidates;
 mod cut_off;
 mod data_set;
@@ -15,16 +14,15 @@ mod roles;
 mod session;
 
 pub use arm::{Arm, Moved};
-pub use bodies::{inertial_prior, is_believable, largest_share};
 pub use candidates::{
     Candidate, Family, Slot, all_candidates, carried_on, columns, columns_in, is_candidate, is_wanted, places, renewed,
 };
-pub use cut_off::is_flat;
+pub use cut_off::{FLAT, slope_beyond};
 pub use data_set::DataSet;
 /// The name of a data set in the rooms that test candidates.
 pub use data_set::DataSet as Side;
 pub use errors_in_variables::Nuisances;
-pub use grid::{forms, is_sensible, sizes, within_bounds};
+pub use grid::{sizes, within_bounds};
 pub use known::Known;
-pub use roles::{bends, is_event, is_level, is_shift, linear, shapes};
+pub use roles::{bends, is_event, is_level, is_shift, linear, prior, shapes};
 pub use session::{Member, Noise, Session, bounded};

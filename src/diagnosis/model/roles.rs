@@ -1,9 +1,7 @@
 //! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
 
-use crate::effects::{Effect, Nature, Role, Site};
-
-/// Unit of the compliance of gears.
-pub(super) const COMPLIANCE: &str = "rad/(N m)";
+use crate::effects::{Effect, Nature, Placed, Role, Search, Site};
+use crate::robot::Robot;
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
 pub fn linear(effect: &dyn Effect) -> Vec<usize> {
@@ -24,8 +22,13 @@ pub fn is_level(effect: &dyn Effect) -> bool {
 /// Whether the torque of a departure is not straight in it: times by which signals are moved, and the compliance of gears, on
 /// which links swing.
 pub fn bends(effect: &dyn Effect, index: usize) -> bool {
-    let parameter = &effect.parameters()[index];
-    parameter.role == Role::Departure && ["s", COMPLIANCE].contains(&parameter.unit)
+    matches!(effect.search(index), Search::Shift | Search::Compliance)
+}
+
+/// Prior standard deviations of the factors of an effect's columns; infinite where nothing is known beforehand.
+pub fn prior(placed: &Placed, robot: &Robot) -> Vec<f64> {
+    let own = placed.effect.prior(placed.joint, robot);
+    own.unwrap_or_else(|| vec![f64::INFINITY; linear(placed.effect).len()])
 }
 
 fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {

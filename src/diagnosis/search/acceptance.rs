@@ -1,70 +1,17 @@
-//! Whether the winner of a contest is taken into the model: by what the training logs show beside all that is not physics, and
-//! by what it gains on the held-out logs.
+//! Whether the winner of a comparison is taken into the model: by what the training logs show once adjusted for all that is not
+//! physics, and by its gain on the held-out logs.
 
+use crate::diagnosis::criteria::{Gate, Judgement, SearchCriteria};
 use crate::diagnosis::evidence::{
-    Gains, Judged, Multiplicity, SEEN_AGAIN, left_by_others, log_p_adjusted, without_influential_blocks,
+    Gains, Judged, Multiplicity, left_by_others, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Candidate, Member, Noise, Session, is_flat, is_level};
+use crate::diagnosis::model::{Candidate, FLAT, Member, Noise, Session, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::effects::{Hidden, Nature, Placed, Site};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
-
-/// Level at which the training logs leave so little to chance that held-out logs need only gain, however surely.
-const BEYOND_CHANCE: f64 = 1e-6;
-
-/// What an effect takes outside the blocks that show it best must be less likely than this by chance, or it is seen again on
-/// the held-out logs.
-const SEEN_ELSEWHERE: f64 = 0.01;
-
-/// The same where held-out logs confirm it.
-const SEEN_ELSEWHERE_TOO: f64 = 0.05;
-
-/// Share of the level at which any effect is believed: the tests take the noise for known, and it is estimated.
-const NOISE_IS_ESTIMATED: f64 = 0.2;
-
-/// The same for an event in one log.
-const ONCE: f64 = 1e-7;
-
-/// The same for what is between motor and link: it lives where smooth positions err most, around reversals and jerks.
-const GEARS: f64 = 1e-7;
-
-/// The same for a level: the rows in which the model's torque is extreme are also those in which its error is, which looks as
-/// if the torque had been cut off.
-const EXTREMES: f64 = 1e-9;
-
-/// The same for friction that comes up after reversals, near which smooth positions err most.
-const SUDDEN: f64 = 1e-4;
-
-/// The same for friction over speed beside another law of it on the same joint: books write such curves in many forms, and none is
-/// that of a gear.
-const ANOTHER_FORM: f64 = 1e-5;
-
-/// The same for what acts in a joint and re-identified bodies hide in part: the little that is left of it is also what smooth positions
-/// make of the part that is hidden.
-const HIDDEN: f64 = 1e-3;
-
-/// Share of the level at which is believed what logs confirm that did not choose it, held-out ones or each of all in its turn: there
-/// the scatter over blocks stands in for the noise.
-const CONFIRMED: f64 = 0.5;
-
-/// The same for either where something else was found before: what is not quite right with that is left, too. Delays do not count, which
-/// sampling brings with it.
-const LATER: f64 = 0.02;
-
-/// Level of the training logs beyond which they say nothing that held-out logs could confirm. Together both would keep the level all
-/// the same, but what then decides is one log alone.
-const NOTHING_SAID: f64 = 0.3;
-
-/// Chance beyond which held-out logs confirm nothing, however sure the training logs are: what goes with noise alone as often speaks
-/// against it as for it.
-const NOTHING_CONFIRMED: f64 = 0.2;
-
-/// Share of what is left that an effect must take to be worth a name where much is: there all that is little fits a little.
-/// Beside constants, the second look, it must be twice the share.
-const WORTH_A_NAME: f64 = 0.05;
 
 /// What came of a trial.
 #[derive(Debug)]
@@ -82,6 +29,8 @@ pub(super) struct Refusal {
     pub may_be: bool,
     /// Whether held-out logs were asked to confirm what the training logs left open.
     pub asked: bool,
+    /// The gate that it failed.
+    pub failed: Judgement,
 }
 
 /// A candidate that is taken.
@@ -110,6 +59,8 @@ pub(super) struct Trial<'a> {
     pub multiplicity: &'a Multiplicity,
     /// Family-wise level.
     pub alpha: f64,
+    /// Thresholds.
+    pub criteria: &'a SearchCriteria,
     /// By how much less likely than by itself what the held-out logs show must be to confirm it, as they are asked more than once;
     /// None where they are not asked any more.
     pub tries: Option<f64>,
@@ -141,7 +92,7 @@ impl Trial<'_> {
         }
     }
 
-    /// The same where all logs are identified from: what each shows is judged by what the others say of it.
+    /// The same where all logs are identified from: each is judged by what the others predict for it.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
@@ -150,7 +101,7 @@ impl Trial<'_> {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
-        let limit = if confirmable { self.level_at(CONFIRMED) } else { limit };
+        let limit = if confirmable { self.level_at(self.criteria.pooled) } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
@@ -160,42 +111,54 @@ impl Trial<'_> {
         let (before, after, rows) = (left(members)?, left(&with)?, session.train.rows.len());
         let errors = session.train.errors_beside(&winner.candidate.placed);
         let gains = Gains::beside(&whitener, &before, &after, &joints, &errors, rows);
-        let (lower_bound, chance) = (gains.lower_bound(), gains.chance());
-        tracing::debug!(level, elsewhere, much_left, lower_bound, share = gains.share(), chance, "gain by the others");
-        let believed = level <= limit && elsewhere < SEEN_ELSEWHERE.ln() && chance < SEEN_AGAIN;
-        if much_left || !believed || gains.share() <= 0.0 {
-            return Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked: false }));
-        }
-        Ok(accepted(winner, lower_bound, level))
+        let (lower_bound, chance, share) = (gains.lower_bound(), gains.chance(), gains.share());
+        tracing::debug!(level, elsewhere, much_left, lower_bound, share, chance, "gain by the others");
+        let gates = [
+            Judgement::at_most(Gate::FamilyWise, level, limit),
+            Judgement::at_most(Gate::Influence, elsewhere.exp(), self.criteria.influence_p[0]),
+            Judgement::at_most(Gate::OtherLogs, chance, self.criteria.again_p).and(!much_left),
+            Judgement::above(Gate::HeldOutGain, share, 0.0),
+        ];
+        Ok(match Judgement::first_failed(gates) {
+            Some(failed) => Outcome::Refused(Refusal { may_be: share > 0.0, asked: false, failed }),
+            None => accepted(winner, lower_bound, level),
+        })
     }
 
     /// What the logs identified from say of the winner, or why it is refused by them alone.
     fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
-        let refused = |may_be| Ok(Err(Refusal { may_be, asked: false }));
+        let Placed { effect, joint, parameters } = &winner.candidate.placed;
+        let refused = |failed, may_be| Ok(Err(Refusal { may_be, asked: false, failed }));
         let another_form = self.is_another_form(&winner.candidate);
         let is_hidden = self.is_hidden(&winner.candidate);
-        let share = strictness(&winner.candidate).min(if is_hidden { HIDDEN } else { 1.0 });
-        let limit = self.level_at(if another_form { share.min(ANOTHER_FORM) } else { share });
+        let mut share = strictness(&winner.candidate, self.criteria);
+        if is_hidden {
+            share = share.min(self.criteria.hidden);
+        }
+        if another_form {
+            share = share.min(self.criteria.second_form);
+        }
+        let limit = self.level_at(share);
         let confirmable = is_confirmable(&winner.candidate) && !another_form && !is_hidden;
         let highest = if confirmable { 1.0 } else { limit };
         // What is significant only in the noise model that does not know it is an error of that noise model.
         let kind = winner.candidate.family().effect;
         let mut level = level.max(self.multiplicity.level(kind, winner.test.log_p()));
         if level > highest {
-            return refused(!is_level(winner.candidate.placed.effect));
+            return refused(Judgement::at_most(Gate::FamilyWise, level, highest), !is_level(*effect));
         }
         let adjusted = log_p_adjusted(self.session, self.whitener, self.fit, winner);
         level = level.max(self.multiplicity.level(kind, adjusted));
         tracing::debug!(level, adjusted, "adjusted for slow noise and errors of the smoothing");
         if level > highest {
-            return refused(!is_level(winner.candidate.placed.effect));
+            return refused(Judgement::at_most(Gate::FamilyWise, level, highest), !is_level(*effect));
         }
-        let Placed { effect, joint, parameters } = &winner.candidate.placed;
         let elsewhere = if is_level(*effect) {
-            let flat = is_flat(&self.session.arm, &self.session.train.rows, *joint, parameters[0]);
-            tracing::debug!(flat, level = parameters[0], "torque beyond a level");
-            if !flat {
-                return refused(false);
+            let slope = slope_beyond(&self.session.arm, &self.session.train.rows, *joint, parameters[0]);
+            tracing::debug!(slope, level = parameters[0], "torque beyond a level");
+            let flat = Judgement::above(Gate::Flat, -slope, -FLAT);
+            if !flat.passed {
+                return refused(Judgement { value: slope, threshold: FLAT, ..flat }, false);
             }
             f64::NEG_INFINITY
         } else {
@@ -204,10 +167,10 @@ impl Trial<'_> {
         Ok(Ok(Seen { level, limit, elsewhere, confirmable }))
     }
 
-    /// The level at which something is believed: a share of that of the whole, no more than [`LATER`] where something was found before.
+    /// The level of a share of alpha, which is limited where something was found before.
     fn level_at(&self, share: f64) -> f64 {
         let counts = |member: &Member| member.placed.effect.about().nature != Nature::Delay;
-        self.alpha * if self.members.iter().any(counts) { share.min(LATER) } else { share }
+        self.alpha * if self.members.iter().any(counts) { share.min(self.criteria.later) } else { share }
     }
 
     /// Whether a candidate says how friction goes with speed on a joint of which the model says so in another way.
@@ -229,38 +192,54 @@ impl Trial<'_> {
     /// confirm: the two are independent.
     fn unseen(&self, winner: &Judged, seen: Seen, under: Option<Whitener>) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = seen;
+        let criteria = self.criteria;
         let held_out = self.held_out(winner, under)?;
         let HeldOut { gains, beside_errors, .. } = &held_out;
         // What rests on a moment or two of the training logs is no accident if it is there again.
-        let there = confirmable && beside_errors.chance() < SEEN_AGAIN && gains.without_most_influential_block() > 0.0;
-        let alone = level <= limit && (there || elsewhere < SEEN_ELSEWHERE.ln());
+        let chance = beside_errors.chance();
+        let there = confirmable && chance < criteria.again_p && gains.without_most_influential_block() > 0.0;
+        let elsewhere = elsewhere.exp();
+        let alone = Judgement::first_failed([
+            Judgement::at_most(Gate::FamilyWise, level, limit),
+            Judgement::at_most(Gate::Influence, elsewhere, criteria.influence_p[0]).or(there),
+        ]);
         let bound = gains.lower_bound();
-        let refused = |asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked }));
+        let refused = |failed, asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked, failed }));
         if held_out.whitener.much_is_left(&winner.candidate.joints()) {
-            if !alone || self.session.turns_unphysical(&held_out.with, &held_out.whitener)? {
-                return refused(false);
+            let turned = self.session.turns_unphysical(&held_out.with, &held_out.whitener)?;
+            let signs = Judgement::at_most(Gate::EarlierSigns, f64::from(u8::from(turned)), 0.0);
+            if let Some(failed) = Judgement::first_failed(alone.into_iter().chain([signs])) {
+                return refused(failed, false);
             }
-            if bound > WORTH_A_NAME {
-                return Ok(accepted(winner, bound, level));
+            let mut gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_of_misfit);
+            if !gain.passed && winner.candidate.log.is_none() {
+                let joints = winner.candidate.joints();
+                let bound = held_out.beside_constants(&self.session.test.rows, &joints).lower_bound();
+                gain = Judgement::above(Gate::HeldOutGain, bound, 2.0 * criteria.share_of_misfit);
             }
-            let bound = held_out.beside_constants(&self.session.test.rows, &winner.candidate.joints()).lower_bound();
-            let enough = winner.candidate.log.is_none() && bound > 2.0 * WORTH_A_NAME;
-            return if enough { Ok(accepted(winner, bound, level)) } else { refused(false) };
+            return if gain.passed { Ok(accepted(winner, gain.value, level)) } else { refused(gain, false) };
         }
         // A torque is cut off in a few rows, where the smoothing errs most: their scatter says little, and held-out motions that stay below
         // the level say nothing.
         let is_level = is_level(winner.candidate.placed.effect);
-        let sure = level < BEYOND_CHANCE && (gains.is_calm() || is_level);
+        let sure = level < criteria.beyond_chance && (gains.is_calm() || is_level);
         let gained = gains.share() > 0.0 || (is_level && !gains.is_contradicted());
-        if alone && (bound > 0.0 || (sure && gained)) {
+        let gain = Judgement::above(Gate::HeldOutGain, bound, 0.0).or(sure && gained);
+        let Some(failed) = Judgement::first_failed(alone.into_iter().chain([gain])) else {
             return Ok(accepted(winner, bound, level));
-        }
-        let Some(tries) = self.tries.filter(|_| confirmable && level <= NOTHING_SAID) else { return refused(false) };
+        };
+        let Some(tries) = self.tries.filter(|_| confirmable && level <= criteria.confirmable_p) else {
+            return refused(failed, false);
+        };
         let together = beside_errors.together(level, tries);
-        tracing::debug!(together, chance = beside_errors.chance(), "training and held-out logs together");
-        let confirmed = beside_errors.chance() <= NOTHING_CONFIRMED && together <= self.level_at(CONFIRMED);
-        let believed = confirmed && (there || elsewhere < SEEN_ELSEWHERE_TOO.ln());
-        if believed && gains.share() > 0.0 { Ok(accepted(winner, bound, together)) } else { refused(true) }
+        tracing::debug!(together, chance, "training and held-out logs together");
+        let confirmed = Judgement::first_failed([
+            Judgement::at_most(Gate::Confirmation, together, self.level_at(criteria.confirmed)),
+            Judgement::at_most(Gate::Confirmation, chance, criteria.confirms_p),
+            Judgement::at_most(Gate::Influence, elsewhere, criteria.influence_p[1]).or(there),
+            Judgement::above(Gate::HeldOutGain, gains.share(), 0.0),
+        ]);
+        confirmed.map_or(Ok(accepted(winner, bound, together)), |failed| refused(failed, true))
     }
 
     /// What the held-out rows say of the winner. An event of one training log shows in no other: its gain is that on the
@@ -320,23 +299,68 @@ fn accepted(winner: &Judged, gain_lower_bound: f64, level: f64) -> Outcome {
     Outcome::Accepted(Box::new(Accepted { member: winner.member(), gain_lower_bound, level }))
 }
 
-/// Whether held-out logs can confirm what training logs leave open: what is taken for something else too easily is so on all logs.
+/// Whether held-out logs can confirm what training logs leave open: what errors of the smoothing imitate is so on all logs.
 pub(super) fn is_confirmable(candidate: &Candidate) -> bool {
-    strictness(candidate) == NOISE_IS_ESTIMATED
+    imitated(candidate).is_none()
 }
 
-/// Share of the level at which a candidate is believed.
-pub(super) fn strictness(candidate: &Candidate) -> f64 {
+/// Share of alpha at which a candidate is taken on the training logs alone.
+pub(super) fn strictness(candidate: &Candidate, criteria: &SearchCriteria) -> f64 {
+    match imitated(candidate) {
+        None => criteria.training,
+        Some(Imitated::Event) => criteria.event,
+        Some(Imitated::Saturation) => criteria.saturation,
+        Some(Imitated::Gear) => criteria.gear,
+        Some(Imitated::AfterReversals) => criteria.after_reversals,
+    }
+}
+
+/// Kinds of effects that errors of the smoothing, or of the model in a few rows, imitate.
+enum Imitated {
+    Event,
+    Saturation,
+    Gear,
+    AfterReversals,
+}
+
+fn imitated(candidate: &Candidate) -> Option<Imitated> {
+    let Placed { effect, parameters, .. } = &candidate.placed;
     if candidate.log.is_some() {
-        // No other log can confirm what happened once.
-        ONCE
-    } else if is_level(candidate.placed.effect) {
-        EXTREMES
-    } else if candidate.placed.effect.gear(&candidate.placed.parameters).is_some() {
-        GEARS
-    } else if candidate.placed.effect.about().nature == Nature::AfterReversals {
-        SUDDEN
+        Some(Imitated::Event)
+    } else if is_level(*effect) {
+        Some(Imitated::Saturation)
+    } else if effect.gear(parameters).is_some() {
+        Some(Imitated::Gear)
+    } else if effect.about().nature == Nature::AfterReversals {
+        Some(Imitated::AfterReversals)
     } else {
-        NOISE_IS_ESTIMATED
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn what_errors_imitate_must_be_surer_and_is_not_confirmed() {
+        let criteria = SearchCriteria::default();
+        let candidate = |name: &str| {
+            let placed = Placed::typical(find(name).unwrap(), 0);
+            Candidate { placed, log: None, columns: Vec::new() }
+        };
+        let plain = candidate("stribeck_friction");
+        assert!(is_confirmable(&plain) && strictness(&plain, &criteria) == criteria.training);
+        let once = Candidate { log: Some(1), ..plain };
+        let stricter = [
+            (once, criteria.event),
+            (candidate("torque_saturation"), criteria.saturation),
+            (candidate("joint_elasticity"), criteria.gear),
+            (candidate("presliding_hysteresis"), criteria.after_reversals),
+        ];
+        for (candidate, share) in stricter {
+            assert!(!is_confirmable(&candidate) && strictness(&candidate, &criteria) == share, "{candidate:?}");
+        }
     }
 }

@@ -7,7 +7,7 @@
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
 use super::comparison::{Contest, InOwnNoise, contest};
 use super::eligible::{Contenders, Refused, Standing};
-use super::found::{Found, beside_play, members};
+use super::found::{Found, Rejected, beside_play, members};
 use super::reselection::narrow;
 use super::round::Round;
 use crate::diagnosis::Options;
@@ -30,6 +30,7 @@ pub(super) fn search(
     candidates: Vec<Candidate>,
     multiplicity: &Multiplicity,
     options: &Options,
+    rejected: &mut Vec<Rejected>,
     watch: &mut Watch,
 ) -> Result<bool> {
     if !session.apart || watch.is_over() {
@@ -60,7 +61,8 @@ pub(super) fn search(
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "contest over all logs");
         let Round { whitener, fit, .. } = &round;
         let (alpha, session) = (options.alpha, &all_logs);
-        let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, tries: None };
+        let criteria = &options.criteria.search;
+        let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, criteria, tries: None };
         match trial.by_others(&winner, level)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = beside_play(&all_logs, &known, &accepted.member, alternatives);
@@ -70,8 +72,9 @@ pub(super) fn search(
                 more = true;
                 round = round.next(&mut all_logs, &mut known, options)?;
             }
-            Outcome::Refused(Refusal { may_be, .. }) => {
+            Outcome::Refused(Refusal { may_be, failed, .. }) => {
                 refused.push(Refused::new(&winner.candidate, may_be));
+                rejected.push(Rejected { slot: winner.candidate.slot(), failed });
             }
         }
     }

@@ -3,7 +3,8 @@
 use super::acceptance::Accepted;
 use super::verdict::Verdict;
 use crate::diagnosis::backlash::Play;
-use crate::diagnosis::model::{Candidate, Family, Member, Session};
+use crate::diagnosis::criteria::Judgement;
+use crate::diagnosis::model::{Candidate, Family, Member, Session, Slot};
 use crate::effects::{Backlash, Effect, Nature};
 
 /// Another effect that explains the same.
@@ -13,6 +14,22 @@ pub struct Alternative {
     pub family: Family,
     /// Likelihood over that of the effect found, each parameter paid for.
     pub relative_likelihood: f64,
+}
+
+/// The best candidate of a round, which failed a gate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rejected {
+    /// What and where, and in which log.
+    pub slot: Slot,
+    /// The gate.
+    pub failed: Judgement,
+}
+
+/// The last rejection of every candidate that was not found in the end, in the order of rejection.
+pub(super) fn in_the_end(rejected: Vec<Rejected>, found: &[Found]) -> Vec<Rejected> {
+    let is_found = |one: &Rejected| found.iter().any(|found| found.member.candidate.slot() == one.slot);
+    let later = |k: usize| rejected[k + 1..].iter().any(|other| other.slot == rejected[k].slot);
+    (0..rejected.len()).filter(|&k| !is_found(&rejected[k]) && !later(k)).map(|k| rejected[k]).collect()
 }
 
 /// An effect that was found.

@@ -16,6 +16,6 @@ mod verdict;
 
 #[cfg(test)]
 pub use acceptance::Accepted;
-pub use found::{Alternative, Found, members};
+pub use found::{Alternative, Found, Rejected, members};
 pub use selection::{Selection, select};
 pub use verdict::Verdict;

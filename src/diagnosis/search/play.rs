@@ -10,8 +10,7 @@ use crate::diagnosis::regression::fisher;
 use crate::effects::{Backlash, Effect, Nature, Placed};
 use crate::error::Result;
 
-/// Share of the level at which impacts are believed, and the same where the held-out logs have no change of sign.
-const IMPACTS: f64 = 0.02;
+/// Factor on alpha at which impacts are significant where the held-out logs have no change of sign.
 const UNCONFIRMED: f64 = 1e-6;
 
 /// What training and held-out logs must each say for themselves.
@@ -56,7 +55,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
         let both = each.iter().all(|log_p| *log_p < EACH.ln());
         let told = both || test.changes(joint) == 0;
-        let limit = options.alpha * if both { IMPACTS } else { UNCONFIRMED };
+        let limit = options.alpha * if both { options.criteria.search.impacts } else { UNCONFIRMED };
         if level > limit || !told {
             break;
         }

@@ -5,6 +5,7 @@ use super::comparison::{Chosen, Contest, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Standing};
 use super::found::{Alternative, Found, beside_play, members};
 use super::round::Round;
+use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Family, Noise, Session};
 use crate::diagnosis::watch::{Progress, Watch};
@@ -57,9 +58,10 @@ pub(super) fn rename(
     found: &mut [Found],
     everywhere: &[Candidate],
     multiplicity: &Multiplicity,
-    alpha: f64,
+    options: &Options,
     watch: &mut Watch,
 ) -> Result<bool> {
+    let (alpha, criteria) = (options.alpha, &options.criteria.search);
     let mut changed = false;
     if found.len() < 2 {
         return Ok(changed);
@@ -83,8 +85,8 @@ pub(super) fn rename(
             known.set_alternatives(beside_play(session, &others, &known.member, alternatives));
             continue;
         }
-        let trial =
-            Trial { session, members: &of_others, whitener: &whitener, fit: &fit, multiplicity, alpha, tries: None };
+        let (whitener, fit, members) = (&whitener, &fit, &of_others[..]);
+        let trial = Trial { session, members, whitener, fit, multiplicity, alpha, criteria, tries: None };
         let level = multiplicity.level(new.effect, winner.test.log_p());
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {

@@ -5,7 +5,7 @@ use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
 use super::comparison::{Chosen, InOwnNoise, better_unseen, contest};
 use super::eligible::{Contenders, Refused, Standing};
-use super::found::{Found, beside_play, members};
+use super::found::{Found, Rejected, beside_play, in_the_end, members};
 use super::play::rattling_gears;
 use super::reselection::rename;
 use super::round::{Round, settled};
@@ -38,6 +38,8 @@ const NOTHING_TO_CONFIRM: f64 = 0.5;
 pub struct Selection {
     /// The effects found, in the order in which they were.
     pub found: Vec<Found>,
+    /// The best candidates of rounds that failed a gate, and are not among them.
+    pub rejected: Vec<Rejected>,
     /// The noise in the end.
     pub whitener: Whitener,
     /// The noise before anything was found.
@@ -59,6 +61,7 @@ pub struct Selection {
 pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
+    let mut rejected: Vec<Rejected> = Vec::new();
     let (mut in_a_row, mut asked) = (0, 0);
     let mut in_own_noise = InOwnNoise::default();
     let mut round = Round::first(session, &mut found, options)?;
@@ -73,7 +76,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
     while found.len() < options.max_findings && in_a_row < REFUSALS && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
         // Nothing makes those surer of which only the training logs tell.
-        let standing = |candidate: &Candidate, level: f64| match strictness(candidate) {
+        let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &options.criteria.search) {
             share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
             _ if level <= options.alpha => Standing::TooFaint,
             _ => Standing::Hopeless,
@@ -108,6 +111,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
             fit,
             multiplicity: &multiplicity,
             alpha: options.alpha,
+            criteria: &options.criteria.search,
             tries,
         };
         match trial.of(&winner, level, under)? {
@@ -121,23 +125,26 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
                 found.push(Found::new(*accepted, alternatives));
                 round = round.next(session, &mut found, options)?;
             }
-            Outcome::Refused(Refusal { may_be, asked: in_vain }) => {
+            Outcome::Refused(Refusal { may_be, asked: in_vain, failed }) => {
                 refused.push(Refused::new(&winner.candidate, may_be));
+                rejected.push(Rejected { slot: winner.candidate.slot(), failed });
                 in_a_row += 1;
                 asked += usize::from(in_vain);
             }
         }
     }
     let dropped = drop_superfluous(session, &mut found)?;
-    let renamed = rename(session, &mut found, &round.all, &multiplicity, options.alpha, watch)?;
+    let renamed = rename(session, &mut found, &round.all, &multiplicity, options, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
     drop(scan);
-    if all_logs::search(session, &mut found, all, &multiplicity, options, watch)? || renamed || dropped {
+    let more = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;
+    if more || renamed || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
     let held_out = tell_rms(session, &mut found, &whitener)?;
-    Ok(Selection { found, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
+    let rejected = in_the_end(rejected, &found);
+    Ok(Selection { found, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
 }
 
 impl Selection {

@@ -23,10 +23,7 @@ pub(super) enum ArmParameter {
     Drive(usize, usize),
 }
 
-/// The effects that stand for what differs from the arm's own rotor inertia, viscous and Coulomb friction.
-const DRIVE_EFFECTS: [&str; 3] = ["rotor_inertia", "viscous_friction", "coulomb_friction"];
-
-/// Joint and kind (an index of [`DRIVE_EFFECTS`]) of a parameter that belongs to a drive alone.
+/// Joint and kind (a [`DriveParameter`](crate::effects::DriveParameter) as a number) of a parameter that belongs to a drive alone.
 pub(super) fn drive_of(model: &Model, parameter: ArmParameter) -> Option<(usize, usize)> {
     match parameter {
         ArmParameter::Drive(joint, which) => Some((joint, which)),
@@ -36,7 +33,7 @@ pub(super) fn drive_of(model: &Model, parameter: ArmParameter) -> Option<(usize,
 
 /// Whether an effect stands for what differs from a parameter of a drive ([`drive_of`]).
 pub(super) fn stands_for(placed: &Placed, (joint, which): (usize, usize)) -> bool {
-    placed.joint == joint && placed.effect.about().name == DRIVE_EFFECTS[which]
+    placed.joint == joint && placed.effect.of_drive().is_some_and(|parameter| parameter as usize == which)
 }
 
 /// The arm's linear parameters with their values according to its URDF: where fits start.

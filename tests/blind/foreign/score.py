@@ -79,7 +79,7 @@ def z_scores(effect, finding):
     return [
         (f"{effect['effect']}.{name}", (found[name]["value"] - true[name]) / found[name]["std"])
         for name in found
-        if name in true and found[name]["std"] > 0
+        if name in true and (found[name]["std"] or 0) > 0  # null: not determined by itself
     ]
 
 

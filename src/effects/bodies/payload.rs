@@ -1,0 +1,192 @@
+//! Payload: a body on the flange that the model does not know.
+
+use super::plausible::{arm_mass, spread};
+use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::{Inertia, Pose, Robot};
+use nalgebra::Matrix3;
+
+/// Ten inertial parameters, about the flange frame, added to the last link.
+#[derive(Debug, Clone, Copy)]
+pub struct Payload;
+
+static ABOUT: About = About {
+    name: "payload",
+    equation: "tau = Y(q, v, a) (m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of a body fixed to the flange",
+    explanation: "The arm carries a tool or a load of which the model does not know, or knows another one.",
+    reference: "Atkeson, An and Hollerbach (1986), Estimation of inertial parameters of manipulator loads and links, \
+                International Journal of Robotics Research 5(3)",
+    rivals: &[
+        Rival {
+            name: "link_inertia_error",
+            how_to_tell: "on the last link they are the same; on another link the torque does not depend on the joints \
+                          behind it",
+        },
+        Rival {
+            name: "encoder_offset",
+            how_to_tell: "torque cannot separate it from an offset of the last joint; take the tool off and compare",
+        },
+        Rival {
+            name: "external_contact",
+            how_to_tell: "a payload stays for the whole run and its pull keeps to gravity and acceleration",
+        },
+    ],
+    site: Site::Body,
+    scope: Scope::Arm,
+    dry: false,
+    uses_acceleration: false,
+    nature: Nature::Lasting,
+    hidden_by_base_parameters: Hidden::Wholly,
+};
+
+const fn amplitude(name: &'static str, unit: &'static str, lower: f64, typical: f64) -> Parameter {
+    Parameter { name, symbol: name, unit, role: Role::Amplitude, lower, upper: f64::INFINITY, typical }
+}
+
+/// Prior spread of what a tool and its load may weigh, over the mass of the arm, and how far out they may reach, m.
+const SHARE: f64 = 0.2;
+const REACH_M: f64 = 0.3;
+
+const ANY: f64 = f64::NEG_INFINITY;
+
+// A body of 6 kg with its centre of mass at (0.05, -0.03, 0.12) m.
+static PARAMETERS: [Parameter; 10] = [
+    amplitude("m", "kg", 0.0, 6.0),
+    amplitude("mx", "kg m", ANY, 0.3),
+    amplitude("my", "kg m", ANY, -0.18),
+    amplitude("mz", "kg m", ANY, 0.72),
+    amplitude("Ixx", "kg m2", 0.0, 0.132),
+    amplitude("Ixy", "kg m2", ANY, 0.009),
+    amplitude("Iyy", "kg m2", 0.0, 0.142),
+    amplitude("Ixz", "kg m2", ANY, -0.036),
+    amplitude("Iyz", "kg m2", ANY, 0.022),
+    amplitude("Izz", "kg m2", 0.0, 0.041),
+];
+
+impl Effect for Payload {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn prior(&self, _: usize, robot: &Robot) -> Option<Vec<f64>> {
+        Some(spread(SHARE * arm_mass(robot), REACH_M))
+    }
+
+    fn derived(&self, p: &[f64], _: usize, _: &Robot) -> Vec<Derived> {
+        p.try_into().map_or(Vec::new(), |body| mass_and_center(&Inertia(body), &Pose::identity()))
+    }
+
+    fn alter(&self, p: &[f64], _: usize, robot: &mut Robot) {
+        let flange = robot.flange;
+        let tip = robot.tip();
+        if let Ok(body) = p.try_into() {
+            let last = robot.body_mut(tip);
+            last.inertia = last.inertia.welded_to(&seen_from_parent(&Inertia(body), &flange));
+        }
+    }
+}
+
+/// Mass, and centre of mass in `frame`, of a body about the frame that `frame` is given in.
+pub(super) fn mass_and_center(body: &Inertia, frame: &Pose) -> Vec<Derived> {
+    let center = frame.rotation.transpose() * (body.center_of_mass() - frame.translation);
+    let named = [
+        ("mass", "kg", body.mass()),
+        ("center_x", "m", center.x),
+        ("center_y", "m", center.y),
+        ("center_z", "m", center.z),
+    ];
+    let of = |(k, (name, unit, value)): (usize, (&'static str, &'static str, f64))| Derived {
+        name,
+        unit,
+        value,
+        of_the_first: k > 0,
+    };
+    named.into_iter().enumerate().map(of).collect()
+}
+
+/// Parallel-axis theorem without the centre of mass, so that it is linear and holds for parameters that have a first
+/// moment but no mass.
+pub(crate) fn seen_from_parent(body: &Inertia, frame: &Pose) -> Inertia {
+    let Pose { rotation, translation: t } = frame;
+    let first = rotation * body.first_moment();
+    let moment = first + body.mass() * t;
+    let mixed = first * t.transpose() + t * moment.transpose();
+    let tensor = rotation * body.tensor() * rotation.transpose()
+        + Matrix3::identity() * (first.dot(t) + t.dot(&moment))
+        - 0.5 * (mixed + mixed.transpose());
+    Inertia([
+        body.mass(),
+        moment.x,
+        moment.y,
+        moment.z,
+        tensor[(0, 0)],
+        tensor[(0, 1)],
+        tensor[(1, 1)],
+        tensor[(0, 2)],
+        tensor[(1, 2)],
+        tensor[(2, 2)],
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::{Chain, inverse_dynamics_at};
+    use crate::effects::testing::pendulum;
+    use nalgebra::{Rotation3, Vector3};
+
+    fn torque(robot: &Robot, q: f64, qdd: f64) -> f64 {
+        inverse_dynamics_at(&Chain::new(robot), &robot.inertial_parameters(), &[q], &[0.0], &[qdd])[0]
+    }
+
+    #[test]
+    fn six_kilograms_on_the_pendulum() {
+        // The flange is 1 m out along x, the axis is y: at q = 0 holding 6 kg takes 6 * 9.81 * 1 = 58.86 N m more,
+        // against gravity, which is -y; accelerating it by 2 rad/s2 takes 6 * 1^2 * 2 = 12 N m more.
+        let mut robot = pendulum();
+        let before = [torque(&robot, 0.0, 0.0), torque(&robot, 0.0, 2.0)];
+        Payload.alter(&[6.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0, &mut robot);
+        assert!((torque(&robot, 0.0, 0.0) - before[0] + 58.86).abs() < 1e-12);
+        assert!((torque(&robot, 0.0, 2.0) - before[1] + 58.86 - 12.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn parallel_axis_by_hand() {
+        // 2 kg at z = 0.5 of a flange at x = 1: about the joint c = (1, 0, 0.5), so Ixx = 2 * 0.25, Iyy = 2 * 1.25,
+        // Izz = 2 * 1, Ixz = -2 * 1 * 0.5; added to the pendulum's 2 kg at x = 0.5.
+        let mut robot = pendulum();
+        Payload.alter(&[2.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.5, 0.0, 0.0, 0.0], 0, &mut robot);
+        assert_eq!(robot.joints[0].inertia.0, [4.0, 3.0, 0.0, 1.0, 0.5, 0.0, 3.0, -1.0, 0.0, 2.5]);
+    }
+
+    #[test]
+    fn agrees_with_the_route_over_the_centre_of_mass() {
+        let frame = Pose {
+            rotation: Rotation3::from_euler_angles(0.3, -0.7, 1.9).into_inner(),
+            translation: Vector3::new(0.2, -0.1, 0.4),
+        };
+        let body = Inertia(std::array::from_fn(|i| PARAMETERS[i].typical));
+        assert_eq!(body.physical_fault(1e-9), None, "the typical payload must be a possible body");
+        let expected = body.seen_from_parent(&frame.rotation, &frame.translation);
+        for (value, expected) in seen_from_parent(&body, &frame).0.iter().zip(expected.0) {
+            assert!((value - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_first_moment_without_mass_counts() {
+        let mut robot = pendulum();
+        Payload.alter(&[0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0, &mut robot);
+        assert_eq!(robot.joints[0].inertia.0[1], 1.0 + 3.0);
+    }
+
+    #[test]
+    fn absent_it_changes_nothing() {
+        let mut robot = pendulum();
+        Payload.alter(&[0.0; 10], 0, &mut robot);
+        assert_eq!(robot, pendulum());
+    }
+}

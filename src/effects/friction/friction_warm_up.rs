@@ -1,0 +1,96 @@
+//! Friction warm-up: the extra friction of a cold joint, which dies away as the arm works.
+//!
+//! Housings warm over tens of minutes, which a single recording sees as a slow trend at most; grease that has settled
+//! spreads within the first moves. The typical time constant is of the second kind, in sight of one recording.
+
+use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+
+/// A exp(-t/T) sign(v), t counted from the start of the recording.
+#[derive(Debug, Clone, Copy)]
+pub struct FrictionWarmUp;
+
+static ABOUT: About = About {
+    name: "friction_warm_up",
+    equation: "tau = A exp(-t/T) sign(v)",
+    explanation: "Friction is high after a standstill and falls as grease spreads and the gear warms up.",
+    reference: "Simoni, Beschi, Legnani, Visioli (2017), Modelling the temperature in joint friction of industrial \
+                manipulators, Robotica, doi:10.1017/S0263574717000509",
+    rivals: &[
+        Rival {
+            name: "viscous_friction",
+            how_to_tell: "a motion whose speed changes over time mimics a trend: repeat the recording at once, warm-up is gone",
+        },
+        Rival {
+            name: "coulomb_friction",
+            how_to_tell: "Coulomb friction is the same in the first and the last second",
+        },
+        Rival {
+            name: "external_contact",
+            how_to_tell: "a contact begins and ends at once and need not oppose the motion",
+        },
+    ],
+    site: Site::Joint,
+    scope: Scope::Joint,
+    dry: true,
+    uses_acceleration: false,
+    nature: Nature::Lasting,
+    hidden_by_base_parameters: Hidden::No,
+};
+
+static PARAMETERS: [Parameter; 2] = [
+    Parameter {
+        name: "rise",
+        symbol: "A",
+        unit: "N m",
+        role: Role::Amplitude,
+        lower: 0.0,
+        upper: f64::INFINITY,
+        typical: 40.0,
+    },
+    Parameter {
+        name: "time_constant",
+        symbol: "T",
+        unit: "s",
+        role: Role::Shape,
+        lower: 0.5,
+        upper: 1e4,
+        typical: 5.0,
+    },
+];
+
+impl Effect for FrictionWarmUp {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    fn search(&self, index: usize) -> Search {
+        match index {
+            1 => Search::TimeConstant,
+            _ => Search::Bounds,
+        }
+    }
+
+    fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
+        out[joint] += p[0] * (-x.t / p[1]).exp() * x.direction[joint];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::testing::torque_at;
+
+    #[test]
+    fn by_hand() {
+        // At t = 2 s with T = 4 s: 20 exp(-0.5) = 20 * 0.606530659713.
+        let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0], 0.2, -0.5);
+        assert!((torque + 12.130_613_194_26).abs() < 1e-10, "{torque}");
+        let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0], 0.2, 0.5);
+        assert!((torque - 12.130_613_194_26).abs() < 1e-10, "{torque}");
+        assert_eq!(torque_at(&FrictionWarmUp, &[0.0, 4.0], 0.2, 0.5), 0.0);
+    }
+}

@@ -1,0 +1,140 @@
+//! What a law does: the trait of all effects, and the state of the arm that it sees.
+
+use super::about::{About, Parameter};
+use super::gears::Gear;
+use super::search::{Derived, DriveParameter, Search};
+use crate::dynamics::Chain;
+use crate::robot::{Pose, Robot};
+
+/// The state of the arm at one instant, as a law sees it. All slices have one entry per joint.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant<'a> {
+    /// Time, s.
+    pub t: f64,
+    /// Positions.
+    pub q: &'a [f64],
+    /// Velocities.
+    pub qd: &'a [f64],
+    /// Accelerations.
+    pub qdd: &'a [f64],
+    /// Direction of motion in -1 ..= 1: the sign of the velocity, or of the imminent motion at standstill.
+    pub direction: &'a [f64],
+    /// Torque that the gear passes on to the rigid bodies: inverse dynamics without rotor and friction.
+    pub load: &'a [f64],
+    /// The arm as it is known.
+    pub robot: &'a Robot,
+    /// Its geometry, for laws that need kinematics or inverse dynamics.
+    pub chain: &'a Chain,
+    /// Poses of its joint frames and flange ([`Robot::frames`]), where they are known already.
+    pub frames: Option<&'a [Pose]>,
+}
+
+/// A physical law.
+///
+/// `p` holds its parameters in the order of [`Effect::parameters`]; `joint` is where it is placed (the first of a pair;
+/// zero for the whole arm).
+pub trait Effect: Sync {
+    /// Its entry in the catalogue.
+    fn about(&self) -> &'static About;
+
+    /// Its parameters.
+    fn parameters(&self) -> &'static [Parameter];
+
+    /// Changes masses, inertias, rotor or gravity.
+    fn alter(&self, p: &[f64], joint: usize, robot: &mut Robot) {
+        let _ = (p, joint, robot);
+    }
+
+    /// Adds the torque that the motors must deliver because of it to `out`, one entry per joint. `memory` is the law's own state.
+    fn torque(&self, p: &[f64], joint: usize, x: &Instant, memory: &[f64], out: &mut [f64]) {
+        let _ = (p, joint, x, memory, out);
+    }
+
+    /// Whether its torque takes the poses of the joint frames.
+    fn uses_frames(&self) -> bool {
+        false
+    }
+
+    /// Times between which it has torque, s.
+    fn acts_between(&self, p: &[f64]) -> [f64; 2] {
+        let _ = p;
+        [f64::NEG_INFINITY, f64::INFINITY]
+    }
+
+    /// Number of values the law remembers from one instant to the next; zero at the start.
+    fn memory(&self) -> usize {
+        0
+    }
+
+    /// Carries the memory over `dt` seconds during which the arm is as `x` on average.
+    fn advance(&self, p: &[f64], joint: usize, x: &Instant, dt: f64, memory: &mut [f64]) {
+        let _ = (p, joint, x, dt, memory);
+    }
+
+    /// The gear between motor and link, where the effect is in the gear.
+    fn gear(&self, p: &[f64]) -> Option<Gear> {
+        let _ = p;
+        None
+    }
+
+    /// Changes the logged torque of its joint; `period` is the time between samples, s.
+    fn distort_torque(&self, p: &[f64], signal: &mut [f64], period: f64) {
+        let _ = (p, signal, period);
+    }
+
+    /// Changes the logged position of its joint.
+    fn distort_position(&self, p: &[f64], signal: &mut [f64]) {
+        let _ = (p, signal);
+    }
+
+    /// Where the values of its parameter `index` are looked for, where that is not linear.
+    fn search(&self, index: usize) -> Search {
+        let _ = index;
+        Search::Bounds
+    }
+
+    /// The values that books give the held parameter `index`: one for each form in which the law is written. None where there is one.
+    fn forms(&self, index: usize) -> &'static [f64] {
+        let _ = index;
+        &[]
+    }
+
+    /// Moves what happens once to between two times, s.
+    fn move_between(&self, from: f64, to: f64, p: &mut [f64]) {
+        let _ = (from, to, p);
+    }
+
+    /// Whether parameters that are each within their bounds make sense together.
+    fn is_sensible(&self, p: &[f64]) -> bool {
+        let _ = p;
+        true
+    }
+
+    /// Prior standard deviations of its amplitudes and departures, in their order; None where nothing is known beforehand.
+    fn prior(&self, joint: usize, robot: &Robot) -> Option<Vec<f64>> {
+        let _ = (joint, robot);
+        None
+    }
+
+    /// Whether it leaves an arm that can be.
+    fn is_believable(&self, p: &[f64], joint: usize, robot: &Robot) -> bool {
+        let _ = (p, joint, robot);
+        true
+    }
+
+    /// Largest share of its joint's torque, in root mean square, that it can have, if there is one.
+    fn largest_share(&self) -> Option<f64> {
+        None
+    }
+
+    /// The parameter of a drive that it adds to, where it is one that every drive has.
+    fn of_drive(&self) -> Option<DriveParameter> {
+        None
+    }
+
+    /// Quantities by which practitioners know it.
+    fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
+        let _ = (p, joint, robot);
+        Vec::new()
+    }
+}

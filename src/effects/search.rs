@@ -1,0 +1,46 @@
+//! How a fit looks for the parameters of a law that are not linear, and quantities that follow from its parameters.
+
+/// Where the values of a parameter that is not linear are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Search {
+    /// Between its bounds: in equal ratios where they are positive and far apart, else in equal steps.
+    Bounds,
+    /// A speed below which the law acts: a small part of the joint's top speed, else nothing sets it apart from friction at all speeds.
+    LowSpeed,
+    /// A power of the speed; near one the law is viscous friction.
+    PowerOfSpeed,
+    /// A time constant: one longer than the logs makes a drift of the law.
+    TimeConstant,
+    /// An instant of a log.
+    Instant,
+    /// A number of periods per turn of the joint.
+    PerTurn,
+    /// A time by which signals are moved or spread, at multiples of its typical size: torque is not linear in it.
+    Shift,
+    /// A compliance, by the angle to which the largest torque winds the gear up: torque is not linear in it, since links swing.
+    Compliance,
+}
+
+/// A parameter that every drive has, in the order of a joint's standard parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveParameter {
+    /// Inertia of the rotor at the joint's side of the gear, kg m2 (kg).
+    Rotor = 0,
+    /// Coefficient of viscous friction, N m s/rad (N s/m).
+    Viscous = 1,
+    /// Level of Coulomb friction, N m (N).
+    Coulomb = 2,
+}
+
+/// What practitioners call a function of an effect's parameters: a payload's mass, the angle of a tilt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Derived {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Whether it has a meaning only where the first quantity differs from zero: a body without mass has no centre.
+    pub of_the_first: bool,
+}

@@ -1,0 +1,110 @@
+//! Torque ripple: a torque that repeats n times per turn of the joint, from motor cogging or gear meshing.
+
+use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+
+/// Ac cos(n q) + As sin(n q).
+#[derive(Debug, Clone, Copy)]
+pub struct TorqueRipple;
+
+static ABOUT: About = About {
+    name: "torque_ripple",
+    equation: "tau = Ac cos(n q) + As sin(n q)",
+    explanation: "The torque swings with every motor turn, magnet pole or gear tooth that passes: a tone whose pitch follows \
+                  the speed.",
+    reference: "Ferretti, Magnani, Rocco (1998), Modeling, identification, and compensation of pulsating torque in permanent \
+                magnet AC motors, IEEE Transactions on Industrial Electronics 45(6)",
+    rivals: &[
+        Rival {
+            name: "joint_elasticity",
+            how_to_tell: "a resonance stays at its frequency whatever the speed; ripple stays at its positions",
+        },
+        Rival {
+            name: "encoder_eccentricity",
+            how_to_tell: "an eccentric encoder errs once per turn and its torque error grows with acceleration",
+        },
+        Rival {
+            name: "position_dependent_friction",
+            how_to_tell: "friction flips with the direction: pass one position both ways",
+        },
+    ],
+    site: Site::Joint,
+    scope: Scope::Joint,
+    dry: false,
+    uses_acceleration: false,
+    nature: Nature::Lasting,
+    hidden_by_base_parameters: Hidden::No,
+};
+
+static PARAMETERS: [Parameter; 3] = [
+    Parameter {
+        name: "cosine",
+        symbol: "Ac",
+        unit: "N m",
+        role: Role::Amplitude,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        typical: 8.0,
+    },
+    Parameter {
+        name: "sine",
+        symbol: "As",
+        unit: "N m",
+        role: Role::Amplitude,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        typical: 6.0,
+    },
+    // Below 3 per turn it is gravity's; the fastest are the motor poles behind a gear of a few hundred to one.
+    Parameter {
+        name: "harmonic",
+        symbol: "n",
+        unit: "1/turn",
+        role: Role::Shape,
+        lower: 3.0,
+        upper: 2000.0,
+        typical: 20.0,
+    },
+];
+
+impl Effect for TorqueRipple {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+
+    /// Poles and teeth do not carry an arm.
+    fn largest_share(&self) -> Option<f64> {
+        Some(0.3)
+    }
+
+    fn search(&self, index: usize) -> Search {
+        match index {
+            2 => Search::PerTurn,
+            _ => Search::Bounds,
+        }
+    }
+
+    fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
+        let (sine, cosine) = (p[2] * x.q[joint]).sin_cos();
+        out[joint] += p[0] * cosine + p[1] * sine;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::testing::torque_at;
+
+    #[test]
+    fn by_hand() {
+        // 20 q = pi/6: cosine 0.866025403784, sine 0.5, so 4 * 0.866025403784 + 6 * 0.5; the direction plays no part.
+        let q = std::f64::consts::PI / 120.0;
+        let torque = torque_at(&TorqueRipple, &[4.0, 6.0, 20.0], q, -0.5);
+        assert!((torque - 6.464_101_615_14).abs() < 1e-10, "{torque}");
+        assert_eq!(torque, torque_at(&TorqueRipple, &[4.0, 6.0, 20.0], q, 0.5));
+        assert_eq!(torque_at(&TorqueRipple, &[0.0, 0.0, 20.0], q, 0.5), 0.0);
+    }
+}

@@ -51,13 +51,17 @@ pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scale
     let before = Tried::new(bodies, rows, start.clone())?;
     let scaled = |factor: f64| start.with(Change::TorqueScale(1.0 / factor));
     let shared = best(first, |factor| merit(&tables, rows, &scaled(factor)))?;
-    let mut each = vec![shared; start.dof()];
+    // Factors that differ much are far from one that all share: a load that makes up for it is hard to leave.
+    let of_each = |factors: &[f64]| merit(&tables, rows, &start.with_scales(shared, factors));
+    let without_load: Vec<f64> = alone.iter().map(|factor| factor.map_or(shared, f64::abs)).collect();
+    let starts = [vec![shared; start.dof()], without_load];
+    let mut each = starts.into_iter().min_by(|a, b| of_each(a).total_cmp(&of_each(b)))?;
     for _ in 0..ROUNDS {
-        for joint in (0..each.len()).filter(|&joint| alone[joint].is_some()) {
+        for joint in 0..each.len() {
             let with = |factor: f64| {
                 let mut factors = each.clone();
                 factors[joint] = factor;
-                merit(&tables, rows, &start.with_scales(shared, &factors))
+                of_each(&factors)
             };
             each[joint] = best(each[joint], with)?;
         }

@@ -56,7 +56,6 @@ fn a_scale_is_found_with_a_load() {
 }
 
 #[test]
-#[ignore = "open: factors from 1/20 to 1/180 on six joints are not told"]
 fn factors_that_differ_are_listed_by_joint() {
     let robot = irb();
     let factors = [1.0 / 121.0, 1.0 / 180.0, 1.0 / 100.0, 1.0 / 50.0, 1.0 / 20.0, 1.0 / 30.0];

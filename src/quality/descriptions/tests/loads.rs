@@ -32,7 +32,18 @@ fn a_load_in_all_logs_or_in_one_accuses_nothing() {
             let loaded = [0, 1].map(|log| simulated(robot, Oddity::Payload(mass), 8.0, 300 + log));
             let plain = [2, 3].map(|log| simulated(robot, Oddity::None, 8.0, 300 + log));
             let one = [plain[0].clone(), plain[1].clone(), loaded[0].clone()];
-            for (what, logs) in [("all", &loaded[..]), ("one of three", &one), ("alone", &loaded[1..])] {
+            let first = [loaded[1].clone(), plain[1].clone()];
+            // Free base parameters alone: nothing is known of the bodies.
+            let mut bare = robot.clone();
+            bare.joints.iter_mut().for_each(|joint| joint.inertia = Inertia::default());
+            for (what, logs, robot) in [
+                ("all", &loaded[..], robot),
+                ("one of three", &one, robot),
+                ("alone", &loaded[1..], robot),
+                ("first of two", &first, robot),
+                ("one of three, bare", &one, &bare),
+                ("first of two, bare", &first, &bare),
+            ] {
                 let told = accusations(logs, Some(robot));
                 if !told.is_empty() {
                     wrong.push(format!("{}, {mass} kg, {what}: {told:?}", robot.name));

@@ -26,6 +26,12 @@ pub(super) fn write(
         tracing::warn!("{FILE} is not written: the motors are coupled, so apply the change to the columns by hand");
         return Ok(false);
     }
+    if description.scale_is_partial {
+        tracing::warn!(
+            "{FILE} is not written: the factor is known of some torques only, and differs from joint to joint"
+        );
+        return Ok(false);
+    }
     let source = || Some(robot.source.clone()).filter(|_| dataset.and_then(Dataset::robot).is_none());
     let named = &Named { robot: named.robot.clone().or_else(source), ..named.clone() };
     folder.write_text(FILE, &corrected(dataset, named, robot, description, units)?)?;

@@ -71,15 +71,21 @@ pub fn corrected(
     signs(motors, "torque_sign", order.iter().map(|name| position(name) * torque(name)).collect());
     exchanges(motors, "torques_exchanged", joints, &description.torque_of);
     exchanges(motors, "positions_exchanged", joints, &description.position_of);
-    let scale = description.torque_scale;
-    if scale != 1.0 {
+    let scale = |name: &String| sign(&description.torque_scale, &description.torque_of, name);
+    let scales: Vec<f64> = order.iter().map(scale).collect();
+    let shared = scales.first().copied().filter(|first| scales.iter().all(|scale| scale == first));
+    if scales.iter().any(|scale| *scale != 1.0) {
         let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_current());
-        if !currents && (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale) {
+        if !currents && shared.is_some_and(|scale| (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale)) {
             section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
         } else {
             // A torque is a current under a constant in N m per ampere, whatever its unit is.
             let old = motors.get("torque_constant_nm_a").cloned();
-            motors.insert("torque_constant_nm_a".into(), scaled(old, scale));
+            let new = match shared {
+                Some(scale) => scaled(old, scale),
+                None => each_scaled(old.as_ref(), &scales),
+            };
+            motors.insert("torque_constant_nm_a".into(), new);
             if !currents {
                 section(&mut table, "units").insert("torque".into(), Value::from("A"));
             }
@@ -150,6 +156,17 @@ fn scaled(value: Option<Value>, factor: f64) -> Value {
         Some(one) => Value::from(number(&one) * factor),
         None => Value::from(factor),
     }
+}
+
+/// A number for all or one for each, times factors of their own.
+fn each_scaled(value: Option<&Value>, factors: &[f64]) -> Value {
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
+    let old = |place: usize| match value {
+        Some(Value::Array(each)) => each.get(place).map_or(1.0, number),
+        Some(one) => number(one),
+        None => 1.0,
+    };
+    Value::Array(factors.iter().enumerate().map(|(place, factor)| Value::from(old(place) * factor)).collect())
 }
 
 /// Multiplies the signs of a key, unless all stay as they are.

@@ -4,13 +4,14 @@
 use super::joint_regression::JointRegression;
 use super::linear_model::LinearModel;
 use super::model::Model;
-use super::reversals::{self, Band, NoiseGains, Slow};
+use super::reversals::{self, Band};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Signals};
 use crate::signal::{
-    Edge, Filter, SavitzkyGolay, ZeroPhaseLowPass, downsample, first_derivative, second_derivative, white_noise,
+    Edge, Filter, NoiseGains, SavitzkyGolay, Slow, ZeroPhaseLowPass, downsample, first_derivative, second_derivative,
+    white_noise,
 };
 use std::borrow::Cow;
 use std::f64::consts::SQRT_2;
@@ -127,7 +128,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
         }
     };
     let (slow, weights) = match band {
-        Band::Given(speed) => (vec![Slow { uncertain: speed, standing: speed }; recording.joints()], Vec::new()),
+        Band::Given(speed) => (vec![Slow::given(speed); recording.joints()], Vec::new()),
         Band::OfNoise => (
             own_bands(recording, &motion, smoothing, &position_filter)?,
             reversals::weights(&filter, reach, recording.samples())?,
@@ -185,7 +186,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         decimation: 1,
         reach: 0,
         band: Band::Given(band),
-        slow: vec![Slow { uncertain: band, standing: band }; q.channels()],
+        slow: vec![Slow::given(band); q.channels()],
         weights: Vec::new(),
     }
 }

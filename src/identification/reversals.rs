@@ -23,102 +23,12 @@ impl From<f64> for Band {
     }
 }
 
-/// Standard deviations of the velocity's noise within which its sign is not certain: one sign in a thousand is wrong there.
-const DEVIATIONS: f64 = 3.0;
-
-/// Share of a joint's own fast speed within which it stands if it stays there for as long as the filter is: a held joint creeps,
-/// and stiction gives its friction, not Coulomb's law. A quick reversal passes through.
-const STANDING: f64 = 0.05;
-
-/// Share of the largest position that is rounding in positions without noise.
-const ROUNDING: f64 = 1e-12;
-
-/// The fast speed is the one that so large a share of the samples stay below; single spikes do not count.
-const FAST: f64 = 0.95;
-
 /// Part of the filter's weight in a row that may lie on uncertain samples. The crossing of zero is known to a sixth of the time
 /// within the band or so, which gives an error of a hundredth or two in the filtered sign.
 const MOST_UNCERTAIN: f64 = 0.05;
 
 /// Samples after which the response to an impulse has died away.
 const MOST_RESPONSE: usize = 4096;
-
-/// What the noise of positions becomes in a velocity.
-#[derive(Debug, Clone, Copy)]
-pub struct NoiseGains {
-    /// Standard deviation of what smoothing takes off, for unit white noise in the positions.
-    taken: f64,
-    /// Standard deviation of the velocity's noise, for the same.
-    rate: f64,
-}
-
-impl NoiseGains {
-    /// Of what makes a smooth position and its velocity from a signal of `samples`.
-    ///
-    /// # Errors
-    /// Those of the filter: there are too few samples for it.
-    pub fn new(samples: usize, smooth: impl Fn(&[f64]) -> Result<[Vec<f64>; 2]>) -> Result<Self> {
-        let mut impulse = vec![0.0; samples.min(MOST_RESPONSE)];
-        if let Some(last) = impulse.len().checked_sub(1) {
-            impulse[last / 2] = 1.0;
-        }
-        let [passed, rate] = smooth(&impulse)?;
-        let taken: Vec<f64> = impulse.iter().zip(&passed).map(|(whole, part)| whole - part).collect();
-        Ok(NoiseGains { taken: length(&taken), rate: length(&rate) })
-    }
-
-    /// Standard deviation of the noise of the velocity that belongs to `smoothed` positions, as far as what was taken off
-    /// the measured ones shows it.
-    pub fn velocity_noise(&self, measured: &[f64], smoothed: &[f64]) -> f64 {
-        if self.taken == 0.0 {
-            return 0.0;
-        }
-        let rest: Vec<f64> = measured.iter().zip(smoothed).map(|(q, smooth)| q - smooth).collect();
-        let noise = length(&rest) / (rest.len().max(1) as f64).sqrt() / self.taken;
-        let largest = measured.iter().fold(0.0f64, |most, q| most.max(q.abs()));
-        noise.max(ROUNDING * largest) * self.rate
-    }
-}
-
-fn length(signal: &[f64]) -> f64 {
-    signal.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// Speeds below which a joint is not known to move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slow {
-    /// The direction is not certain at a moment.
-    pub uncertain: f64,
-    /// The joint stands if it stays below.
-    pub standing: f64,
-}
-
-impl Slow {
-    /// Of a joint with these velocities, whose noise has the standard deviation `noise`.
-    pub fn new(velocity: &[f64], noise: f64) -> Self {
-        let mut speeds: Vec<f64> = velocity.iter().map(|v| v.abs()).filter(|v| v.is_finite()).collect();
-        if speeds.is_empty() {
-            return Slow { uncertain: 0.0, standing: 0.0 };
-        }
-        let place = ((speeds.len() - 1) as f64 * FAST) as usize;
-        let fast = *speeds.select_nth_unstable_by(place, f64::total_cmp).1;
-        let uncertain = DEVIATIONS * noise;
-        Slow { uncertain, standing: uncertain.max(STANDING * fast) }
-    }
-
-    /// Samples at which the joint surely moves; it stands where it is slow for `length` samples or more.
-    pub fn moving(&self, velocity: &[f64], length: usize) -> Vec<bool> {
-        let mut moving: Vec<bool> = velocity.iter().map(|v| v.abs() > self.uncertain).collect();
-        let mut start = 0;
-        for run in velocity.chunk_by(|a, b| (a.abs() > self.standing) == (b.abs() > self.standing)) {
-            if run[0].abs() <= self.standing && run.len() >= length {
-                moving[start..start + run.len()].fill(false);
-            }
-            start += run.len();
-        }
-        moving
-    }
-}
 
 /// Sizes of the weights with which a filter takes the `reach` samples on either side of a row, and its own in the middle.
 ///
@@ -162,58 +72,7 @@ pub fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random;
     use crate::signal::{Edge, SavitzkyGolay};
-    use rand_distr::{Distribution, StandardNormal};
-
-    #[test]
-    fn noise_of_a_velocity_is_that_of_white_noise_through_the_filter() {
-        let period = 0.002;
-        let mut source = random::stream(6, "velocity noise", 0);
-        let motion = |k: usize| (1.3 * k as f64 * period).sin();
-        let q: Vec<f64> = (0..20_000)
-            .map(|k| {
-                let draw: f64 = StandardNormal.sample(&mut source);
-                motion(k) + 1e-4 * draw
-            })
-            .collect();
-        let smoother = |degree| SavitzkyGolay::new(61, 4, degree, period, Edge::Polynomial).unwrap();
-        let (mut smooth, mut rate) = (q.clone(), q.clone());
-        smoother(0).apply(&q, &mut smooth).unwrap();
-        smoother(1).apply(&q, &mut rate).unwrap();
-        let both = |x: &[f64]| {
-            let mut out = [x.to_vec(), x.to_vec()];
-            for (degree, out) in out.iter_mut().enumerate() {
-                smoother(degree).apply(x, out)?;
-            }
-            Ok(out)
-        };
-        let found = NoiseGains::new(q.len(), both).unwrap().velocity_noise(&q, &smooth);
-        let errors = (100..19_900).map(|k| (rate[k] - 1.3 * (1.3 * k as f64 * period).cos()).powi(2));
-        let real = (errors.sum::<f64>() / 19_800.0).sqrt();
-        assert!((found / real - 1.0).abs() < 0.15, "{found} {real}");
-    }
-
-    #[test]
-    fn a_band_knows_no_unit() {
-        let velocity: Vec<f64> = (0..1000).map(|k| (0.01 * f64::from(k)).sin()).collect();
-        let slow: Vec<f64> = velocity.iter().map(|v| 1e-3 * v).collect();
-        let (band, of_slow) = (Slow::new(&velocity, 1e-4), Slow::new(&slow, 1e-7));
-        assert_eq!(band.moving(&velocity, 30), of_slow.moving(&slow, 30));
-        assert!((band.standing / of_slow.standing - 1e3).abs() < 1e-6 && band.standing < 0.051, "{band:?} {of_slow:?}");
-        let noisy = Slow::new(&velocity, 0.1);
-        assert_eq!([noisy.uncertain, noisy.standing], [0.1 * DEVIATIONS; 2]);
-        assert_eq!(Slow::new(&[], 0.1).uncertain, 0.0);
-    }
-
-    #[test]
-    fn a_joint_that_stays_slow_stands_and_one_that_turns_does_not() {
-        // A reversal within ten samples, and a stop that creeps on at two per cent.
-        let mut velocity: Vec<f64> = (0..400).map(|k| (f64::from(k) - 100.0).clamp(-100.0, 100.0) / 100.0).collect();
-        velocity[300..350].fill(0.02);
-        let moving = Slow::new(&velocity, 1e-3).moving(&velocity, 30);
-        assert!(!moving[100] && moving[99] && moving[101] && moving[299] && !moving[320] && moving[350]);
-    }
 
     #[test]
     fn quick_reversals_stay_and_standing_does_not() {

@@ -1,6 +1,6 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
-use super::{BAND, Finding, Kind, Severity, View, size_quantile};
+use super::{Finding, Kind, Severity, View, size_quantile};
 use crate::channels::Channels;
 use crate::recording::Recording;
 use std::f64::consts::TAU;
@@ -215,7 +215,7 @@ fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
 
 /// A torque that changes less often than the log has rows.
 fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
-    let moving: Vec<usize> = (1..tau.len()).filter(|&i| view.qd.channel(joint)[i].abs() > BAND).collect();
+    let moving: Vec<usize> = (1..tau.len()).filter(|&i| view.qd.channel(joint)[i].abs() > view.band[joint]).collect();
     let repeated = |signal: &[f64]| {
         moving.iter().filter(|&&i| signal[i] == signal[i - 1]).count() as f64 / moving.len().max(1) as f64
     };

@@ -205,7 +205,7 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
         Kind::MotorOff => (Signals(|log| log.tau.channel_mut(2)[1000..1200].fill(0.0)), "tau3"),
         Kind::ModelTorque => (
             Signals(|log| {
-                let view = View::new(log).unwrap();
+                let view = View::new(log, None).unwrap();
                 let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
                 log.tau = inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion);
             }),
@@ -217,7 +217,7 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
 /// The torque under another gravity.
 fn with_gravity(log: &mut Recording, gravity: [f64; 3]) {
     let robot = irb();
-    let view = View::new(log).unwrap();
+    let view = View::new(log, None).unwrap();
     let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
     let torque = |gravity: [f64; 3]| {
         inverse_dynamics(&Chain::new(&robot).with_gravity(gravity), &robot.inertial_parameters(), &motion)

@@ -19,7 +19,7 @@ use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Rejected, Sieved};
 use crate::recording::resample::{self, Clock};
 use crate::robot::Robot;
-use crate::signal::{Edge, SavitzkyGolay};
+use crate::signal::{Edge, NoiseGains, SavitzkyGolay, Slow};
 use descriptions::Verdict;
 use std::borrow::Cow;
 use std::path::Path;
@@ -182,7 +182,7 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
         torques.push(usable);
     }
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
-    let views: Vec<View> = torques.iter().flatten().map(View::new).collect::<Result<_>>()?;
+    let views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
     let all: Vec<&View> = views.iter().collect();
     let verdict = descriptions::judge(&all, robot);
     for (&log, view) in with_torque.iter().zip(&views) {
@@ -222,7 +222,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let known = with_all_torques(recording);
         let recording: &Recording = &known;
         let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
-        let view = View::new(&even)?;
+        let view = View::new(&even, robot)?;
         summaries = motion::summaries(&view, robot);
         findings.extend(channels::findings(&view, &sieved.recording));
         let mut about_motion = motion::findings(&view, &summaries, robot);
@@ -233,7 +233,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings.extend(about_motion);
         // Derivatives across a long gap are those of no motion.
         let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
-        let view = longest.as_ref().map_or(Ok(view), View::new)?;
+        let view = longest.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
         let (about_velocity, factor) = velocity::findings(&view);
         findings.extend(about_velocity);
         units.time_factor = factor;
@@ -281,9 +281,6 @@ fn with_all_torques(recording: &Recording) -> Cow<'_, Recording> {
 /// Time over which positions are smoothed for the checks, s.
 const SMOOTHING_S: f64 = 0.08;
 
-/// A joint slower than this is not known to move, rad/s or m/s.
-const BAND: f64 = 0.03;
-
 /// A log at even steps with what all checks need of it.
 struct View<'a> {
     log: &'a Recording,
@@ -293,10 +290,12 @@ struct View<'a> {
     qd: Channels,
     qdd: Channels,
     tau: Channels,
+    /// Speed above which each joint surely moves, rad/s or m/s; none reaches it where the joint hardly moves at all.
+    band: Vec<f64>,
 }
 
 impl<'a> View<'a> {
-    fn new(log: &'a Recording) -> Result<Self> {
+    fn new(log: &'a Recording, robot: Option<&Robot>) -> Result<Self> {
         let period = 1.0 / log.rate_hz();
         let window = ((SMOOTHING_S / period).round() as usize | 1).clamp(7, 101).min((log.samples() - 1) | 1);
         let smooth = |signals: &Channels, degree| -> Result<Channels> {
@@ -307,14 +306,19 @@ impl<'a> View<'a> {
             }
             Ok(out)
         };
-        Ok(View {
-            log,
-            period,
-            q: smooth(&log.q, 0)?,
-            qd: smooth(&log.q, 1)?,
-            qdd: smooth(&log.q, 2)?,
-            tau: smooth(&log.tau, 0)?,
-        })
+        let (q, qd) = (smooth(&log.q, 0)?, smooth(&log.q, 1)?);
+        let gains = NoiseGains::new(log.samples(), |impulse| {
+            let impulse = Channels::from_vectors(&[impulse.to_vec()]);
+            Ok([smooth(&impulse, 0)?, smooth(&impulse, 1)?].map(|passed| passed.channel(0).to_vec()))
+        })?;
+        let band = (0..log.joints()).map(|joint| {
+            let (own, velocity) = (log.q.channel(joint), qd.channel(joint));
+            match motion::moves(own, velocity, robot.map(|robot| robot.joints[joint].kind)) {
+                true => Slow::new(velocity, gains.velocity_noise(own, q.channel(joint))).sure,
+                false => f64::INFINITY,
+            }
+        });
+        Ok(View { log, period, band: band.collect(), q, qd, qdd: smooth(&log.q, 2)?, tau: smooth(&log.tau, 0)? })
     }
 
     fn dof(&self) -> usize {

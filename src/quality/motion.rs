@@ -1,12 +1,10 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
-use super::{BAND, Finding, Kind, Severity, View, size_quantile};
+use super::{Finding, Kind, Severity, View, size_quantile};
 use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
+use crate::signal::moves_enough;
 use std::f64::consts::{PI, TAU};
-
-/// A joint that stays within this hardly moves, rad or m; so does one that is never faster than twice the band.
-const STILL: f64 = 0.02;
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
 const SLOW_CLOCK: f64 = 0.5;
@@ -53,7 +51,7 @@ pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
                 range_share: span.map(|span| (range[1] - range[0]) / span),
                 speed,
                 speed_share: fastest.map(|fastest| speed / fastest),
-                reversals: reversals(view.qd.channel(joint)),
+                reversals: reversals(view.qd.channel(joint), view.band[joint]),
                 torque_rms: root_mean_square(view.log.tau.channel(joint)),
                 unexplained: None,
                 dead_time_s: None,
@@ -62,10 +60,16 @@ pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
         .collect()
 }
 
-fn reversals(velocity: &[f64]) -> usize {
+/// Whether a joint moves enough, from its positions and velocities.
+pub fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> bool {
+    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    moves_enough(high - low, size_quantile(qd.iter().copied(), 1.0), kind == Some(JointKind::Prismatic))
+}
+
+fn reversals(velocity: &[f64], band: f64) -> usize {
     let mut direction = 0.0;
     let mut count = 0;
-    for &v in velocity.iter().filter(|v| v.abs() > BAND) {
+    for &v in velocity.iter().filter(|v| v.abs() > band) {
         if direction * v < 0.0 {
             count += 1;
         }
@@ -77,8 +81,9 @@ fn reversals(velocity: &[f64]) -> usize {
 /// Findings about the motion.
 pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) -> Vec<Finding> {
     let mut out = Vec::new();
-    let still = |s: &JointSummary| s.range[1] - s.range[0] < STILL || s.speed < 2.0 * BAND;
-    if summaries.iter().all(still) && view.period > SLOW_CLOCK {
+    let still = |joint: usize| !view.band[joint].is_finite();
+    let nothing_moves = (0..summaries.len()).all(still);
+    if nothing_moves && view.period > SLOW_CLOCK {
         let text = format!(
             "samples are {:.3e} s apart, and nothing moves: is the time in ms, us or ns? Convert it to s, or give the unit in a dataset \
              ([units] time)",
@@ -86,8 +91,9 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
         );
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "t", text)];
     }
-    if summaries.iter().all(still) {
-        let text = "no joint moves by more than 0.02 rad or faster than 0.06 rad/s: nothing can be identified from it";
+    if nothing_moves {
+        let text = "no joint moves by more than 0.02 rad or faster than 0.06 rad/s (2 mm or 6 mm/s where it slides): nothing can be \
+                    identified from it";
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "q", text)];
     }
     for (joint, summary) in summaries.iter().enumerate() {
@@ -109,9 +115,10 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
                 out.push(Finding::new(Kind::OutsideLimits, Severity::Warning, place.clone(), text));
             }
         }
-        if still(summary) {
+        if still(joint) {
+            let unit = if revolute { "rad" } else { "m" };
             let text = format!(
-                "the joint hardly moves ({:.4} rad, at most {:.3} rad/s): its friction and inertia cannot be found from \
+                "the joint hardly moves ({:.4} {unit}, at most {:.3} {unit}/s): its friction and inertia cannot be found from \
                  this log",
                 summary.range[1] - summary.range[0],
                 summary.speed

@@ -223,7 +223,7 @@ fn position_and_velocity_faults() {
 
 /// Torque of the bodies along a log's own positions, without friction.
 fn torque_of_bodies(log: &Recording) -> Channels {
-    let view = View::new(log).unwrap();
+    let view = View::new(log, None).unwrap();
     let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
     inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion)
 }

@@ -7,7 +7,7 @@
 
 use super::motion::JointSummary;
 use super::velocity::vertex;
-use super::{BAND, Finding, Kind, Severity, View};
+use super::{Finding, Kind, Severity, View};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::identification::model::Model;
@@ -51,7 +51,7 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     for joint in 0..view.dof() {
         let tau = view.tau.channel(joint);
         let silent = tau.iter().all(|v| *v == tau[0] || v.is_nan());
-        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint)).filter(|_| !silent);
+        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint]).filter(|_| !silent);
         let Some(fit) = fit else { continue };
         summaries[joint].unexplained = Some(fit.unexplained(tau, 0));
         if robot.is_some() {
@@ -100,8 +100,8 @@ struct JointFit {
 }
 
 impl JointFit {
-    fn new(columns: &Channels, rows: &[usize], velocity: &[f64]) -> Option<JointFit> {
-        let kept: Vec<usize> = (0..rows.len()).filter(|&row| velocity[row].abs() > BAND).collect();
+    fn new(columns: &Channels, rows: &[usize], velocity: &[f64], band: f64) -> Option<JointFit> {
+        let kept: Vec<usize> = (0..rows.len()).filter(|&row| velocity[row].abs() > band).collect();
         if kept.len() < ROWS_PER_COLUMN * columns.channels() {
             return None;
         }

@@ -1,6 +1,6 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay.
 
-use super::{BAND, Finding, Kind, Severity, View, correlation};
+use super::{Finding, Kind, Severity, View, correlation};
 use crate::channels::Channels;
 use crate::linear::root_mean_square;
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ const UNEXPLAINED: f64 = 0.4;
 pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
     let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
-    let compared = |joint| view.log.has_velocity(joint) && root_mean_square(view.qd.channel(joint)) > BAND;
+    let compared = |joint| view.log.has_velocity(joint) && root_mean_square(view.qd.channel(joint)) > view.band[joint];
     let moving: Vec<bool> = (0..view.dof()).map(compared).collect();
     let clock = clock_factor(view, logged, &moving);
     out.extend(clock.map(|factor| clock_finding(factor, moving.iter().filter(|moving| **moving).count())));

@@ -26,6 +26,10 @@ static CASE: LazyLock<(Setup, Runs)> = LazyLock::new(|| {
 /// Tilts of an axis, rad: from below what counts to above what any rounding leaves.
 const TILTS: [f64; 11] = [0.0, 1e-7, 1e-6, 3e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3];
 
+/// Tilt of a vertical axis, rad, from which the logs show gravity on it: a thousandth of g on a hundred kilograms at half a metre is half a
+/// newton metre.
+const LEAST_SHOWN: f64 = 1e-3;
+
 /// The arm with the axis of a joint tilted about both others.
 fn tilted(robot: &Robot, joint: usize, tilt: f64) -> Robot {
     let mut robot = robot.clone();
@@ -98,14 +102,26 @@ fn sweep(joint: usize) {
         }
         // The same parameters, as sure and of the same value within that.
         let found = separate(&model, &fitted);
-        for ((leader, value, std), (other, straight, before)) in found.iter().zip(&expected) {
-            assert_eq!(leader, other, "{tilt:e}");
+        let more: Vec<_> = found.iter().filter(|(own, ..)| expected.iter().all(|(leader, ..)| leader != own)).collect();
+        for (leader, straight, before) in &expected {
             let name = &model.names()[*leader];
-            assert!((std / before - 1.0).abs() < 0.05, "{tilt:e} {name}: std {std} {before}");
+            let own = found.iter().find(|(own, ..)| own == leader);
+            let (_, value, std) = own.unwrap_or_else(|| panic!("{tilt:e}: {name} is not fitted"));
+            // What is fitted in addition shares its part of the motion.
+            let less_sure = if more.is_empty() { 1.05 } else { 1.4 };
+            assert!((0.95..less_sure).contains(&(std / before)), "{tilt:e} {name}: std {std} {before}");
             let tolerance = 3.0 * before + 3.0 * tilt * straight.abs().max(1.0);
             assert!((value - straight).abs() < tolerance, "{tilt:e} {name}: {value} {straight} of std {before}");
         }
-        assert_eq!(found.len(), expected.len(), "{tilt:e}");
+        // Gravity acts on an axis as soon as it is not vertical, and logs show it from some tilt on: what they show is true.
+        let truth = base.values(&Model::standard_values(&setup.plant));
+        for (leader, value, std) in &more {
+            let truth = truth[base.kept().iter().position(|own| own == leader).unwrap()];
+            let name = &model.names()[*leader];
+            assert!((value - truth).abs() < 4.0 * std, "{tilt:e} {name}: {value} {truth} of std {std}");
+        }
+        let shown = [!more.is_empty(), tilt >= LEAST_SHOWN];
+        assert!(if joint == 0 { shown[0] == shown[1] } else { !shown[0] }, "{tilt:e}: {more:?}");
         assert!(base.regrouping().iter().all(|share| share.abs() < 20.0), "{tilt:e}: {}", base.regrouping().amax());
     }
 }
@@ -116,7 +132,6 @@ fn an_axis_that_is_nearly_parallel_to_the_one_before() {
 }
 
 #[test]
-#[ignore = "open: from 5e-5 on mx1 and my1 are held in place of m2 and my3, and at 1e-3 they are fitted"]
 fn an_axis_that_is_nearly_vertical() {
     sweep(0);
 }

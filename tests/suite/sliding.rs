@@ -8,7 +8,9 @@ use tauscope::identification::fit::{Fitted, Logs, fit_effects};
 use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
 use tauscope::identification::reversals::Band;
+use tauscope::quality::{Kind, examine};
 use tauscope::recording::Recording;
+use tauscope::recording::lenient::Sieved;
 use tauscope::report::fit::{self as report, Found};
 use tauscope::robot::{self, InertiaCheck, Robot};
 
@@ -74,6 +76,22 @@ fn friction_of_a_slow_axis_is_found_from_all_of_its_motion() {
     assert!(printed.contains("residual rms, N ") && !printed.contains("N m"), "{printed}");
     let all = slow_log().samples() / 5;
     assert!(found.estimate.rows[0] > all * 9 / 10, "{} of {all}", found.estimate.rows[0]);
+}
+
+/// It moves by 16 mm at up to 12 mm/s, which would be a rest in rad; a tenth of that is a held axis that the others move.
+#[test]
+fn a_slow_axis_is_known_to_move_and_a_held_one_to_stand() {
+    let kinds = |factor: f64| -> Vec<Kind> {
+        let mut recording = slow_log();
+        recording.q.as_mut_slice().iter_mut().for_each(|q| *q *= factor);
+        let lines = (1..=recording.samples()).collect();
+        let sieved = Sieved { recording, lines, ..Sieved::default() };
+        let report = examine(&sieved, Some(&carriage())).unwrap();
+        report.findings.into_iter().map(|finding| finding.kind).collect()
+    };
+    let moves = kinds(1.0);
+    assert!(!moves.contains(&Kind::NoMotion) && !moves.contains(&Kind::HardlyMoves), "{moves:?}");
+    assert_eq!(kinds(0.1), [Kind::NoMotion]);
 }
 
 /// A band that suits arms in rad/s leaves nothing of it.

@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::signal::{ZeroPhaseLowPass, block_means, smooth_derivatives};
+use crate::signal::{Slow, ZeroPhaseLowPass, block_means, noise_floor, smooth_derivatives};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -40,6 +40,10 @@ pub struct Log {
     pub block: usize,
     /// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion.
     pub noisy: Vec<bool>,
+    /// Speeds below which each joint is not known to move.
+    pub slow: Vec<Slow>,
+    /// Standard deviation of the noise of each joint's measured positions, rad or m.
+    pub position_noise: Vec<f64>,
     /// Measured positions, rad or m.
     measured: Channels,
     /// [`Log::clear`], once it has been computed.
@@ -61,7 +65,14 @@ impl Log {
         let (motion, low_pass) = smooth(recording, cutoffs_hz)?;
         let is_smoother = cutoffs_hz.iter().any(|hz| *hz < whole_hz);
         let whole = if is_smoother { Some(smooth(recording, &vec![whole_hz; cutoffs_hz.len()])?.0) } else { None };
+        let position_noise: Vec<f64> = recording.q.iter().map(noise_floor).collect();
+        let slow = (0..recording.joints()).map(|joint| {
+            let noise = position_noise[joint] * velocity_gain(cutoffs_hz[joint], rate);
+            Slow::new(motion.qd.channel(joint), noise)
+        });
         Ok(Log {
+            slow: slow.collect(),
+            position_noise,
             time: recording.time.clone(),
             motion,
             whole,
@@ -143,6 +154,12 @@ impl Log {
     }
 }
 
+/// Standard deviation of a velocity for unit white noise in the positions, which pass a steep low-pass: its power in a band grows with
+/// the square of the frequency.
+fn velocity_gain(cutoff_hz: f64, rate_hz: f64) -> f64 {
+    2.0 * PI * (2.0 * cutoff_hz.powi(3) / (3.0 * rate_hz)).sqrt()
+}
+
 /// The motion of a log with the positions of each joint smoothed by a low-pass, which is returned too.
 fn smooth(recording: &Recording, cutoffs_hz: &[f64]) -> Result<(Motion, Vec<ZeroPhaseLowPass>)> {
     let rate = recording.rate_hz();
@@ -162,6 +179,21 @@ mod tests {
     use super::*;
     use crate::diagnosis::logs::cutoffs::tests::{RATE, swing};
     use crate::diagnosis::logs::rows::{FEWEST_ROWS, Rows};
+
+    #[test]
+    fn noise_of_a_velocity_is_that_of_its_positions_through_the_low_pass() {
+        let q = Channels::from_vectors(&[swing(0.4, 0.0)]);
+        let (time, tau) = ((0..10_000).map(|k| f64::from(k) / RATE).collect(), Channels::zeros(1, 10_000));
+        let recording = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
+        let log = Log::new(&recording, (&[10.0], 10.0), None).unwrap();
+        let rate = 2.0 * PI * 0.4;
+        let error = |k: usize| log.motion.qd.channel(0)[k] - rate * (rate * k as f64 / RATE).cos();
+        let real = ((1000..9000).map(|k| error(k).powi(2)).sum::<f64>() / 8000.0).sqrt();
+        let noise = log.position_noise[0];
+        assert!((noise / 1.5e-5 - 1.0).abs() < 0.1, "{noise}");
+        let found = noise * velocity_gain(10.0, RATE);
+        assert!((found / real - 1.0).abs() < 0.2, "{found} {real}");
+    }
 
     #[test]
     fn clear_accelerations_are_those_of_the_motion() {

@@ -12,11 +12,7 @@ use crate::recording::Recording;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Velocity under which the direction of a joint is not certain, rad/s or m/s, but no more than this share of the joint's
-/// fastest and no less than the least; and the rows on either side that go with it.
-const REVERSAL_BAND: f64 = 0.03;
-const BAND_SHARE: f64 = 0.1;
-const LEAST_BAND: f64 = 0.003;
+/// Rows on either side of one in which a joint does not surely move that go with it.
 const REVERSAL_NEIGHBOURS: usize = 2;
 
 /// Length of the memory of the low-pass that torque went through before it was logged, in periods of its cut-off.
@@ -24,6 +20,9 @@ const MEMORY_OF_LOGGER: f64 = 2.5;
 
 /// Time at an end of a log that shows whether the arm moves there, s.
 const END_S: f64 = 0.1;
+
+/// Noise of a position over which a joint goes that does not rest: a difference of two, five standard deviations of it.
+const NOISE: f64 = 7.0;
 
 /// Share of the band within which the direction is not certain of a motion that is hardly smoothed.
 const HARDLY_SMOOTHED: f64 = 0.5;
@@ -96,7 +95,7 @@ impl Rows {
             let blocks = |seconds: f64| (seconds * recording.rate_hz() / log.block as f64).ceil() as usize;
             // What torque there was before and after the log, its low-pass knew.
             let unknown_s = through.map_or(0.0, |low_pass| MEMORY_OF_LOGGER / low_pass.hz);
-            let ends = rests(recording)
+            let ends = rests(recording, &log)
                 .map(|rests| blocks((if rests { MEMORY } else { MEMORY_OF_ENDS } / lowest_hz).max(unknown_s)));
             for (joint, joint_cutoff_hz) in cutoffs_hz.iter().enumerate() {
                 // A torque that is not a number is one that must not be used.
@@ -229,14 +228,16 @@ impl Rows {
     }
 }
 
-/// Whether all joints rest at the start and at the end of a log.
-fn rests(recording: &Recording) -> [bool; 2] {
+/// Whether all joints rest at the start and at the end of a log: none goes further than it would at the speed above which it surely
+/// moves, or than the noise of two positions.
+fn rests(recording: &Recording, log: &Log) -> [bool; 2] {
     let samples = recording.samples();
     let end = ((END_S * recording.rate_hz()) as usize).clamp(1, samples - 1);
     let moved = |from: usize| {
         (0..recording.joints()).any(|joint| {
             let q = recording.q.channel(joint);
-            (q[from + end] - q[from]).abs() > REVERSAL_BAND * END_S
+            let path = (log.slow[joint].sure * END_S).max(NOISE * log.position_noise[joint]);
+            (q[from + end] - q[from]).abs() > path
         })
     };
     [!moved(0), !moved(samples - 1 - end)]
@@ -247,8 +248,7 @@ fn rests(recording: &Recording) -> [bool; 2] {
 /// all the time keeps more.
 fn usable(log: &Log, joint: usize, margin: usize, ends: [usize; 2]) -> Vec<bool> {
     let speed = log.motion.qd.channel(joint);
-    let fastest = speed.iter().fold(0.0f64, |most, v| most.max(v.abs()));
-    let band = REVERSAL_BAND.min((BAND_SHARE * fastest).max(LEAST_BAND));
+    let band = log.slow[joint].sure;
     let is_slow = |block: &[f64], band: f64| {
         let turns = block.iter().any(|v| v.signum() != block[0].signum());
         turns || block.iter().any(|v| v.abs() < band)
@@ -296,6 +296,25 @@ mod tests {
         // At the end the arm moves: nothing counts within five periods of the low-pass, 1 s.
         assert!(rows.valid[0][950..].iter().all(|&ok| !ok) && rows.valid[0][930..950].contains(&true));
         assert!(Rows::new(&[&log.time_slice(0.0..1.5)], 5.0, FEWEST_ROWS).unwrap_err().to_string().contains("`a`"));
+    }
+
+    /// The same log in metres, twenty times slower: no row is lost or won.
+    #[test]
+    fn rows_are_those_of_a_joint_that_is_slow_in_its_unit() {
+        let of = |factor: f64| {
+            let q: Vec<f64> = swing(0.4, 0.0).iter().map(|q| factor * q).collect();
+            let mut q = Channels::from_vectors(&[q]);
+            let start = q.channel(0)[125];
+            q.channel_mut(0)[..125].fill(start);
+            let time = (0..10_000).map(|k| f64::from(k) / RATE).collect();
+            let log =
+                Recording { joints: vec!["a".into()], time, q, tau: Channels::zeros(1, 10_000), ..Default::default() };
+            let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
+            (rests(&log, &rows.logs[0]), rows.valid)
+        };
+        let (rests, valid) = of(0.1);
+        assert_eq!(rests, [true, false]);
+        assert!(valid == of(0.005).1 && of(0.005).0 == rests);
     }
 
     #[test]

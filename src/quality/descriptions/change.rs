@@ -64,8 +64,10 @@ pub struct Description {
     pub torque_sign: Vec<f64>,
     /// Gravity in base coordinates, m/s2.
     pub gravity: Vector3<f64>,
-    /// Factor of all torques.
-    pub torque_scale: f64,
+    /// Factor of every joint's torque.
+    pub torque_scale: Vec<f64>,
+    /// Whether the factor of some joint's torque is not known, so that no file can apply it.
+    pub scale_is_partial: bool,
     /// What was changed.
     pub changes: Vec<Change>,
 }
@@ -79,7 +81,8 @@ impl Description {
             torque_of: (0..dof).collect(),
             torque_sign: vec![1.0; dof],
             gravity,
-            torque_scale: 1.0,
+            torque_scale: vec![1.0; dof],
+            scale_is_partial: false,
             changes: Vec::new(),
         }
     }
@@ -108,9 +111,16 @@ impl Description {
             Change::PositionExchange(a, b) => out.position_of.swap(a, b),
             Change::WithoutGravity => out.gravity = Vector3::zeros(),
             Change::Gravity(gravity) => out.gravity = Vector3::from(gravity),
-            Change::TorqueScale(factor) => out.torque_scale *= factor,
+            Change::TorqueScale(factor) => out.torque_scale.iter_mut().for_each(|scale| *scale *= factor),
         }
         out.changes.push(change);
+        out
+    }
+
+    /// The description with torques that are larger than they should be by one factor per joint, about `usual` times.
+    pub fn with_scales(&self, usual: f64, factors: &[f64]) -> Description {
+        let mut out = self.with(Change::TorqueScale(1.0 / usual));
+        out.torque_scale = self.torque_scale.iter().zip(factors).map(|(scale, factor)| scale / factor).collect();
         out
     }
 
@@ -123,7 +133,7 @@ impl Description {
             *table = pick(table, &self.position_of, &|joint| self.position_sign[joint]);
         };
         [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()].into_iter().flatten().for_each(position);
-        log.tau = pick(&log.tau, &self.torque_of, &|joint| self.torque_sign[joint] * self.torque_scale);
+        log.tau = pick(&log.tau, &self.torque_of, &|joint| self.torque_sign[joint] * self.torque_scale[joint]);
         log.truth = None;
     }
 

@@ -44,9 +44,12 @@ fn scale(factor: f64) -> String {
 }
 
 /// What a scale may come from; `factors` are those of the joints, one where they share it.
-fn origin(factor: f64, factors: &[Option<f64>]) -> String {
+fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
     if factors.len() > 1 {
-        let each = factors.iter().map(|f| f.map_or("-".into(), |f| format!("{:.3e}", f.abs())));
+        let each = factors.iter().zip(joints).map(|(f, joint)| match f {
+            Some(f) => format!("{joint} {:.3e}", f.abs()),
+            None => format!("{joint} not known"),
+        });
         let each = each.collect::<Vec<_>>().join(", ");
         return format!(
             "the factor differs from joint to joint ({each}): currents, percent, or the motor side of the gears; give \
@@ -58,10 +61,16 @@ fn origin(factor: f64, factors: &[Option<f64>]) -> String {
         Some((unit, name)) if unit < 1.0 => format!("they seem to be in {name} in a dataset"),
         unit => {
             let unit = unit.map_or(String::new(), |(_, name)| format!(", or in {name}"));
-            format!(
-                "they are one of: at the motor side of gears of about {factor:.0} ([motors] torque_at = \"motor\", \
-                 gear_ratio), in amperes or percent (torque_constant_nm_a){unit}"
-            )
+            // Torques before a gear are smaller.
+            let gear = match factor > 1.0 {
+                true => {
+                    format!(
+                        "at the motor side of gears of about {factor:.0} ([motors] torque_at = \"motor\", gear_ratio), "
+                    )
+                }
+                false => String::new(),
+            };
+            format!("they are one of: {gear}in amperes or percent (torque_constant_nm_a){unit}")
         }
     }
 }
@@ -90,7 +99,9 @@ pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                 false => format!(" (together with: {})", all_words(&others, joints)),
             };
             let text = match (change, rivals.is_empty()) {
-                (Change::TorqueScale(factor), _) => format!("{own}: {}; {gain}", origin(factor, &verdict.factors)),
+                (Change::TorqueScale(factor), _) => {
+                    format!("{own}: {}; {gain}", origin(factor, &verdict.factors, joints))
+                }
                 (_, true) => format!("{own}{also}: {gain}{next}"),
                 (_, false) => format!(
                     "one of these, which the logs do not separate: {own}{also}; or {}: {gain}{next}",

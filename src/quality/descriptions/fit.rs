@@ -1,7 +1,7 @@
 //! The fit of one description: weighted least squares with friction that takes power, judged on blocks of time held out.
 
 use super::change::Description;
-use super::physics::{FRICTION_COLUMNS, JointTable, Tables};
+use super::physics::{Bounds, FRICTION_COLUMNS, JointTable, Tables};
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 
@@ -14,6 +14,9 @@ const FLOOR: f64 = 0.02;
 
 /// Added to the diagonal of the normal matrix, whose columns have unit length: what the motion does not excite stays small.
 const RIDGE: f64 = 1e-6;
+
+/// Weight of a bound of a sum over the data: the sum exceeds it by a hundredth of what it would come to.
+const BOUND: f64 = 100.0;
 
 /// A joint takes part where it has this many rows per column.
 const ROWS_PER_COLUMN: usize = 2;
@@ -40,6 +43,8 @@ struct Equations<'a> {
     right: Vec<DVector<f64>>,
     /// Sum of squares of the torque to explain, of each block.
     squares: Vec<f64>,
+    /// Log of each block.
+    log: &'a [usize],
     rows: f64,
     floor: f64,
     /// Square of the factor from the logged torque to the one explained.
@@ -49,7 +54,7 @@ struct Equations<'a> {
 /// A description's equations, ready to be solved.
 pub struct Fit<'a> {
     joints: Vec<Equations<'a>>,
-    nonnegative: &'a [bool],
+    bounds: &'a Bounds,
     blocks: usize,
     channels: usize,
 }
@@ -60,10 +65,10 @@ impl<'a> Fit<'a> {
         let joints = tables.joints.iter().enumerate().filter_map(|(joint, table)| {
             let channel = description.torque_of[joint];
             let count: usize = table.rows.iter().sum();
-            if !rows.measured[channel] || count < ROWS_PER_COLUMN * table.parameters.len() {
+            if !rows.measured[channel] || count < ROWS_PER_COLUMN * table.width() {
                 return None;
             }
-            let sign = description.torque_sign[joint] * description.torque_scale;
+            let sign = description.torque_sign[joint] * description.torque_scale[joint];
             let right = table.with_torque[channel].iter().zip(&table.with_known).map(|(own, known)| sign * own - known);
             let squares = (0..rows.log.len()).map(|block| {
                 let torque = sign * sign * table.squares[channel][block];
@@ -74,17 +79,13 @@ impl<'a> Fit<'a> {
                 channel,
                 right: right.collect(),
                 squares: squares.collect(),
+                log: &rows.log,
                 rows: count as f64,
                 floor: (FLOOR * rows.size[channel] * sign).powi(2),
                 factor: sign * sign,
             })
         });
-        Fit {
-            joints: joints.collect(),
-            nonnegative: &tables.nonnegative,
-            blocks: rows.log.len(),
-            channels: rows.tau.channels(),
-        }
+        Fit { joints: joints.collect(), bounds: &tables.bounds, blocks: rows.log.len(), channels: rows.tau.channels() }
     }
 
     /// Sum over the joints of the logarithm of the mean squared residual of a fit of all rows: a quick order of merit.
@@ -126,11 +127,10 @@ impl<'a> Fit<'a> {
         let (weights, _) = self.weighted()?;
         let solution = self.solve(&weights, &|_| true)?;
         let of = |joint: &Equations| {
-            let first = joint.table.parameters.len() - FRICTION_COLUMNS;
+            let first = joint.table.width() - FRICTION_COLUMNS;
             let (mut left, mut friction, mut all) = (0.0, 0.0, 0.0);
             for block in 0..self.blocks {
-                let own = joint.table.parameters[first..].iter().map(|&b| solution[b]);
-                let own = DVector::from_iterator(FRICTION_COLUMNS, own);
+                let own = joint.own(block, &solution).rows(first, FRICTION_COLUMNS).into_owned();
                 let gram = joint.table.gram[block].view((first, first), (FRICTION_COLUMNS, FRICTION_COLUMNS));
                 friction += own.dot(&(gram * &own));
                 left += joint.left(block, &solution);
@@ -160,47 +160,85 @@ impl<'a> Fit<'a> {
 
     /// Parameters that fit the wanted blocks best.
     fn solve(&self, weights: &[f64], wanted: &dyn Fn(usize) -> bool) -> Option<DVector<f64>> {
-        let all = self.nonnegative.len();
+        let all = self.bounds.nonnegative.len();
         let (mut gram, mut right) = (DMatrix::zeros(all, all), DVector::zeros(all));
         for (joint, weight) in self.joints.iter().zip(weights) {
             for block in (0..self.blocks).filter(|&block| wanted(block)) {
                 let (own, own_right) = (&joint.table.gram[block], &joint.right[block]);
-                for (j, &b) in joint.table.parameters.iter().enumerate() {
+                for (j, b) in joint.places(block) {
                     right[b] += weight * own_right[j];
-                    for (i, &a) in joint.table.parameters.iter().enumerate() {
+                    for (i, a) in joint.places(block) {
                         gram[(a, b)] += weight * own[(i, j)];
                     }
                 }
             }
         }
-        constrained(&gram, &right, self.nonnegative)
+        constrained(&gram, &right, self.bounds)
     }
 }
 
 impl Equations<'_> {
+    /// Columns that play a part in a block, each with its place among all parameters.
+    fn places(&self, block: usize) -> impl Iterator<Item = (usize, usize)> {
+        let places = self.table.parameters[self.log[block]].iter().enumerate();
+        places.filter_map(|(column, place)| place.map(|place| (column, place)))
+    }
+
+    /// The parameters of the columns of a block; zero for those that play no part.
+    fn own(&self, block: usize, solution: &DVector<f64>) -> DVector<f64> {
+        let mut own = DVector::zeros(self.table.width());
+        self.places(block).for_each(|(column, place)| own[column] = solution[place]);
+        own
+    }
+
     /// Sum of squares that parameters leave in a block.
     fn left(&self, block: usize, solution: &DVector<f64>) -> f64 {
         let gram = &self.table.gram[block];
-        let own = DVector::from_iterator(gram.nrows(), self.table.parameters.iter().map(|&b| solution[b]));
+        let own = self.own(block, solution);
         (self.squares[block] - 2.0 * own.dot(&self.right[block]) + own.dot(&(gram * &own))).max(0.0)
     }
 
-    /// Mean squared residual of a fit of this joint by itself.
+    /// Mean squared residual of a fit of this joint by itself, one load for all logs.
     fn own_residual(&self) -> Option<f64> {
-        let width = self.table.parameters.len();
+        let width = self.table.width();
         let gram = self.table.gram.iter().fold(DMatrix::zeros(width, width), |sum: DMatrix<f64>, gram| sum + gram);
         let right = self.right.iter().fold(DVector::zeros(width), |sum: DVector<f64>, right| sum + right);
-        let solution = constrained(&gram, &right, &vec![false; width])?;
+        let free = Bounds { nonnegative: vec![false; width], limits: Vec::new() };
+        let solution = constrained(&gram, &right, &free)?;
         let squares: f64 = self.squares.iter().sum();
         let left = squares - 2.0 * solution.dot(&right) + solution.dot(&(&gram * &solution));
         Some(left.max(0.0) / (self.rows - width as f64).max(1.0))
     }
 }
 
-/// Solves normal equations under signs: the most negative of the parameters that cannot be negative is held at zero until
-/// none is left.
-fn constrained(gram: &DMatrix<f64>, right: &DVector<f64>, nonnegative: &[bool]) -> Option<DVector<f64>> {
+/// Solves normal equations under bounds; a sum that exceeds its own is held at it.
+fn constrained(gram: &DMatrix<f64>, right: &DVector<f64>, bounds: &Bounds) -> Option<DVector<f64>> {
     let scale = gram.diagonal().map(|v: f64| if v > 0.0 { v.sqrt() } else { 1.0 });
+    let solution = with_signs(gram, right, &scale, &bounds.nonnegative)?;
+    let (mut held_gram, mut held_right) = (gram.clone(), right.clone());
+    let mut exceeds = false;
+    for limit in &bounds.limits {
+        let of = |values: &DVector<f64>| limit.parameters.iter().map(|&b| values[b]).sum::<f64>();
+        if of(&solution) > limit.most {
+            exceeds = true;
+            let weight = BOUND * limit.parameters.iter().map(|&b| gram[(b, b)]).fold(0.0, f64::max);
+            for &b in &limit.parameters {
+                held_right[b] += weight * limit.most;
+                limit.parameters.iter().for_each(|&a| held_gram[(a, b)] += weight);
+            }
+        }
+    }
+    if exceeds { with_signs(&held_gram, &held_right, &scale, &bounds.nonnegative) } else { Some(solution) }
+}
+
+/// Solves normal equations under signs: the most negative of the parameters that cannot be negative is held at zero until
+/// none is left. The columns have the lengths `scale`.
+fn with_signs(
+    gram: &DMatrix<f64>,
+    right: &DVector<f64>,
+    scale: &DVector<f64>,
+    nonnegative: &[bool],
+) -> Option<DVector<f64>> {
     let mut free: Vec<usize> = (0..right.len()).collect();
     loop {
         let unit = DMatrix::from_fn(free.len(), free.len(), |r, c| {
@@ -220,6 +258,7 @@ fn constrained(gram: &DMatrix<f64>, right: &DVector<f64>, nonnegative: &[bool]) 
 
 #[cfg(test)]
 mod tests {
+    use super::super::physics::Limit;
     use super::*;
 
     #[test]
@@ -227,9 +266,27 @@ mod tests {
         let columns = DMatrix::from_row_slice(4, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 3.0]);
         let torque = DVector::from_vec(vec![4.0, 3.0, 2.0, 1.0]);
         let (gram, right) = (columns.tr_mul(&columns), columns.tr_mul(&torque));
-        let free = constrained(&gram, &right, &[false, false]).unwrap();
+        let signs = |nonnegative: [bool; 2]| Bounds { nonnegative: nonnegative.to_vec(), limits: Vec::new() };
+        let free = constrained(&gram, &right, &signs([false, false])).unwrap();
         assert!((free[0] - 4.0).abs() < 1e-4 && (free[1] + 1.0).abs() < 1e-4, "{free}");
-        let held = constrained(&gram, &right, &[false, true]).unwrap();
+        let held = constrained(&gram, &right, &signs([false, true])).unwrap();
         assert!((held[0] - 2.5).abs() < 1e-4 && held[1] == 0.0, "{held}");
+    }
+
+    #[test]
+    fn a_sum_is_held_at_its_bound_where_it_exceeds_it() {
+        let (gram, right) = (DMatrix::identity(3, 3), DVector::from_vec(vec![3.0, 1.0, 5.0]));
+        let sum = |most: f64| {
+            let limits = vec![Limit { parameters: vec![0, 1], most }];
+            let solution = constrained(&gram, &right, &Bounds { nonnegative: vec![true; 3], limits }).unwrap();
+            (solution[0] + solution[1], solution[2])
+        };
+        let near = |(found, other): (f64, f64), wanted: f64| {
+            assert!((found - wanted).abs() < 0.02 && (other - 5.0).abs() < 1e-4, "{found} {other}, {wanted}");
+        };
+        near(sum(4.5), 4.0);
+        near(sum(3.5), 3.5);
+        // The second is held at zero.
+        near(sum(1.0), 1.0);
     }
 }

@@ -6,6 +6,7 @@
 //! | what can be wrong, and what it makes of the signals | `change` |
 //! | which rows are compared | `rows` |
 //! | what is known of the arm | `physics` |
+//! | a load that a log may have | `load` |
 //! | residuals under a description | `fit` |
 //! | whether one is clearly better than another | `compare` |
 //! | which set of changes is the smallest | `search` |
@@ -19,6 +20,7 @@ mod compare;
 mod findings;
 mod fit;
 mod jumps;
+mod load;
 mod physics;
 mod rows;
 mod scale;
@@ -35,6 +37,7 @@ use fit::Fit;
 use nalgebra::Vector3;
 use physics::Physics;
 use rows::Rows;
+use scale::Scaled;
 use search::{Found, Outcome, Tried, search};
 
 /// A log by itself allows to go on with a changed description where it lasts so long, s; a shorter one needs a second log:
@@ -114,20 +117,14 @@ pub(super) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         return verdict(settled, replicated);
     }
     let bodies = bodies?;
-    let tables = bodies.tables(&rows, &start);
-    let factors = scale::factors(&tables, &rows);
-    if let Some((factor, shared)) = scale::implausible(&factors) {
-        let before = Tried::new(&bodies, &rows, start.clone())?;
-        let description = start.with(Change::TorqueScale(1.0 / factor));
-        let after = Tried::new(&bodies, &rows, description.clone())?;
-        let factors = if shared { vec![Some(factor)] } else { factors };
+    if let Some(Scaled { before, after, factors }) = scale::judge(&bodies, &rows, &start) {
         return Some(Verdict {
-            description,
             before: before.share(),
             after: after.share(),
             each: [before.evaluation.unexplained, after.evaluation.unexplained],
             alternatives: Vec::new(),
             next: None,
+            description: after.description,
             factors,
             beyond_doubt: false,
         });

@@ -3,8 +3,11 @@
 //! Every joint has, in addition to the columns of the bodies, nuisance columns of its drive: a constant and the size of its friction
 //! at three speeds. The sizes cannot be negative, since friction takes power at any speed; how they change with speed is
 //! free, so that neither falling nor Stribeck-like friction looks like a fault of the description.
+//!
+//! Each log may have a load of its own at the tip, which all joints share. Free base parameters hold that of the first log.
 
 use super::change::Description;
+use super::load::Load;
 use super::rows::Rows;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
@@ -31,8 +34,8 @@ pub enum Physics {
 
 /// Inner products of a joint's columns with each other and with every torque, block by block.
 pub struct JointTable {
-    /// Place of every column among all parameters.
-    pub parameters: Vec<usize>,
+    /// Place of every column among all parameters, by log; none where a column plays no part in a log.
+    pub parameters: Vec<Vec<Option<usize>>>,
     /// Normal matrix of each block.
     pub gram: Vec<DMatrix<f64>>,
     /// Columns times the torque that is known (that of described bodies), of each block.
@@ -49,12 +52,29 @@ pub struct JointTable {
     pub rows: Vec<usize>,
 }
 
+/// Parameters whose sum is bounded from above; none of them is negative.
+pub struct Limit {
+    /// The parameters.
+    pub parameters: Vec<usize>,
+    /// The largest sum.
+    pub most: f64,
+}
+
+/// What is known of the values of parameters.
+#[derive(Default)]
+pub struct Bounds {
+    /// Whether a parameter cannot be negative.
+    pub nonnegative: Vec<bool>,
+    /// Bounded sums.
+    pub limits: Vec<Limit>,
+}
+
 /// The tables of all joints under one description of the motion.
 pub struct Tables {
     /// One per joint.
     pub joints: Vec<JointTable>,
-    /// Whether a parameter cannot be negative.
-    pub nonnegative: Vec<bool>,
+    /// Bounds of the parameters.
+    pub bounds: Bounds,
 }
 
 impl Physics {
@@ -127,22 +147,60 @@ impl Physics {
                 (0..dof).map(of).collect()
             }
         };
+        let mut bounds = Bounds { nonnegative, limits: Vec::new() };
+        let logs = rows.logs();
+        let loads = self.loads(gravity, &motion, logs, &mut bounds);
         let mut joints = Vec::with_capacity(dof);
-        for (joint, (mut parameters, mut columns)) in bodies.into_iter().enumerate() {
+        for (joint, (shared, mut columns)) in bodies.into_iter().enumerate() {
             let valid: Vec<usize> = {
                 let moves = &rows.moves[description.position_of[joint]];
                 (0..moves.len()).filter(|&row| moves[row]).collect()
             };
+            let mut parameters = vec![shared.into_iter().map(Some).collect::<Vec<_>>(); logs];
+            if let Some(Loads { load, first }) = &loads {
+                columns.extend(load.columns[joint].iter().cloned());
+                for (own, first) in parameters.iter_mut().zip(first) {
+                    own.extend((0..load.columns[joint].len()).map(|place| first.map(|first| first + place)));
+                }
+            }
             for (place, column) in drive_columns(motion.qd.channel(joint), &valid).into_iter().enumerate() {
-                parameters.push(nonnegative.len());
-                nonnegative.push(place > 0);
+                parameters.iter_mut().for_each(|own| own.push(Some(bounds.nonnegative.len())));
+                bounds.nonnegative.push(place > 0);
                 columns.push(column);
             }
             let known = known.as_ref().map(|known| known.channel(joint));
             joints.push(JointTable::new(parameters, &columns, known, &valid, rows));
         }
-        Tables { joints, nonnegative }
+        Tables { joints, bounds }
     }
+
+    /// The load of every log: free base parameters hold that of the first; where nothing is known of the bodies, nothing is known of
+    /// a load.
+    fn loads(&self, gravity: [f64; 3], motion: &Motion, logs: usize, bounds: &mut Bounds) -> Option<Loads> {
+        let (load, held) = match self {
+            Physics::Free(model) if logs > 1 => (Load::difference(model.chain(), gravity, motion), 1),
+            Physics::Bodies(robot) => (Load::on(robot, gravity, motion), 0),
+            Physics::Free(_) | Physics::Alone => return None,
+        };
+        let mut first = vec![None; logs];
+        for first in &mut first[held..] {
+            let start = bounds.nonnegative.len();
+            *first = Some(start);
+            let masses = (0..load.nonnegative.len()).filter(|&place| load.nonnegative[place]);
+            let parameters = masses.map(|place| start + place).collect();
+            bounds.limits.extend(load.heaviest.map(|most| Limit { parameters, most }));
+            bounds.nonnegative.extend(&load.nonnegative);
+        }
+        Some(Loads { load, first })
+    }
+}
+
+/// The loads of all logs.
+struct Loads {
+    /// Their columns.
+    load: Load,
+    /// Place of the first parameter of each among all parameters.
+    first: Vec<Option<usize>>,
 }
 
 /// A constant, and the direction of motion weighted by hats of the speed; `valid` rows place their knots.
@@ -159,8 +217,13 @@ fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
 }
 
 impl JointTable {
+    /// Number of columns.
+    pub fn width(&self) -> usize {
+        self.gram.first().map_or(0, |gram| gram.ncols())
+    }
+
     fn new(
-        parameters: Vec<usize>,
+        parameters: Vec<Vec<Option<usize>>>,
         columns: &[Vec<f64>],
         known: Option<&[f64]>,
         valid: &[usize],

@@ -1,6 +1,6 @@
 //! The rows on which descriptions of the logs are compared: few, band-limited, and cut into blocks of time.
 
-use super::super::View;
+use super::super::{View, motion};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::linear::root_mean_square;
@@ -24,9 +24,6 @@ const EDGE_S: f64 = 0.08;
 
 /// A joint slower than this share of its own root mean square speed may stick: its direction is not certain.
 const STICKS: f64 = 0.1;
-
-/// Range (rad) and speed (rad/s) below which a joint counts as standing still; a tenth of them, in metres, where it slides.
-const STILL: [f64; 2] = [0.02, 0.06];
 
 /// No joint is faster, rad/s or m/s: such a velocity comes from a jump of the position.
 const FASTEST: f64 = 50.0;
@@ -80,8 +77,7 @@ impl Rows {
         };
         let tau = pick(views.iter().map(|view| &view.tau).collect());
         let moves = (0..dof).map(|joint| {
-            let slides = robot.is_some_and(|robot| robot.joints[joint].kind == JointKind::Prismatic);
-            moves(motion.q.channel(joint), motion.qd.channel(joint), if slides { 0.1 } else { 1.0 })
+            moves(motion.q.channel(joint), motion.qd.channel(joint), robot.map(|robot| robot.joints[joint].kind))
         });
         let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);
         Some(Rows {
@@ -96,11 +92,16 @@ impl Rows {
     }
 }
 
+impl Rows {
+    /// Number of logs.
+    pub fn logs(&self) -> usize {
+        self.log.last().map_or(0, |last| last + 1)
+    }
+}
+
 /// Where a position surely changes; nowhere for one that stands still throughout.
-fn moves(q: &[f64], qd: &[f64], unit: f64) -> Vec<bool> {
-    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
-    let fastest = qd.iter().fold(0.0f64, |most, v| most.max(v.abs()));
-    let still = high - low < STILL[0] * unit || fastest < STILL[1] * unit;
+fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> Vec<bool> {
+    let enough = motion::moves(q, qd, kind);
     let sticks = STICKS * root_mean_square(qd);
-    qd.iter().map(|v| !still && v.abs() > sticks && v.abs() < FASTEST).collect()
+    qd.iter().map(|v| enough && v.abs() > sticks && v.abs() < FASTEST).collect()
 }

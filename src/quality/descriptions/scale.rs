@@ -1,7 +1,14 @@
 //! The factor by which torques differ from what the described bodies need: another unit, or the motor side of a gear.
+//!
+//! A load at the tip makes the torques of the wrist many times larger, and friction those of all joints. So a factor counts only where
+//! the bodies with it explain the torques clearly better than the bodies with a load, friction, constants and rotors.
 
-use super::physics::{JointTable, Tables};
+use super::change::{Change, Description};
+use super::compare::compare;
+use super::fit::Fit;
+use super::physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
 use super::rows::Rows;
+use super::search::Tried;
 use nalgebra::{DMatrix, DVector};
 
 /// The bodies' torque counts where the residual of a joint's fit is less than this of its torque ..
@@ -13,31 +20,139 @@ const NEEDED: f64 = 2.0;
 /// Masses of a URDF are wrong by less than this factor, unless they are placeholders, whose torque is not alike.
 const PLAUSIBLE: f64 = 8.0;
 
-/// Factors of the joints that lie within this of their median are one factor.
-const COMMON: f64 = 2.0;
+/// Factors up to so many times larger and smaller than the first estimate are tried: a load may have raised that of the wrist.
+const WIDEST: f64 = 100.0;
 
-/// How many times larger the logged torque is than that of the bodies, per joint; none where it is not alike.
-pub fn factors(tables: &Tables, rows: &Rows) -> Vec<Option<f64>> {
-    tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect()
+/// Factors that are tried first, evenly spread by their logarithms; between them golden sections, to within one per cent.
+const GRID: usize = 17;
+const SECTIONS: usize = 10;
+
+/// Rounds over the joints, whose factors share the load.
+const ROUNDS: usize = 3;
+
+/// One factor of all joints and one for each are compared with none.
+const TRIED: usize = 2;
+
+/// Torques of another scale than that of the described bodies.
+pub struct Scaled {
+    /// The logs as they are.
+    pub before: Tried,
+    /// With the factors.
+    pub after: Tried,
+    /// How many times larger the logged torque is: one factor where the joints share it, else one per joint, where it is known.
+    pub factors: Vec<Option<f64>>,
 }
 
-/// The median of the factors and whether the joints share it, where it is beyond what wrong masses explain and enough joints
-/// show it.
-pub fn implausible(factors: &[Option<f64>]) -> Option<(f64, bool)> {
+/// The scale of the torques, where it is clearly another than that of the described bodies with any load.
+pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
+    let tables = bodies.tables(rows, start);
+    let alone = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect::<Vec<_>>();
+    let first = first(&alone)?;
+    let before = Tried::new(bodies, rows, start.clone())?;
+    let scaled = |factor: f64| start.with(Change::TorqueScale(1.0 / factor));
+    let shared = best(first, |factor| merit(&tables, rows, &scaled(factor)))?;
+    // Factors that differ much are far from one that all share: a load that makes up for it is hard to leave.
+    let of_each = |factors: &[f64]| merit(&tables, rows, &start.with_scales(shared, factors));
+    let without_load: Vec<f64> = alone.iter().map(|factor| factor.map_or(shared, f64::abs)).collect();
+    let starts = [vec![shared; start.dof()], without_load];
+    let mut each = starts.into_iter().min_by(|a, b| of_each(a).total_cmp(&of_each(b)))?;
+    for _ in 0..ROUNDS {
+        for joint in 0..each.len() {
+            let with = |factor: f64| {
+                let mut factors = each.clone();
+                factors[joint] = factor;
+                of_each(&factors)
+            };
+            each[joint] = best(each[joint], with)?;
+        }
+    }
+    let known = |joint: usize| alone[joint].map(|_| each[joint]);
+    let each_known: Vec<Option<f64>> = (0..each.len()).map(known).collect();
+    let mut own = start.with_scales(shared, &each);
+    own.scale_is_partial = alone.iter().any(Option::is_none);
+    let candidates = [(scaled(shared), vec![Some(shared)]), (own, each_known)];
+    let [one, differing] = candidates.map(|(description, factors)| {
+        let after = Tried::new(bodies, rows, description)?;
+        implausible(&factors).map(|_| (after, factors))
+    });
+    let differs = |(one, own): (&(Tried, _), &(Tried, _))| {
+        compare(&one.0.evaluation, &own.0.evaluation, &rows.log).is_some_and(|own| own.is_distinct())
+    };
+    let (after, factors) = match (one, differing) {
+        (Some(one), Some(own)) => Some(if differs((&one, &own)) { own } else { one }),
+        (one, own) => one.or(own),
+    }?;
+    let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
+    (gain.is_better(TRIED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
+}
+
+/// The median of the factors without a load, where enough joints have one and some are beyond what wrong masses explain: a load
+/// may hide what the others have.
+fn first(factors: &[Option<f64>]) -> Option<f64> {
+    let known = sizes(factors)?;
+    known.iter().any(beyond).then(|| known[known.len() / 2])
+}
+
+/// The known factors without their signs, ascending, where enough joints have one.
+fn sizes(factors: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut known: Vec<f64> = factors.iter().flatten().map(|factor| factor.abs()).collect();
     if known.len() < factors.len().min(2) || known.len() * 3 < factors.len() {
         return None;
     }
     known.sort_by(f64::total_cmp);
-    let median = known[known.len() / 2];
-    let shared = known.iter().all(|factor| (1.0 / COMMON..COMMON).contains(&(factor / median)));
-    let beyond = |factor: &f64| !(1.0 / PLAUSIBLE..PLAUSIBLE).contains(factor);
-    let same_side = |factor: &f64| (*factor > 1.0) == (median > 1.0);
-    (beyond(&median) && known.iter().filter(|f| beyond(f)).all(same_side)).then_some((median, shared))
+    Some(known)
 }
 
+fn beyond(factor: &f64) -> bool {
+    !(1.0 / PLAUSIBLE..PLAUSIBLE).contains(factor)
+}
+
+/// The median of the factors, where it is beyond what wrong masses explain and enough joints show it.
+fn implausible(factors: &[Option<f64>]) -> Option<f64> {
+    let known = sizes(factors)?;
+    let median = known[known.len() / 2];
+    let same_side = |factor: &f64| (*factor > 1.0) == (median > 1.0);
+    (beyond(&median) && known.iter().filter(|f| beyond(f)).all(same_side)).then_some(median)
+}
+
+fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
+    Fit::new(tables, rows, description).merit().unwrap_or(f64::INFINITY)
+}
+
+/// The factor around a first one under which `merit` is least.
+fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+    let merit = |log: f64| merit(log.exp());
+    let step = 2.0 * WIDEST.ln() / (GRID - 1) as f64;
+    let at = |place: usize| first.abs().ln() - WIDEST.ln() + step * place as f64;
+    let merits: Vec<f64> = (0..GRID).map(|place| merit(at(place))).collect();
+    let least = (0..GRID).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
+    if !merits[least].is_finite() {
+        return None;
+    }
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high) = (at(least) - step, at(least) + step);
+    let mut inner = [high - golden * (high - low), low + golden * (high - low)];
+    let mut values = inner.map(merit);
+    for _ in 0..SECTIONS {
+        if values[0] < values[1] {
+            high = inner[1];
+            inner = [high - golden * (high - low), inner[0]];
+            values = [merit(inner[0]), values[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + golden * (high - low)];
+            values = [values[1], merit(inner[1])];
+        }
+    }
+    Some((0.5 * (low + high)).exp())
+}
+
+/// How many times larger the logged torque of a joint is than that of the bodies without a load; none where it is not alike.
 fn factor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
-    let width = table.parameters.len();
+    // The rotor, the constant and friction.
+    let all = table.width();
+    let own: Vec<usize> = std::iter::once(0).chain(all.checked_sub(FRICTION_COLUMNS + 1)?..all).collect();
+    let width = own.len();
     let count: usize = table.rows.iter().sum();
     if !rows.measured[channel] || count < 4 * (width + 1) {
         return None;
@@ -46,12 +161,13 @@ fn factor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
     let mut gram = DMatrix::zeros(width + 1, width + 1);
     let mut right = DVector::zeros(width + 1);
     for block in 0..table.rows.len() {
-        let mut corner = gram.view_mut((0, 0), (width, width));
-        corner += &table.gram[block];
-        for place in 0..width {
-            gram[(place, width)] += table.with_known[block][place];
-            gram[(width, place)] += table.with_known[block][place];
-            right[place] += table.with_torque[channel][block][place];
+        for (place, &column) in own.iter().enumerate() {
+            for (other, &row) in own.iter().enumerate() {
+                gram[(other, place)] += table.gram[block][(row, column)];
+            }
+            gram[(place, width)] += table.with_known[block][column];
+            gram[(width, place)] += table.with_known[block][column];
+            right[place] += table.with_torque[channel][block][column];
         }
     }
     gram[(width, width)] = sum(&table.known_squares);
@@ -68,4 +184,33 @@ fn factor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
     let ((with, factor), (without, _)) = (left(width + 1)?, left(width)?);
     let alike = with.sqrt() < ALIKE * squares.sqrt() && without.sqrt() > NEEDED * with.sqrt();
     (alike && factor != 0.0).then_some(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_count_where_enough_joints_have_them_beyond_wrong_masses() {
+        assert_eq!(implausible(&[Some(8.1), Some(9.0), None]), Some(9.0));
+        assert_eq!(implausible(&[Some(7.9), Some(7.0), None]), None);
+        assert_eq!(implausible(&[Some(0.1), Some(0.11), Some(1.2)]), Some(0.11));
+        // A single joint of several, and factors on both sides.
+        assert_eq!(implausible(&[Some(20.0), None, None]), None);
+        assert_eq!(implausible(&[Some(20.0), Some(30.0), Some(0.01)]), None);
+        assert_eq!(implausible(&[Some(-20.0)]), Some(20.0));
+        // A load hides factors of the wrist: the others are enough to look closer.
+        assert_eq!(first(&[None, Some(0.014), Some(0.033), Some(0.2), Some(0.2)]), Some(0.2));
+        assert_eq!(first(&[Some(0.2), Some(7.0)]), None);
+    }
+
+    #[test]
+    fn the_best_factor_is_found_far_from_the_first() {
+        let least = |wanted: f64| move |factor: f64| (factor / wanted).ln().powi(2);
+        for wanted in [0.013, 1.0, 95.0] {
+            let found = best(1.0, least(wanted)).unwrap();
+            assert!((found / wanted - 1.0).abs() < 0.01, "{found} {wanted}");
+        }
+        assert_eq!(best(1.0, |_| f64::INFINITY), None);
+    }
 }

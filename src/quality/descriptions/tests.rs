@@ -39,8 +39,8 @@ enum Oddity {
     Backlash,
     /// The last joints hardly move.
     HardlyMoves,
-    /// A load at the flange that the description does not have.
-    Payload,
+    /// A load of so many kg at the flange that the description does not have.
+    Payload(f64),
     /// 50 samples a second.
     Slow,
     /// A torque of few digits with much noise.
@@ -62,7 +62,7 @@ const ODDITIES: [Oddity; 14] = [
     Oddity::Elastic,
     Oddity::Backlash,
     Oddity::HardlyMoves,
-    Oddity::Payload,
+    Oddity::Payload(5.0),
     Oddity::Slow,
     Oddity::Coarse,
     Oddity::SlowMotion,
@@ -93,10 +93,10 @@ fn simulated(robot: &Robot, oddity: Oddity, seconds: f64, seed: u64) -> Sieved {
         }
     }
     let mut carrying = robot.clone();
-    if oddity == Oddity::Payload {
+    if let Oddity::Payload(mass) = oddity {
         let last = carrying.joints.last_mut().unwrap();
-        let body =
-            Inertia::from_center_of_mass(5.0, nalgebra::Vector3::new(0.05, 0.02, 0.15), Matrix3::identity() * 0.03);
+        let (center, tensor) = (nalgebra::Vector3::new(0.05, 0.02, 0.15), Matrix3::identity() * 0.006 * mass);
+        let body = Inertia::from_center_of_mass(mass, center, tensor);
         last.inertia = last.inertia.welded_to(&body);
     }
     let bodies = inverse_dynamics(&Chain::new(&carrying), &carrying.inertial_parameters(), &motion);
@@ -217,7 +217,7 @@ fn a_wrong_description_is_found() {
         vec![Change::AxisSign(1), Change::TorqueSign(3)],
     ]);
     let mut wrong = Vec::new();
-    for oddity in [Oddity::None, Oddity::Stribeck, Oddity::Payload, Oddity::Slow] {
+    for oddity in [Oddity::None, Oddity::Stribeck, Oddity::Payload(5.0), Oddity::Slow] {
         for changes in &cases {
             let (_, verdict) = found(&robot, oddity, changes);
             if !verdict.as_ref().is_some_and(|verdict| holds(verdict, &robot, changes)) {
@@ -243,6 +243,8 @@ fn the_mounting_is_found_and_applying_it_leaves_nothing() {
         assert_eq!(accusations(&logs, Some(&right)), [""; 0]);
     }
 }
+
+mod loads;
 
 #[test]
 fn a_scale_of_the_torque_is_found_and_not_applied() {

@@ -2,6 +2,7 @@
 //! them, given by `TAUSCOPE_CASES`.
 
 mod descriptions;
+mod identified;
 mod logs;
 mod numerics;
 mod robots;

@@ -232,9 +232,9 @@ fn answer<'a>(
         unexplained.push(other);
     }
     let left = map_of(&session.over_all_logs(), &members, options)?;
-    let apart = || {
-        Ok([map_on(&session, &session.train, &members, options)?, map_on(&session, &session.test, &members, options)?])
-    };
+    // Where the search was ended, nothing but the map has looked for structure: there it decides alone.
+    let sides: &[&DataSet] = if unfinished { &[] } else { &[&session.train, &session.test] };
+    let apart = || sides.iter().map(|side| map_on(&session, side, &members, options)).collect();
     let followed = mapped(&left, &session.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
     unexplained.extend(followed);
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };

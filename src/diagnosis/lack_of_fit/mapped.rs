@@ -15,7 +15,8 @@ const LINE: &str = "oscillates at a fixed frequency";
 /// themselves: few blocks of uneven noise make the p-value of one map too small now and then, but not of the same kind in both.
 ///
 /// `map` is that of all logs, `cutoffs_hz` are those of the joints' positions, joints among `known` are left out, `alpha` is the
-/// family-wise level of names. `apart` makes the maps of the training and of the held-out logs, and is called where they are asked for.
+/// family-wise level of names. `apart` makes the maps of the training and of the held-out logs, and is called where they are asked for; where it
+/// gives none, the map of all logs decides alone.
 ///
 /// # Errors
 /// Those of `apart`.
@@ -25,7 +26,7 @@ pub fn mapped(
     known: &[Unexplained],
     criteria: &StructureCriteria,
     alpha: f64,
-    apart: impl FnOnce() -> Result<[ResidualMap; 2]>,
+    apart: impl FnOnce() -> Result<Vec<ResidualMap>>,
 ) -> Result<Vec<Unexplained>> {
     let level = criteria.together * alpha;
     let count = map.joints.len() as f64;
@@ -130,7 +131,7 @@ mod tests {
 
     /// What is reported where the logs by themselves show the same.
     fn reported(map: &ResidualMap, cutoff_hz: f64, known: &[Unexplained]) -> Vec<Unexplained> {
-        mapped(map, &[cutoff_hz], known, &StructureCriteria::default(), 0.05, || Ok([map.clone(), map.clone()]))
+        mapped(map, &[cutoff_hz], known, &StructureCriteria::default(), 0.05, || Ok(vec![map.clone(), map.clone()]))
             .unwrap()
     }
 
@@ -154,7 +155,9 @@ mod tests {
     #[test]
     fn the_training_and_the_held_out_logs_each_show_it() {
         let criteria = StructureCriteria::default();
-        let reported = |map: &ResidualMap, apart| mapped(map, &[15.0], &[], &criteria, 0.05, || Ok(apart)).unwrap();
+        let reported = |map: &ResidualMap, apart: [ResidualMap; 2]| {
+            mapped(map, &[15.0], &[], &criteria, 0.05, || Ok(apart.into())).unwrap()
+        };
         let slow = map(0.6, 0.001, None);
         assert_eq!(reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)]).len(), 1);
         assert!(reported(&slow, [map(0.6, 0.051, None), slow.clone()]).is_empty());

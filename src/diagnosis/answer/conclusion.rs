@@ -140,15 +140,10 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
     let mut all = session.over_all_logs();
     let noise = all.noise_under(&all.train.baseline);
     all.settle(&mut [], &noise.whitener)?;
-    map_of(&all, &[], options)
+    map_on(&all, &all.train, &[], options)
 }
 
-/// What the residual of the model with `members` follows in the logs that `session` is identified from.
-fn map_of(session: &Session, members: &[Member], options: &Options) -> Result<ResidualMap> {
-    map_on(session, &session.train, members, options)
-}
-
-/// The same in the logs of one side, to which all columns of the model are fitted.
+/// What the residual of the model with `members` follows in the logs of a data set, to which all columns of the model are fitted.
 fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
     let columns = session.all_columns(data, members)?;
     Ok(ResidualMap::new(data, &columns, &session.arm, options.alpha, options.seed))
@@ -231,10 +226,11 @@ fn answer<'a>(
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());
         unexplained.push(other);
     }
-    let left = map_of(&session.over_all_logs(), &members, options)?;
+    let all = session.over_all_logs();
+    let left = map_on(&all, &all.train, &members, options)?;
     // Where the search was ended, nothing but the map has looked for structure: there it decides alone.
-    let sides: &[&DataSet] = if unfinished { &[] } else { &[&session.train, &session.test] };
-    let apart = || sides.iter().map(|side| map_on(&session, side, &members, options)).collect();
+    let data_sets: &[&DataSet] = if unfinished { &[] } else { &[&session.train, &session.test] };
+    let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
     let followed = mapped(&left, &session.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
     unexplained.extend(followed);
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };

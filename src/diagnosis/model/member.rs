@@ -25,15 +25,7 @@ pub struct Member {
 }
 
 impl Member {
-    /// How many columns it has in the model: its linear parameters, then the derivatives to its shapes.
-    pub fn columns(&self) -> usize {
-        if self.held {
-            return 0;
-        }
-        linear(self.placed.effect).len() + shapes(self.placed.effect).len()
-    }
-
-    /// Index of the parameter of each of its columns.
+    /// Index of the parameter of each of its columns: its linear parameters, then the derivatives to its shapes.
     pub fn places(&self) -> impl Iterator<Item = usize> + use<> {
         linear(self.placed.effect).into_iter().chain(shapes(self.placed.effect))
     }

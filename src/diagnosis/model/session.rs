@@ -105,7 +105,7 @@ impl<'a> Session<'a> {
                 all.extend(own);
             } else {
                 // What happened in a training log did not happen here.
-                all.extend(vec![Column::default(); member.columns()]);
+                all.extend(member.places().map(|_| Column::default()));
             }
         }
         Ok(all)

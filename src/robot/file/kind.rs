@@ -48,7 +48,7 @@ pub fn read(path: &Path) -> Result<Description> {
 }
 
 /// Reads a robot from the text of a URDF or a MuJoCo model. `source` is what messages call it; files that the text includes are
-/// looked for beside it.
+/// looked for in the folder of `source`.
 ///
 /// ```
 /// use tauscope::robot::{Choice, InertiaCheck, description};

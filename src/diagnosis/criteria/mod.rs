@@ -89,6 +89,8 @@ pub enum Gate {
     Size,
     /// Its strength differs from zero: p-value by its scatter between blocks.
     Strength,
+    /// It explains some of the held-out residual of its own joints: share of the sum of squares.
+    OwnJoint,
     /// No held-out log contradicts it: standard deviations by which the residual of the worst one grows.
     HeldOutLogs,
     /// No joint is predicted worse than by the baseline: factor on the residual of the one that is worst.
@@ -110,6 +112,7 @@ impl Gate {
             Gate::OtherLogs => "is not what the other logs predict",
             Gate::Size => "is too small to matter",
             Gate::Strength => "does not differ significantly from zero by its scatter between blocks",
+            Gate::OwnJoint => "explains nothing of the held-out residual of its own joint",
             Gate::HeldOutLogs => "is contradicted by a held-out log",
             Gate::EveryJoint => "makes a joint's held-out prediction worse",
             Gate::BeyondStructure => "explains no more than generic functions do",

@@ -7,6 +7,7 @@ use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
+use crate::effects::Site;
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -93,12 +94,12 @@ impl<'a> Judge<'a> {
         let valid = &self.session.train.rows.valid;
         let [after, before] = [&with[0], &without[0]].map(|residual| rms(valid, residual));
         let size: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b * b - a * a).max(0.0).sqrt()).collect();
-        let joints = member.candidate.joints();
+        let (joints, own) = (member.candidate.joints(), own_joints(member));
         let relative = |&joint: &usize| match size[joint] {
             0.0 => 0.0,
             size => size / self.least[joint],
         };
-        let relative_size = joints.iter().map(relative).fold(0.0, f64::max);
+        let relative_size = own.iter().map(relative).fold(0.0, f64::max);
         let mut judgements = vec![Judgement::at_least(Gate::Size, relative_size, 1.0)];
         if let Some([strength, std, freedom]) = self.fit.strength(kept, index) {
             let p = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf((strength / std).abs()));
@@ -106,10 +107,17 @@ impl<'a> Judge<'a> {
         }
         // What happened in one training log shows in no other.
         if member.candidate.log.is_none() {
+            judgements.push(self.on_own_joints(&own, [&without[1], &with[1]]));
             judgements.push(self.on_held_out_logs(&joints, [&without[1], &with[1]]));
             judgements.push(self.on_every_joint([&without[1], &with[1]]));
         }
         Judged { index, size, relative_size, judgements }
+    }
+
+    /// Share of the held-out residual of its `own` joints that a finding explains.
+    fn on_own_joints(&self, own: &[usize], [before, after]: [&Column; 2]) -> Judgement {
+        let share = Gains::new(&self.on_held_out, before, after, own, self.session.test.rows.len()).share();
+        Judgement::above(Gate::OwnJoint, share, 0.0)
     }
 
     /// Growth of the residual of the held-out log that agrees least, on `joints` together.
@@ -179,5 +187,32 @@ impl<'a> Judge<'a> {
             Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold),
             None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },
         }
+    }
+}
+
+/// Joints that a law is about: where it is in joints or gears, those; else all on which it has torque.
+fn own_joints(member: &Member) -> Vec<usize> {
+    match member.placed.effect.about().site {
+        Site::Joint | Site::Gear => member.placed.joints(),
+        Site::Body | Site::Sensor | Site::Integrator => member.candidate.joints(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::model::Candidate;
+    use crate::effects::{Placed, find};
+
+    #[test]
+    fn a_gear_is_judged_on_its_joint_and_a_body_wherever_it_has_torque() {
+        let columns = vec![Column::new(vec![vec![1.0]; 3])];
+        let member = |name: &str| {
+            let placed = Placed::typical(find(name).unwrap(), 1);
+            Member::new(&Candidate { placed, log: None, columns: columns.clone() }, &[1.0])
+        };
+        assert_eq!(own_joints(&member("joint_elasticity")), [1]);
+        assert_eq!(own_joints(&member("joint_coupling")), [1, 2]);
+        assert_eq!(own_joints(&member("payload")), [0, 1, 2]);
     }
 }

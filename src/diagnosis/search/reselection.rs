@@ -9,7 +9,8 @@ use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Family, Noise, Session};
+use crate::diagnosis::model::{Candidate, Family, Member, Noise, Session};
+use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
@@ -35,16 +36,45 @@ impl Again {
             found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
         let of_others = members(&others);
         let noise = session.noise_under(&session.all_columns(&session.train, &of_others)?);
+        let finding = &found[index].member;
         // What acts elsewhere is no other name for what is seen here.
-        let here = found[index].member.candidate.joints();
-        let all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
-        let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
-        let anyone = |_: &Candidate, _| Standing::MayWin;
-        let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
-        let own_noise = &mut InOwnNoise::new();
-        let comparison = compare(session, &of_others, &contenders, &all, multiplicity, criteria, own_noise)?;
-        Ok(Some(Again { others, noise, comparison }))
+        let here = finding.candidate.joints();
+        let mut all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
+        loop {
+            let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
+            let anyone = |_: &Candidate, _| Standing::MayWin;
+            let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
+            let own_noise = &mut InOwnNoise::new();
+            let comparison = compare(session, &of_others, &contenders, &all, multiplicity, criteria, own_noise)?;
+            let winner = &comparison.winner.candidate;
+            if explains_no_less_here(session, &of_others, &noise, finding, winner)? {
+                return Ok(Some(Again { others, noise, comparison }));
+            }
+            let family = winner.family();
+            all.retain(|candidate| candidate.family() != family);
+        }
     }
+}
+
+/// Whether a winner explains no less than the `finding` on the joints where that acts, `others` in the model. A law that acts on
+/// more joints wins by what it explains on those: that is another finding, and no other name for this one.
+fn explains_no_less_here(
+    session: &Session,
+    others: &[Member],
+    Noise { whitener, fit }: &Noise,
+    finding: &Member,
+    winner: &Candidate,
+) -> Result<bool> {
+    let here = finding.candidate.joints();
+    if winner.joints().iter().all(|joint| here.contains(joint)) {
+        return Ok(true);
+    }
+    let with: Vec<Member> = others.iter().chain([finding]).cloned().collect();
+    let mut of_finding = session.all_columns(&session.train, &with)?;
+    let of_finding = of_finding.split_off(of_finding.len() - finding.places().count());
+    let restricted: Vec<Column> = winner.columns.iter().map(|column| column.only(&here)).collect();
+    let log_p = |columns: &[Column]| fit.test(&whitener.apply_all(columns)).map_or(0.0, |test| test.log_p());
+    Ok(log_p(&restricted) <= log_p(&of_finding))
 }
 
 /// Whether a finding can be selected again: not one that impacts show, nor an event.

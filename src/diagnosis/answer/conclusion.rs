@@ -1,15 +1,12 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
-use super::derived::derived;
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, withdraw};
 use super::extended::ExtendedModel;
-use super::gap::Residuals;
 use super::inertias::{Gain, all_inertias};
 use super::outcome::Conclusion;
-use super::residual_structure::residual_structure;
+use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter};
-use super::traces::Evidence;
 use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::lack_of_fit::{disagreement, mapped};

@@ -1,10 +1,7 @@
 //! The answer with its evidence: which names stand, what was not found, and what to do next.
 
-use super::derived::Derived;
-use super::gap::Share;
 use super::inertias::Gain;
-use super::residual_structure::ResidualStructure;
-use super::traces::Evidence;
+use super::quantities::{Derived, Evidence, ResidualStructure, Share};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Criteria, VerdictCriteria};
 use crate::diagnosis::evidence::Multiplicity;

@@ -1,10 +1,9 @@
 //! The content of `diagnosis.json`.
 
 use super::findings::{Finding, NamedParameter, finding, findings, joints};
-use super::gap::Share;
 use super::notices;
 use super::outcome::{Answer, Conclusion};
-use super::residual_structure::ResidualStructure;
+use super::quantities::{ResidualStructure, Share};
 use crate::diagnosis::criteria::{Criteria, Judgement};
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;

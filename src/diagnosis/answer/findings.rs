@@ -1,8 +1,8 @@
 //! Findings as `diagnosis.json` and the reports hold them: effect, joints, parameters with units, alternatives.
 
-use super::derived::Derived;
 use super::diagnosis::Diagnosis;
 use super::inertias::Gain;
+use super::quantities::Derived;
 use crate::diagnosis::model::Family;
 use crate::diagnosis::search::{Found, Verdict};
 use crate::effects::{self, Placed, Role, Scope};

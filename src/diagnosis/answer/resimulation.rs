@@ -6,7 +6,7 @@
 
 use super::diagnosis::Diagnosis;
 use super::extended::ExtendedModel;
-use super::gap::{Residuals, Share};
+use super::quantities::{Residuals, Share};
 use crate::channels::Channels;
 use crate::diagnosis::lack_of_fit::Unexplained;
 use crate::diagnosis::logs::{Log, Rows};

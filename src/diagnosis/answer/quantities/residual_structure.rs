@@ -63,7 +63,7 @@ impl Follows {
 }
 
 /// The structure of a residual over `rows`, of every joint.
-pub(super) fn residual_structure(rows: &Rows, residual: &Column) -> Vec<ResidualStructure> {
+pub(in crate::diagnosis::answer) fn residual_structure(rows: &Rows, residual: &Column) -> Vec<ResidualStructure> {
     (0..rows.dof())
         .map(|joint| {
             let kept: Vec<usize> = (0..rows.len()).filter(|&row| rows.valid[joint][row]).collect();

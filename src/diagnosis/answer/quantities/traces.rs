@@ -1,4 +1,4 @@
-//! What a diagnosis rests on: the held-out rows with what each model leaves of them, and the first scan's candidates.
+//! What a diagnosis rests on: the held-out rows with the residual of each model, and the first scan's candidates.
 
 use crate::diagnosis::evidence::Ranked;
 use crate::diagnosis::model::{Member, Moved, Session, columns_in};

@@ -1,4 +1,4 @@
-//! How much of the gap between what one model leaves and the noise another one closes, with its uncertainty.
+//! How much of the gap between the residual of one model and the noise another one closes, with its uncertainty.
 
 use crate::diagnosis::regression::Column;
 use crate::random;
@@ -64,7 +64,7 @@ impl Blocks {
 
 /// Residuals of the held-out rows before and after, `valid` where they count (`[joint][row]`), and the noise of each joint.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Residuals<'a> {
+pub(in crate::diagnosis::answer) struct Residuals<'a> {
     /// What the one model leaves.
     pub before: &'a Column,
     /// What the other one leaves.

@@ -22,7 +22,12 @@ pub struct Derived {
 }
 
 /// What follows from the parameters of every member; `blocks` are their places in what is `solved`.
-pub(super) fn derived(members: &[Member], solved: &Solved, blocks: &[MemberBlock], robot: &Robot) -> Vec<Vec<Derived>> {
+pub(in crate::diagnosis::answer) fn derived(
+    members: &[Member],
+    solved: &Solved,
+    blocks: &[MemberBlock],
+    robot: &Robot,
+) -> Vec<Vec<Derived>> {
     let each = members.iter().zip(blocks);
     each.map(|(member, block)| {
         let effect = member.placed.effect;

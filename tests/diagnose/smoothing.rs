@@ -14,7 +14,7 @@ fn cutoffs(step: f64) -> Vec<f64> {
         log
     };
     let logs: Vec<Recording> = logs(&SETUP, 31, 2).into_iter().map(coarse).collect();
-    Session::new(&Model::new(&SETUP.known), Trust::Structure, &[&logs[0]], &[&logs[1]]).unwrap().cutoffs_hz
+    Session::new(&Model::new(&SETUP.known), Trust::Structure, &[&logs[0]], &[&logs[1]]).unwrap().logs.cutoffs_hz
 }
 
 #[test]

@@ -16,16 +16,16 @@ impl Concluded<'_> {
     /// If a log is too short to differentiate.
     pub(super) fn share_accounted_for(&self, hidden: &[Placed]) -> Result<f64> {
         let (session, whitener) = (&self.session, &self.first_whitener);
-        let added = |rows| Ok(combined(&session.arm.added(hidden, rows)?, &vec![1.0; hidden.len()]));
-        let (train, mut wanted) = (added(&session.train.rows)?, added(&session.test.rows)?);
-        let taken = solve(&whitener.apply_all(&session.train.baseline), &whitener.apply(&train));
-        for (column, value) in session.test.baseline.iter().zip(taken.values) {
+        let added = |rows| Ok(combined(&session.model.arm.added(hidden, rows)?, &vec![1.0; hidden.len()]));
+        let (train, mut wanted) = (added(&session.logs.train.rows)?, added(&session.logs.test.rows)?);
+        let taken = solve(&whitener.apply_all(&session.logs.train.baseline), &whitener.apply(&train));
+        for (column, value) in session.logs.test.baseline.iter().zip(taken.values) {
             wanted.add(-value, column);
         }
         let mut missed = wanted.clone();
-        missed.add(-1.0, &session.residual_on(&session.test, &[], whitener)?);
+        missed.add(-1.0, &session.residual_on(&session.logs.test, &[], whitener)?);
         missed.add(1.0, &session.held_out_residual(&self.members, &self.whitener)?);
-        let (valid, noise) = (&session.test.rows.valid, &self.diagnosis.errors.noise_floor);
+        let (valid, noise) = (&session.logs.test.rows.valid, &self.diagnosis.errors.noise_floor);
         let square = |column: &Column| -> f64 {
             let joints = rms(valid, column).into_iter().zip(noise).zip(valid);
             joints

@@ -129,31 +129,31 @@ fn identified<'a>(
     };
     let found = found_that_matter(&mut session, options, watch)?.0.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
-    Ok((Known { arm: session.arm, effects, reference: reference.to_vec() }, found))
+    Ok((Known { arm: session.model.arm, effects, reference: reference.to_vec() }, found))
 }
 
 /// What the residual of the baseline follows in all logs.
 fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
     let mut all = session.over_all_logs();
-    let noise = all.noise_under(&all.train.baseline);
+    let noise = all.noise_under(&all.logs.train.baseline);
     all.settle(&mut [], &noise.whitener)?;
-    map_on(&all, &all.train, &[], options)
+    map_on(&all, &all.logs.train, &[], options)
 }
 
 /// What the residual of the model with `members` follows in the logs of a data set, to which all columns of the model are fitted.
 fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
-    let columns = session.all_columns(data, members)?;
-    Ok(ResidualMap::new(data, &columns, &session.arm, options.alpha, options.seed))
+    let columns = session.model.columns(data, members)?;
+    Ok(ResidualMap::new(data, &columns, &session.model.arm, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
 fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
-    let (rows, robot) = (&session.test.rows, session.model.robot());
+    let (rows, robot) = (&session.logs.test.rows, session.model.base.robot());
     let mut residual = Column::new(rows.torque.iter().cloned());
     let described = Arm::new(robot, Trust::Nominal);
     residual.add(-1.0, &described.believed(rows));
-    let baseline = described.baseline(session.model, rows);
-    residual.add(-1.0, &combined(&baseline, &drives(session.model, robot)));
+    let baseline = described.baseline(session.model.base, rows);
+    residual.add(-1.0, &combined(&baseline, &drives(session.model.base, robot)));
     for torque in described.added_throughout(present, rows)? {
         residual.add(-1.0, &torque);
     }
@@ -207,15 +207,15 @@ fn answer<'a>(
     } = selection;
     let members: Vec<Member> = found.iter().map(|found| found.member.clone()).collect();
     let valid = |data: &'_ DataSet| data.rows.valid.clone();
-    let train = session.baseline_residual_on(&session.train, &first_whitener)?;
-    let baseline = session.baseline_residual_on(&session.test, &first_whitener)?;
+    let train = session.baseline_residual_on(&session.logs.train, &first_whitener)?;
+    let baseline = session.baseline_residual_on(&session.logs.test, &first_whitener)?;
     let mut evidence = Evidence::new(&session, &members, ranking, [&simulation, &baseline, &extended])?;
     let noise_floor = whitener.noise_std();
-    let test = &session.test.rows;
+    let test = &session.logs.test.rows;
     let solved = session.solved(&members, &whitener)?;
-    let prediction_std = solved.prediction_std(&session.all_columns(&session.test, &members)?, &test.valid);
-    let trained = session.residual_on(&session.train, &members, &whitener)?;
-    let left = [(&session.train.rows, &trained), (test, &extended)];
+    let prediction_std = solved.prediction_std(&session.model.columns(&session.logs.test, &members)?, &test.valid);
+    let trained = session.residual_on(&session.logs.train, &members, &whitener)?;
+    let left = [(&session.logs.train.rows, &trained), (test, &extended)];
     // What a search that was ended has not looked for is no disagreement.
     let disagreement =
         disagreement(left, &baseline, &noise_floor, &prediction_std, &options.criteria.structure).into_iter();
@@ -224,11 +224,12 @@ fn answer<'a>(
         unexplained.push(other);
     }
     let all = session.over_all_logs();
-    let left = map_on(&all, &all.train, &members, options)?;
+    let left = map_on(&all, &all.logs.train, &members, options)?;
     // Where the search was ended, nothing but the map has looked for structure: there it decides alone.
-    let data_sets: &[&DataSet] = if unfinished { &[] } else { &[&session.train, &session.test] };
+    let data_sets: &[&DataSet] = if unfinished { &[] } else { &[&session.logs.train, &session.logs.test] };
     let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
-    let followed = mapped(&left, &session.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
+    let followed =
+        mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
     unexplained.extend(followed);
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
@@ -237,7 +238,7 @@ fn answer<'a>(
     let simulation_test_rms = rms(&test.valid, &simulation);
     let criteria = &options.criteria.verdict;
     withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, criteria);
-    let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.robot());
+    let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.base.robot());
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
         match diagnosis::of_sampling(&session, &found, &noise_floor, criteria)? {
@@ -250,14 +251,14 @@ fn answer<'a>(
     let next_experiment = next_experiment(
         &found,
         &unexplained,
-        session.model.robot(),
+        session.model.base.robot(),
         [&simulation_test_rms, &extended_test_rms],
         criteria,
     );
     let errors = Errors {
         test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),
         simulation_test_rms,
-        baseline_rms: [rms(&valid(&session.train), &train), baseline_test_rms],
+        baseline_rms: [rms(&valid(&session.logs.train), &train), baseline_test_rms],
         extended_test_rms,
         prediction_std,
         gap_closed,
@@ -267,16 +268,16 @@ fn answer<'a>(
     let scope = Scope {
         alpha: options.alpha,
         candidates: options.candidates.clone(),
-        against_reference: session.train.rows.before > 0,
+        against_reference: session.logs.train.rows.before > 0,
         effective_tests: multiplicity.all(),
         criteria: options.criteria,
     };
     let logs = LogSummary {
         rates_hz: rates_hz(&session),
-        cutoffs_hz: session.cutoffs_hz.clone(),
-        passband: session.passband,
-        sign_widths: session.arm.sign_widths.clone(),
-        equations: (0..session.model.dof()).map(|joint| session.model.has_equation(joint)).collect(),
+        cutoffs_hz: session.logs.cutoffs_hz.clone(),
+        passband: session.logs.passband,
+        sign_widths: session.model.arm.sign_widths.clone(),
+        equations: (0..session.model.base.dof()).map(|joint| session.model.base.has_equation(joint)).collect(),
         held_out_from_training,
     };
     let diagnosis = Diagnosis {
@@ -303,7 +304,7 @@ fn answer<'a>(
 
 /// Rates of all logs, each once, the lowest first; clocks are never alike to the last digit.
 fn rates_hz(session: &Session) -> Vec<f64> {
-    let logs = session.train.rows.logs.iter().chain(&session.test.rows.logs);
+    let logs = session.logs.train.rows.logs.iter().chain(&session.logs.test.rows.logs);
     let mut rates_hz: Vec<f64> = logs.map(|log| 1.0 / log.period).collect();
     rates_hz.sort_by(f64::total_cmp);
     rates_hz.dedup_by(|high, low| *high < SAME_RATE * *low);
@@ -321,15 +322,15 @@ impl Concluded<'_> {
         let measured = self.measured(train);
         let extended = ExtendedModel::new(&self.session, &self.members, &self.whitener);
         let baseline = ExtendedModel::new(&self.session, &[], &self.first_whitener);
-        let described = ExtendedModel::described(self.session.model.robot(), &self.present);
+        let described = ExtendedModel::described(self.session.model.base.robot(), &self.present);
         let Concluded { diagnosis, session, seed, .. } = self;
-        let replay = Replay { described, baseline, extended, rows: session.test.rows, seed };
+        let replay = Replay { described, baseline, extended, rows: session.logs.test.rows, seed };
         Ok(Conclusion { diagnosis, measured, accounted_for, resimulation: None, replay })
     }
 
     /// Rate, accelerations and noise of the training logs `train`.
     fn measured(&self, train: &[&Recording]) -> Measured {
-        let rows = &self.session.train.rows;
+        let rows = &self.session.logs.train.rows;
         let period = rows.logs.first().map_or(1.0, |log| log.period);
         let joints = 0..rows.dof();
         let fastest = |joint: usize| {

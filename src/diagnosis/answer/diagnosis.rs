@@ -210,13 +210,13 @@ pub(super) fn of_sampling(
         Nature::Lag => Some(placed.joint),
         _ => return Ok(None),
     };
-    let period = session.train.rows.logs.first().map_or(0.0, |log| log.period);
+    let period = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
     let seconds = placed.parameters[0];
     if seconds.abs() > 0.5 * period {
         return Ok(None);
     }
-    let test = &session.test.rows;
-    let added = session.arm.added_throughout(std::slice::from_ref(placed), test)?;
+    let test = &session.logs.test.rows;
+    let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
     Ok((size < criteria.sampling_size).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
 }
@@ -241,7 +241,7 @@ pub(super) fn not_found(
             [found.member.candidate.family()].into_iter().chain(others)
         })
         .collect();
-    let change = session.train.rows.before > 0;
+    let change = session.logs.train.rows.before > 0;
     LIBRARY
         .iter()
         .filter(|effect| {
@@ -249,7 +249,7 @@ pub(super) fn not_found(
                 || (change && is_wanted(**effect, &options.candidates))
         })
         .flat_map(|effect| {
-            places(*effect, session.model.dof())
+            places(*effect, session.model.base.dof())
                 .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
         })
         .filter(|(_, family)| !taken.contains(family))
@@ -257,7 +257,7 @@ pub(super) fn not_found(
             let seen = sensitivity.get(&family);
             let index = seen.map_or(0, |(index, _)| *index);
             let Parameter { lower, upper, .. } = effect.parameters()[index];
-            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.robot());
+            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.base.robot());
             // What no arm can have, no log can show.
             let sizes = 0.0..=upper.max(-lower);
             let minimum_detectable = seen

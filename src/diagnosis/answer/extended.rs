@@ -33,10 +33,10 @@ impl ExtendedModel {
     /// If a log is too short to differentiate, or no bodies can be found.
     pub fn new(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Self> {
         let solved = session.solved(members, whitener)?;
-        let mut arm = session.arm.clone();
-        arm.take(session.model, &solved.values);
-        let fitted = session.known.fitted();
-        let mut known = session.known.effects.clone();
+        let mut arm = session.model.arm.clone();
+        arm.take(session.model.base, &solved.values);
+        let fitted = session.model.known.fitted();
+        let mut known = session.model.known.effects.clone();
         for ((effect, index), change) in fitted.into_iter().zip(&solved.values[session.blocks(&[]).known]) {
             known[effect].parameters[index] += change;
         }
@@ -110,7 +110,7 @@ fn bound(placed: &mut Placed, session: &Session) {
     for (parameter, value) in placed.effect.parameters().iter().zip(&mut placed.parameters) {
         *value = value.clamp(parameter.lower, parameter.upper);
     }
-    if let (Site::Integrator, Some(log)) = (placed.effect.about().site, session.train.rows.logs.first()) {
+    if let (Site::Integrator, Some(log)) = (placed.effect.about().site, session.logs.train.rows.logs.first()) {
         let step = &mut placed.parameters[0];
         *step = log.period / (log.period / *step).round().max(1.0);
     }
@@ -126,7 +126,7 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
     }) {
         return Ok(robot.clone());
     }
-    let model = session.model;
+    let model = session.model.base;
     let normal = normal(session, whitener);
     let beta = model.base().values(&Model::standard_values(robot));
     let solution = consistent::solve(model, &normal, &beta)?;
@@ -135,8 +135,9 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
 
 /// Inner products of the base parameters' columns on whitened training rows.
 fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
-    let arm = Arm::new(session.model.robot(), Trust::Structure).with_sign_widths(session.arm.sign_widths.clone());
-    let base = arm.baseline(session.model, &session.train.rows);
+    let arm =
+        Arm::new(session.model.base.robot(), Trust::Structure).with_sign_widths(session.model.arm.sign_widths.clone());
+    let base = arm.baseline(session.model.base, &session.logs.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
     // What these rows do not determine stays where it is.
     let largest = normal.diagonal().max();

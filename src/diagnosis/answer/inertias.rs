@@ -59,7 +59,7 @@ pub(super) fn all_inertias<'a>(
     if (bodies <= criteria.wrong_bodies && left <= criteria.doubtful_joints) || watch.is_over() {
         return Ok(None);
     }
-    let mut session = Session::knowing(trusted.model, Trust::Structure, known, train, test)?;
+    let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test)?;
     let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
     let left_free = certain(&searched.unexplained);
@@ -71,8 +71,8 @@ pub(super) fn all_inertias<'a>(
         return Ok(None);
     }
     // Both are seen on rows that count for both, in the noise of the better one.
-    let mut rows = session.test.rows.clone();
-    for (valid, other) in rows.valid.iter_mut().zip(&trusted.test.rows.valid) {
+    let mut rows = session.logs.test.rows.clone();
+    for (valid, other) in rows.valid.iter_mut().zip(&trusted.logs.test.rows.valid) {
         valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
     }
     let (before, after) = (&selection.held_out, &free.held_out);

@@ -31,13 +31,13 @@ const DRIFTS: usize = 10;
 /// strength that it has once the candidate is in the model. An event of one log is also adjusted for slow drifts of all joints that
 /// it acts on: the rows show well how sharply it begins and ends.
 pub fn log_p_adjusted(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
-    let rows = &session.train.rows;
+    let rows = &session.logs.train.rows;
     let fit = if candidate.candidate.log.is_some() {
         let joints = candidate.candidate.joints();
         let drifts: Vec<Column> = joints.into_iter().flat_map(|joint| slow_cosines(rows, joint, 0..DRIFTS)).collect();
         fit.with(&whitener.apply_all(&drifts))
     } else {
-        session.train.errors_with(&candidate.candidate.placed).adjust(fit, whitener)
+        session.errors_with(&session.logs.train, &candidate.candidate.placed).adjust(fit, whitener)
     };
     let Some(judged) = session.judge(&candidate.candidate, whitener, &fit) else { return 0.0 };
     let slow = against_slow_noise(rows, whitener, &fit, &judged.whitened, &judged.test);

@@ -53,12 +53,12 @@ pub fn without_influential_blocks(
     whitener: &Whitener,
     winner: &Judged,
 ) -> Result<f64> {
-    let present = session.all_columns(&session.train, members)?;
-    let mut rows = session.train.rows.clone();
+    let present = session.model.columns(&session.logs.train, members)?;
+    let mut rows = session.logs.train.rows.clone();
     let mut whitener = whitener.clone();
     let width = if is_event(winner.candidate.placed.effect) { MOMENT } else { BLOCK };
     for _ in 0..WITHOUT {
-        let fit = whitener.fit(&present, &session.train.torque);
+        let fit = whitener.fit(&present, &session.logs.train.torque);
         let with = fit.with(&whitener.apply_all(&winner.candidate.columns));
         let mut gains = vec![0.0; rows.len()];
         for (place, before, after) in row_by_row(&whitener, &fit.residual, &with.residual) {
@@ -68,7 +68,7 @@ pub fn without_influential_blocks(
         rows.valid.iter_mut().for_each(|valid| valid[best.clone()].fill(false));
         whitener = whitener.on(&rows);
     }
-    let fit = whitener.fit(&present, &session.train.torque);
+    let fit = whitener.fit(&present, &session.logs.train.torque);
     let log_p = session.judge(&winner.candidate, &whitener, &fit).map_or(0.0, |judged| judged.test.log_p());
     tracing::debug!(log_p, "without the best blocks");
     Ok(log_p)

@@ -10,8 +10,8 @@ use crate::error::Result;
 /// # Errors
 /// If a log is too short to differentiate.
 pub fn cross_validated_residual(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Column> {
-    let data = &session.train;
-    let columns = session.all_columns(data, members)?;
+    let data = &session.logs.train;
+    let columns = session.model.columns(data, members)?;
     let mut rows = data.rows.clone();
     let mut left = data.torque.clone();
     for log in data.rows.starts.windows(2) {
@@ -80,19 +80,19 @@ mod tests {
         let logs = [1, 2, 3].map(|seed| log(&arm, seed));
         let apart = Session::new(&model, Trust::Nominal, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();
         let mut session = apart.over_all_logs();
-        let rows = &session.train.rows;
-        assert_eq!((rows.len(), rows.logs.len()), (apart.train.rows.len() + apart.test.rows.len(), 3));
+        let rows = &session.logs.train.rows;
+        assert_eq!((rows.len(), rows.logs.len()), (apart.logs.train.rows.len() + apart.logs.test.rows.len(), 3));
         let last = rows.starts[2]..rows.starts[3];
-        assert_eq!(rows.torque[4][last.clone()], apart.test.rows.torque[4]);
-        assert_eq!(rows.valid[4][last.clone()], apart.test.rows.valid[4]);
+        assert_eq!(rows.torque[4][last.clone()], apart.logs.test.rows.torque[4]);
+        assert_eq!(rows.valid[4][last.clone()], apart.logs.test.rows.valid[4]);
 
-        let whitener = session.noise_under(&session.train.baseline).whitener;
+        let whitener = session.noise_under(&session.logs.train.baseline).whitener;
         let before = cross_validated_residual(&session, &[], &whitener).unwrap();
         // More friction on joint 2 in the last log alone.
         let push: Vec<f64> = rows.means(|log| log.motion.qd.channel(1).to_vec());
         let push = push.iter().enumerate().map(|(row, qd)| if last.contains(&row) { 40.0 * qd } else { 0.0 });
         let push = Column::on(1, push.collect());
-        session.train.torque.add(1.0, &push);
+        session.logs.train.torque.add(1.0, &push);
         let mut change = cross_validated_residual(&session, &[], &whitener).unwrap();
         change.add(-1.0, &before);
         let (change, push) = (change.part(1).unwrap(), push.part(1).unwrap());

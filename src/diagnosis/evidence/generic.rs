@@ -89,7 +89,7 @@ pub fn blocks(session: &Session, data: &DataSet, joint: usize, reach: Reach) -> 
         })
     };
     let own = |f: &dyn Fn(f64, f64) -> f64| of(joint, f);
-    let torques = session.arm.all_torque(rows);
+    let torques = session.model.arm.all_torque(rows);
     let torque = |joint: usize| torques.part(joint).map(<[f64]>::to_vec).unwrap_or_default();
     let others = || (0..rows.dof()).filter(|&other| other != joint);
 
@@ -172,7 +172,7 @@ pub fn modulated(session: &Session, data: &DataSet, joint: usize, law: &[Column]
     let rows = &data.rows;
     // Not with speed: smooth positions and means over rows take more of what swings faster.
     let of = |f: fn(f64) -> f64| rows.means(|log| log.motion.q.channel(joint).iter().map(|&q| f(q)).collect());
-    let load = session.arm.all_torque(rows).part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
+    let load = session.model.arm.all_torque(rows).part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
     let strengths = [vec![1.0; rows.len()], load, of(f64::cos), of(f64::sin)];
     let slow = slow_cosines(rows, joint, 0..SLOW_CHANGES + 1);
     let slow: Vec<Vec<f64>> = slow.into_iter().flat_map(|column| column.parts).map(|(_, values)| values).collect();

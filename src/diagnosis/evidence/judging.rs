@@ -61,7 +61,7 @@ impl Session<'_> {
         let mut candidate = candidate.clone();
         let mut whitened = whitener.apply_all(&candidate.columns);
         let effect = candidate.placed.effect;
-        let spread = prior(&candidate.placed, self.model.robot());
+        let spread = prior(&candidate.placed, self.model.base.robot());
         loop {
             let test = fit.test_with_prior(&whitened, &spread)?;
             if !test.values.iter().all(|value| value.is_finite()) {
@@ -71,7 +71,7 @@ impl Session<'_> {
                 let mut placed = candidate.placed.clone();
                 linear(effect).iter().zip(&test.values).for_each(|(&index, &value)| placed.parameters[index] = value);
                 let believable = is_level(effect)
-                    || effect.is_believable(&placed.parameters, placed.joint, self.model.robot())
+                    || effect.is_believable(&placed.parameters, placed.joint, self.model.base.robot())
                         && self.is_in_proportion(&candidate, &test);
                 return believable.then_some(Judged { candidate, whitened, test });
             }
@@ -101,7 +101,7 @@ impl Session<'_> {
         whitener: &Whitener,
         fit: &Projection,
     ) -> Result<Vec<Option<Judged>>> {
-        let columns = columns_in(&self.arm, &self.train.rows, log, placed, Moved::Tested)?;
+        let columns = columns_in(&self.model.arm, &self.logs.train.rows, log, placed, Moved::Tested)?;
         let candidates = placed.par_iter().cloned().zip(columns);
         let judged = candidates.map(|(placed, columns)| self.judge(&Candidate { placed, log, columns }, whitener, fit));
         Ok(judged.collect())
@@ -113,21 +113,25 @@ impl Session<'_> {
         if candidate.placed.effect.about().dry {
             let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
             let friction = combined(&candidate.columns, &test.values);
-            if friction.parts.iter().any(|(joint, values)| largest(values) > largest(&self.train.rows.torque[*joint])) {
+            if friction
+                .parts
+                .iter()
+                .any(|(joint, values)| largest(values) > largest(&self.logs.train.rows.torque[*joint]))
+            {
                 return false;
             }
         }
         let Some(share) = candidate.placed.effect.largest_share() else { return true };
-        let valid = &self.train.rows.valid;
+        let valid = &self.logs.train.rows.valid;
         let joint = candidate.placed.joint;
         let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
-        let all = Column::on(joint, self.train.rows.torque[joint].clone());
+        let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
         of_effect <= share * rms(valid, &all)[joint]
     }
 
     /// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
     fn is_physical(&self, candidate: &Candidate, test: &Test) -> bool {
-        let change = self.train.rows.before > 0;
+        let change = self.logs.train.rows.before > 0;
         let effect = candidate.placed.effect;
         if is_level(effect) {
             let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
@@ -141,7 +145,7 @@ impl Session<'_> {
         {
             // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
             // as straight, and stands for everything below it.
-            let sizes = sizes(effect, only, candidate.placed.joint, &self.train.rows);
+            let sizes = sizes(effect, only, candidate.placed.joint, &self.logs.train.rows);
             let smallest = sizes.first().copied().unwrap_or_default();
             let size = candidate.placed.parameters[only];
             let share = test.values[0] / size;
@@ -192,7 +196,7 @@ impl Session<'_> {
                     let mut placed = best.candidate.placed.clone();
                     let value = &mut placed.parameters[index];
                     let wanted = moved(effect, index, *value, sign * share);
-                    *value = within_bounds(effect, index, wanted, joint, &self.train.rows);
+                    *value = within_bounds(effect, index, wanted, joint, &self.logs.train.rows);
                     effect.is_sensible(&placed.parameters).then_some(placed)
                 };
                 // Both sides at once: most steps succeed on neither.

@@ -35,12 +35,12 @@ impl Scan {
                 return true;
             }
             // The errors are the same for all of them.
-            let fit: &Projection =
-                adjusted_for_errors.get_or_init(|| session.train.errors_with(placed).adjust(fit, whitener));
+            let fit: &Projection = adjusted_for_errors
+                .get_or_init(|| session.errors_with(&session.logs.train, placed).adjust(fit, whitener));
             fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
         };
         let stand = judged.iter().map(stands).collect();
-        Scan { judged, stand, change: session.train.rows.before > 0 }
+        Scan { judged, stand, change: session.logs.train.rows.before > 0 }
     }
 
     /// How many independent tests the scan is worth.

@@ -3,7 +3,7 @@
 
 use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
-use crate::diagnosis::model::{DataSet, Member, Noise, Nuisances, Session};
+use crate::diagnosis::model::{DataSet, Fit, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
 use crate::diagnosis::search::{Selection, members};
@@ -112,7 +112,7 @@ pub(super) struct Fitted<'a> {
 impl Under {
     fn new(session: &Session, whitener: Whitener, fit: Projection, errors: &Nuisances) -> Self {
         let adjusted_for_errors = errors.adjust(&fit, &whitener);
-        Under { on_held_out: whitener.on(&session.test.rows), whitener, fit, adjusted_for_errors }
+        Under { on_held_out: whitener.on(&session.logs.test.rows), whitener, fit, adjusted_for_errors }
     }
 
     /// The share of a joint's residual that `statistic` is. The fit minimises over all joints, so that it can give more than this
@@ -142,18 +142,18 @@ impl<'a> Fitted<'a> {
         alpha: f64,
     ) -> Result<Self> {
         let members = members(&selection.found);
-        let columns = session.all_columns(&session.train, &members)?;
+        let columns = session.model.columns(&session.logs.train, &members)?;
         let errors = |data: &DataSet| {
-            let mut errors = data.errors.all();
+            let mut errors = session.errors(data).all();
             errors.add(&data.bands, f64::INFINITY);
             errors
         };
-        let train_errors = errors(&session.train);
-        let fit = selection.whitener.fit(&columns, &session.train.torque);
+        let train_errors = errors(&session.logs.train);
+        let fit = selection.whitener.fit(&columns, &session.logs.train.torque);
         Ok(Fitted {
             under: Under::new(session, selection.whitener.clone(), fit, &train_errors),
-            held_out_columns: session.all_columns(&session.test, &members)?,
-            held_out_errors: errors(&session.test),
+            held_out_columns: session.model.columns(&session.logs.test, &members)?,
+            held_out_errors: errors(&session.logs.test),
             before: &selection.held_out,
             criteria,
             together: criteria.together * alpha,
@@ -169,7 +169,7 @@ impl<'a> Fitted<'a> {
     /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training
     /// and held-out rows.
     pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
-        let Session { train, test, .. } = self.session;
+        let PreparedLogs { train, test, .. } = &self.session.logs;
         let blocks = self.session.blocks(&self.members).members;
         let mut changing = Vec::new();
         for ((member, is_firm), block) in self.members.iter().zip(&self.firm).zip(blocks) {
@@ -185,7 +185,7 @@ impl<'a> Fitted<'a> {
 
     /// What the training rows show of a block; None where that is no more than chance brings.
     pub fn seen(&self, place: &Place, block: &Block) -> Option<Seen<'_>> {
-        let rows = &self.session.train.rows;
+        let rows = &self.session.logs.train.rows;
         let plain = self.under.test(&block.columns)?;
         if plain.1.log_p() > self.criteria.suggested_p.ln() {
             return None;
@@ -213,8 +213,8 @@ impl<'a> Fitted<'a> {
     /// The noise with a block in the model, and the fit of the model without it in that.
     fn noise_with(&self, joint: usize, block: &Block) -> Under {
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
-        let Noise { whitener, .. } = self.session.noise_with_more_on(joint, &self.under.whitener, &with);
-        let fit = whitener.fit(&self.columns, &self.session.train.torque);
+        let Fit { whitener, .. } = self.session.noise_with_more_on(joint, &self.under.whitener, &with);
+        let fit = whitener.fit(&self.columns, &self.session.logs.train.torque);
         Under::new(self.session, whitener, fit, &self.errors)
     }
 
@@ -243,7 +243,7 @@ impl<'a> Fitted<'a> {
 
     /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
     fn seen_again(&self, under: &Under, again: &Block) -> Option<Again> {
-        let Session { test, .. } = self.session;
+        let PreparedLogs { test, .. } = &self.session.logs;
         let model = [self.held_out_columns.as_slice(), self.held_out_errors.columns()].concat();
         let fit = under.on_held_out.fit(&model, &test.torque);
         let whitened = under.on_held_out.apply_all(&again.columns);
@@ -262,7 +262,7 @@ impl<'a> Fitted<'a> {
 
     /// How much better the held-out rows are predicted with a block.
     fn gains(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Gains {
-        let Session { train, test, .. } = self.session;
+        let PreparedLogs { train, test, .. } = &self.session.logs;
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
         let solved = solve(&under.whitener.apply_all(&with), &under.whitener.apply(&train.torque));
         let mut after = test.torque.clone();
@@ -284,7 +284,7 @@ impl<'a> Fitted<'a> {
             }
             let others: Vec<Column> =
                 self.columns[..own.start].iter().chain(&self.columns[own.end..]).cloned().collect();
-            let fit = under.whitener.fit(&others, &self.session.train.torque);
+            let fit = under.whitener.fit(&others, &self.session.logs.train.torque);
             let own = under.whitener.apply_all(&self.columns[own]);
             let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
             let beside = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());

@@ -5,7 +5,7 @@ use super::harmonics::Spectrum;
 use super::structure::{Fitted, Place, Under, Unexplained, is_weighed};
 use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
-use crate::diagnosis::model::Session;
+use crate::diagnosis::model::{PreparedLogs, Session};
 use crate::diagnosis::search::Selection;
 use crate::error::Result;
 use rayon::prelude::*;
@@ -30,14 +30,14 @@ pub fn unexplained(
 ) -> Result<Vec<Unexplained>> {
     let model = Fitted::new(session, selection, criteria, alpha)?;
     let each: Vec<Option<Unexplained>> =
-        (0..session.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
+        (0..session.logs.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
     Ok(each.into_iter().flatten().collect())
 }
 
 impl Fitted<'_> {
     /// The likeliest structure of a joint.
     fn left_on(&self, joint: usize) -> Option<Unexplained> {
-        let Session { train, test, .. } = self.session;
+        let PreparedLogs { train, test, .. } = &self.session.logs;
         let reach = Reach::new(&train.rows, joint);
         let again = blocks(self.session, test, joint, reach);
         let mut kinds: Vec<(Block, Block)> = blocks(self.session, train, joint, reach).into_iter().zip(again).collect();
@@ -74,7 +74,7 @@ impl Fitted<'_> {
     /// What drifts over each log: the power at the slowest frequencies against that at those above them, since how strong slow noise
     /// is the rows themselves do not determine.
     fn drift(&self, place: &Place) -> Option<Unexplained> {
-        let rows = &self.session.train.rows;
+        let rows = &self.session.logs.train.rows;
         let Under { whitener, fit, .. } = &self.under;
         let cosines = |orders: Range<usize>| whitener.apply_all(&slow_cosines(rows, place.joint, orders));
         let slow = cosines(1..COSINES + 1);
@@ -95,7 +95,7 @@ impl Fitted<'_> {
 
     /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
     fn wandering_harmonic(&self, place: &Place) -> Option<Unexplained> {
-        let Session { train, test, .. } = self.session;
+        let PreparedLogs { train, test, .. } = &self.session.logs;
         let Place { joint, tests, .. } = *place;
         let Under { whitener, on_held_out, fit, .. } = &self.under;
         let found = Spectrum::new(&train.rows, whitener, &fit.residual, joint).strongest()?;

@@ -5,7 +5,7 @@ use super::roles::{linear, shapes};
 use std::ops::Range;
 
 /// Places of the parameters of a model in its parameter vector, which has the order of
-/// [`Session::all_columns`](super::Session::all_columns): first the baseline (base parameters, or friction and rotors where bodies are
+/// [`ArmModel::columns`](super::ArmModel::columns): first the baseline (base parameters, or friction and rotors where bodies are
 /// taken from the URDF; positions of gears with play; parameters of known effects that are estimated again), then each effect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ParameterBlocks {

@@ -1,11 +1,8 @@
 //! The training or the held-out logs with what every fit needs of them.
 
-use super::errors_in_variables::{ErrorsInVariables, Nuisances};
 use super::known::Known;
-use super::roles::is_shift;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
-use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::model::Model;
 
@@ -18,8 +15,6 @@ pub struct DataSet {
     pub baseline: Vec<Column>,
     /// Measured torque less that which is known.
     pub torque: Column,
-    /// Errors in variables: torque from errors of the positions, for the arm as last settled.
-    pub errors: ErrorsInVariables,
     /// Torque of what the positions hold above the likeliest cut-offs, which is motion in part and noise in part.
     pub bands: Vec<Column>,
     /// Whether it is the training set.
@@ -37,17 +32,7 @@ impl DataSet {
         torque.add(-1.0, &known.torque(&rows)?);
         let mut baseline = known.arm.baseline(model, &rows);
         baseline.extend(known.derivatives(&rows)?);
-        Ok(DataSet { baseline, torque, rows, errors: ErrorsInVariables::default(), bands: Vec::new(), training })
-    }
-
-    /// Nuisance regressors that a test of an effect is adjusted for: for one that shifts torque in time also the bands, since the noise
-    /// in them is in the torque against the accelerations.
-    pub fn errors_with(&self, placed: &Placed) -> Nuisances {
-        let mut errors = self.errors.of_effect(placed, &self.rows);
-        if is_shift(placed.effect) {
-            errors.add(&self.bands, f64::INFINITY);
-        }
-        errors
+        Ok(DataSet { baseline, torque, rows, bands: Vec::new(), training })
     }
 
     /// These logs, and those of another data set after them.
@@ -61,7 +46,6 @@ impl DataSet {
             bands: joined(&self.bands, &other.bands),
             torque: self.torque.then(&other.torque, lengths),
             rows: self.rows.and(&other.rows),
-            errors: ErrorsInVariables::default(),
             training: self.training,
         }
     }

@@ -43,7 +43,7 @@ type Widths = Vec<(f64, f64)>;
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
-    let Session { model, train, .. } = session;
+    let (model, train) = (session.model.base, &session.logs.train);
     let whitener = Whitener::new(&train.rows, &train.torque, &train.baseline);
     let plain = whitener.fit(&train.baseline, &train.torque);
     let left = |fit: &Projection| -> Vec<f64> {
@@ -52,7 +52,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
     };
     let plain_left = left(&plain);
     let gains = |widths: Vec<f64>| -> Result<Widths> {
-        let known = session.known.with_sign_widths(widths.clone());
+        let known = session.model.known.with_sign_widths(widths.clone());
         let DataSet { baseline, torque, .. } = DataSet::new(model, &known, train.rows.clone(), train.training)?;
         let with = left(&whitener.fit(&baseline, &torque));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
@@ -93,7 +93,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
 fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result<Vec<f64>> {
     let of_speed = LIBRARY.iter().map(|effect| effect.about()).filter(|about| about.nature == Nature::OfSpeed);
     let names: Vec<String> = of_speed.map(|about| about.name.to_owned()).collect();
-    let candidates = all_candidates(&session.arm, &session.train.rows, session.trust, &names)?;
+    let candidates = all_candidates(&session.model.arm, &session.logs.train.rows, session.model.trust, &names)?;
     let judged: Vec<Judged> =
         candidates.par_iter().filter_map(|candidate| session.judge(candidate, whitener, plain)).collect();
     let of_joint = |joint: usize| -> Result<f64> {
@@ -101,7 +101,7 @@ fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result
         let Some(best) = own.max_by(|a, b| a.test.statistic.total_cmp(&b.test.statistic)) else { return Ok(0.0) };
         Ok(0.5 * session.refined(best.clone(), whitener, plain)?.test.statistic)
     };
-    (0..session.model.dof()).map(of_joint).collect()
+    (0..session.model.base.dof()).map(of_joint).collect()
 }
 
 /// Takes the width of each joint that gains more than the one it has.

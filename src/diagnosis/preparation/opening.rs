@@ -3,7 +3,7 @@
 use super::coulomb_width;
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
-use crate::diagnosis::model::{Known, Noise, Session};
+use crate::diagnosis::model::{ArmModel, Fit, Known, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -37,11 +37,11 @@ impl<'a> Session<'a> {
     ) -> Result<Self> {
         let preparation = Preparation::new(model, &known, train, test)?;
         let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
-        let (arm, open_play) = (known.arm.clone(), Vec::new());
         let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
-        let knows = known.clone();
-        let mut session =
-            Session { model, trust, known: knows, arm, train, test, apart, open_play, cutoffs_hz, passband };
+        let logs = PreparedLogs { train, test, apart, cutoffs_hz, passband };
+        let (arm, knows) = (known.arm.clone(), known.clone());
+        let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new() };
+        let mut session = Session::unfitted(logs, model);
         // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine it.
         let widths = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
@@ -50,27 +50,27 @@ impl<'a> Session<'a> {
         };
         let known = known.with_sign_widths(widths);
         let preparation = preparation.knowing(&known);
-        if known.arm.sign_widths != session.arm.sign_widths {
-            [session.train, session.test] = preparation.data_sets(passband, &session.cutoffs_hz)?;
-            (session.arm, session.known) = (known.arm.clone(), known.clone());
+        if known.arm.sign_widths != session.model.arm.sign_widths {
+            [session.logs.train, session.logs.test] = preparation.data_sets(passband, &session.logs.cutoffs_hz)?;
+            (session.model.arm, session.model.known) = (known.arm.clone(), known.clone());
         }
         let mut noise = session.settle_baseline()?;
-        let of_fit = (&noise.whitener, &noise.fit.residual);
-        let likeliest = preparation.own_cutoffs((&session.arm, &session.train.rows), of_fit, cutoff_hz)?;
+        let of_fit = (&noise.whitener, &noise.projection.residual);
+        let likeliest = preparation.own_cutoffs((&session.model.arm, &session.logs.train.rows), of_fit, cutoff_hz)?;
         let own: Vec<f64> = likeliest.iter().map(|hz| preparation.raised(*hz)).collect();
         if own.iter().any(|hz| *hz != cutoff_hz)
             && let Ok([train, test]) = preparation.data_sets(passband, &own)
         {
             tracing::debug!(?likeliest, ?own, "cut-offs of the joints");
-            (session.train, session.test, session.cutoffs_hz) = (train, test, own);
-            for set in [&mut session.train, &mut session.test] {
-                set.bands = smoothing::bands(&session.arm, &set.rows, &likeliest, &session.cutoffs_hz)?;
+            (session.logs.train, session.logs.test, session.logs.cutoffs_hz) = (train, test, own);
+            for set in [&mut session.logs.train, &mut session.logs.test] {
+                set.bands = smoothing::bands(&session.model.arm, &set.rows, &likeliest, &session.logs.cutoffs_hz)?;
             }
-            session.arm = session.known.arm.clone();
+            session.model.arm = session.model.known.arm.clone();
             noise = session.settle_baseline()?;
         }
-        let noisy = smoothing::noisy_once_moved(&session.arm, &session.train.rows, &noise.whitener)?;
-        for log in session.train.rows.logs.iter_mut().chain(&mut session.test.rows.logs) {
+        let noisy = smoothing::noisy_once_moved(&session.model.arm, &session.logs.train.rows, &noise.whitener)?;
+        for log in session.logs.train.rows.logs.iter_mut().chain(&mut session.logs.test.rows.logs) {
             log.noisy.clone_from(&noisy);
         }
         session.leave_out_distorted(&noise.whitener);
@@ -78,8 +78,8 @@ impl<'a> Session<'a> {
     }
 
     /// Fits the arm without any effect; the noise is that under it.
-    fn settle_baseline(&mut self) -> Result<Noise> {
-        let noise = self.noise_under(&self.train.baseline);
+    fn settle_baseline(&mut self) -> Result<Fit> {
+        let noise = self.noise_under(&self.logs.train.baseline);
         self.settle(&mut [], &noise.whitener)?;
         Ok(noise)
     }
@@ -88,9 +88,10 @@ impl<'a> Session<'a> {
     /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
-        for set in [&mut self.train, &mut self.test] {
-            set.rows.leave_out_largest(&set.errors.smoothing, &bearable, MOST_DISTORTED);
+        let smoothing = [&self.logs.train, &self.logs.test].map(|set| self.errors(set).smoothing.clone());
+        for (set, smoothing) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(&smoothing) {
+            set.rows.leave_out_largest(smoothing, &bearable, MOST_DISTORTED);
         }
-        self.arm = self.known.arm.clone();
+        self.model.arm = self.model.known.arm.clone();
     }
 }

@@ -28,16 +28,16 @@ impl<'a> HeldFit<'a> {
     pub fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
         let blocks = session.blocks(members);
         let with_torques = |data: &DataSet| -> Result<Vec<Column>> {
-            let mut columns = session.all_columns(data, members)?;
+            let mut columns = session.model.columns(data, members)?;
             for (member, block) in members.iter().zip(&blocks.members) {
                 columns.push(combined(&columns[block.amplitudes.clone()], &member.factors));
             }
             Ok(columns)
         };
-        let (train, test) = (with_torques(&session.train)?, with_torques(&session.test)?);
+        let (train, test) = (with_torques(&session.logs.train)?, with_torques(&session.logs.test)?);
         let white = whitener.apply_all(&train);
         let products =
-            BlockProducts::new(&session.train.rows, whitener, &white, &whitener.apply(&session.train.torque));
+            BlockProducts::new(&session.logs.train.rows, whitener, &white, &whitener.apply(&session.logs.train.torque));
         Ok(HeldFit { session, train, test, blocks, products })
     }
 
@@ -56,7 +56,7 @@ impl<'a> HeldFit<'a> {
     pub fn residuals(&self, kept: &[usize]) -> [Column; 2] {
         let places = self.places(kept);
         let Estimates { values, .. } = self.products.estimates(&places, false);
-        [(&self.session.train, &self.train), (&self.session.test, &self.test)].map(|(data, columns)| {
+        [(&self.session.logs.train, &self.train), (&self.session.logs.test, &self.test)].map(|(data, columns)| {
             let mut residual = data.torque.clone();
             places.iter().zip(values.iter()).for_each(|(&place, value)| residual.add(-value, &columns[place]));
             residual

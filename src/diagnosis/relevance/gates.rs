@@ -64,7 +64,7 @@ impl<'a> Judge<'a> {
         criteria: &'a Criteria,
     ) -> Result<Self> {
         let fit = HeldFit::new(session, members, whitener)?;
-        let rows = &session.train.rows;
+        let rows = &session.logs.train.rows;
         let [trained, baseline] = fit.residuals(&[]);
         let torque = rms(&rows.valid, &Column::new(rows.torque.iter().cloned()));
         let least = rms(&rows.valid, &trained).into_iter().zip(whitener.noise_std()).zip(torque).map(
@@ -73,10 +73,10 @@ impl<'a> Judge<'a> {
                 (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess)
             },
         );
-        let (least, on_held_out) = (least.collect(), whitener.on(&session.test.rows));
+        let (least, on_held_out) = (least.collect(), whitener.on(&session.logs.test.rows));
         let all_logs = session.over_all_logs();
-        let all_columns = all_logs.all_columns(&all_logs.train, members)?;
-        let torques = torques(&all_logs.arm, &all_logs.train.rows);
+        let all_columns = all_logs.model.columns(&all_logs.logs.train, members)?;
+        let torques = torques(&all_logs.model.arm, &all_logs.logs.train.rows);
         Ok(Judge { session, members, criteria, fit, on_held_out, least, baseline, all_logs, all_columns, torques })
     }
 
@@ -91,7 +91,7 @@ impl<'a> Judge<'a> {
         let member = &self.members[kept[index]];
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let without = self.fit.residuals(&others);
-        let valid = &self.session.train.rows.valid;
+        let valid = &self.session.logs.train.rows.valid;
         let [after, before] = [&with[0], &without[0]].map(|residual| rms(valid, residual));
         let size: Vec<f64> = before.iter().zip(&after).map(|(b, a)| (b * b - a * a).max(0.0).sqrt()).collect();
         let (joints, own) = (member.candidate.joints(), own_joints(member));
@@ -116,16 +116,16 @@ impl<'a> Judge<'a> {
 
     /// Share of the held-out residual of its `own` joints that a finding explains.
     fn on_own_joints(&self, own: &[usize], [before, after]: [&Column; 2]) -> Judgement {
-        let share = Gains::new(&self.on_held_out, before, after, own, self.session.test.rows.len()).share();
+        let share = Gains::new(&self.on_held_out, before, after, own, self.session.logs.test.rows.len()).share();
         Judgement::above(Gate::OwnJoint, share, 0.0)
     }
 
     /// Growth of the residual of the held-out log that agrees least, on `joints` together.
     fn on_held_out_logs(&self, joints: &[usize], [before, after]: [&Column; 2]) -> Judgement {
-        let starts = &self.session.test.rows.starts;
+        let starts = &self.session.logs.test.rows.starts;
         let growths = starts.windows(2).map(|ends| {
             let [before, after] = [before, after].map(|residual| residual.within(ends[0]..ends[1]));
-            Gains::new(&self.on_held_out, &before, &after, joints, self.session.test.rows.len()).growth()
+            Gains::new(&self.on_held_out, &before, &after, joints, self.session.logs.test.rows.len()).growth()
         });
         let worst = growths.fold(f64::NEG_INFINITY, f64::max);
         Judgement::at_most(Gate::HeldOutLogs, worst, self.contradicted(starts.len() - 1))
@@ -133,7 +133,7 @@ impl<'a> Judge<'a> {
 
     /// The largest factor on the baseline's residual of a joint of those that grow with a finding.
     fn on_every_joint(&self, [before, after]: [&Column; 2]) -> Judgement {
-        let valid = &self.session.test.rows.valid;
+        let valid = &self.session.logs.test.rows.valid;
         let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
         let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
         Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.criteria.worse)
@@ -141,7 +141,7 @@ impl<'a> Judge<'a> {
 
     /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] each.
     fn growing_joints(&self, [before, after]: [&Column; 2]) -> impl Iterator<Item = usize> {
-        let rows = &self.session.test.rows;
+        let rows = &self.session.logs.test.rows;
         let surely = Normal::standard().inverse_cdf(1.0 - self.criteria.worse_p);
         (0..rows.dof())
             .filter(move |&joint| Gains::new(&self.on_held_out, before, after, &[joint], rows.len()).growth() > surely)
@@ -150,7 +150,7 @@ impl<'a> Judge<'a> {
     /// The joint that the model with the members at `kept` predicts worst over the baseline, if it is predicted worse.
     pub fn worse_than_baseline(&self, kept: &[usize]) -> Option<(usize, f64)> {
         let [_, after] = self.fit.residuals(kept);
-        let [old, new] = [&self.baseline, &after].map(|residual| rms(&self.session.test.rows.valid, residual));
+        let [old, new] = [&self.baseline, &after].map(|residual| rms(&self.session.logs.test.rows.valid, residual));
         let worse = self.growing_joints([&self.baseline, &after]).map(|joint| (joint, new[joint] / old[joint]));
         worse.filter(|(_, factor)| *factor > self.criteria.worse).max_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -160,7 +160,7 @@ impl<'a> Judge<'a> {
         let left = |index: &usize| {
             let mut others = kept.to_vec();
             others.remove(*index);
-            rms(&self.session.test.rows.valid, &self.fit.residuals(&others)[1])[joint]
+            rms(&self.session.logs.test.rows.valid, &self.fit.residuals(&others)[1])[joint]
         };
         let removable = (0..kept.len()).filter(|&index| !self.members[kept[index]].held);
         let removable: Vec<(usize, f64)> = removable.map(|index| (index, left(&index))).collect();
@@ -181,8 +181,8 @@ impl<'a> Judge<'a> {
             self.fit.places(&others).into_iter().map(|place| self.all_columns[place].clone()).collect();
         let law = &self.all_columns[self.fit.law(kept[index])];
         let joints = self.members[kept[index]].candidate.joints().into_iter();
-        let gains =
-            joints.map(|joint| gain_over_generic_functions(&self.all_logs.train, &self.torques, &fixed, law, joint));
+        let gains = joints
+            .map(|joint| gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint));
         match gains.sum::<Option<f64>>() {
             Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold),
             None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },

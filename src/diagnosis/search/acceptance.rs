@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Candidate, FLAT, Member, Noise, Session, is_level, slope_beyond};
+use crate::diagnosis::model::{Candidate, FLAT, Fit, Member, Session, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::effects::{Hidden, Nature, Placed, Site};
@@ -104,12 +104,12 @@ impl Trial<'_> {
         let limit = if confirmable { self.level_at(self.criteria.pooled) } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
-        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &with)?);
+        let Fit { whitener, .. } = session.noise_under(&session.model.columns(&session.logs.train, &with)?);
         let joints = winner.candidate.joints();
         let much_left = whitener.much_is_left(&joints);
         let left = |members: &[Member]| cross_validated_residual(session, members, &whitener);
-        let (before, after, rows) = (left(members)?, left(&with)?, session.train.rows.len());
-        let errors = session.train.errors_with(&winner.candidate.placed);
+        let (before, after, rows) = (left(members)?, left(&with)?, session.logs.train.rows.len());
+        let errors = session.errors_with(&session.logs.train, &winner.candidate.placed);
         let gains = Gains::adjusted_for(&whitener, &before, &after, &joints, &errors, rows);
         let (lower_bound, chance, share) = (gains.lower_bound(), gains.chance(), gains.share());
         tracing::debug!(level, elsewhere, much_left, lower_bound, share, chance, "gain by the others");
@@ -154,7 +154,7 @@ impl Trial<'_> {
             return refused(Judgement::at_most(Gate::FamilyWise, level, highest), !is_level(*effect));
         }
         let elsewhere = if is_level(*effect) {
-            let slope = slope_beyond(&self.session.arm, &self.session.train.rows, *joint, parameters[0]);
+            let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
             tracing::debug!(slope, level = parameters[0], "torque beyond a level");
             let flat = Judgement::above(Gate::Flat, -slope, -FLAT);
             if !flat.passed {
@@ -182,9 +182,8 @@ impl Trial<'_> {
 
     /// Whether a candidate acts in a joint and is hidden in part by the bodies that are identified with it.
     fn is_hidden(&self, candidate: &Candidate) -> bool {
-        let Session { trust, train, .. } = self.session;
         let about = candidate.placed.effect.about();
-        let is_free = *trust == Trust::Structure && train.rows.before == 0;
+        let is_free = self.session.model.trust == Trust::Structure && self.session.logs.train.rows.before == 0;
         is_free && about.site == Site::Joint && about.hidden_by_base_parameters == Hidden::InPart
     }
 
@@ -214,7 +213,7 @@ impl Trial<'_> {
             let mut gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_of_misfit);
             if !gain.passed && winner.candidate.log.is_none() {
                 let joints = winner.candidate.joints();
-                let bound = held_out.adjusted_for_constants(&self.session.test.rows, &joints).lower_bound();
+                let bound = held_out.adjusted_for_constants(&self.session.logs.test.rows, &joints).lower_bound();
                 gain = Judgement::above(Gate::HeldOutGain, bound, 2.0 * criteria.share_of_misfit);
             }
             return if gain.passed { Ok(accepted(winner, gain.value, level)) } else { refused(gain, false) };
@@ -249,22 +248,22 @@ impl Trial<'_> {
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let whitener = match under {
             Some(whitener) => whitener,
-            None => session.noise_under(&session.all_columns(&session.train, &with)?).whitener,
+            None => session.noise_under(&session.model.columns(&session.logs.train, &with)?).whitener,
         };
         let before = session.held_out_residual(members, &whitener)?;
         let after = session.held_out_residual(&with, &whitener)?;
         let joints = winner.candidate.joints();
-        let test = &session.test.rows;
+        let test = &session.logs.test.rows;
         let on_held_out = whitener.on(test);
         let gains = match winner.candidate.log {
             None => Gains::new(&on_held_out, &before, &after, &joints, test.len()),
             Some(_) => {
-                let before = session.residual_on(&session.train, members, &whitener)?;
-                let after = session.residual_on(&session.train, &with, &whitener)?;
-                Gains::new(&whitener, &before, &after, &joints, session.train.rows.len())
+                let before = session.residual_on(&session.logs.train, members, &whitener)?;
+                let after = session.residual_on(&session.logs.train, &with, &whitener)?;
+                Gains::new(&whitener, &before, &after, &joints, session.logs.train.rows.len())
             }
         };
-        let errors = session.test.errors_with(&winner.candidate.placed);
+        let errors = session.errors_with(&session.logs.test, &winner.candidate.placed);
         let adjusted_for_errors = Gains::adjusted_for(&on_held_out, &before, &after, &joints, &errors, test.len());
         let bound = gains.lower_bound();
         tracing::debug!(bound, share = gains.share(), "held-out gain");

@@ -33,7 +33,7 @@ pub(super) fn search(
     rejected: &mut Vec<Rejected>,
     watch: &mut Watch,
 ) -> Result<bool> {
-    if !session.apart || watch.is_over() {
+    if !session.logs.apart || watch.is_over() {
         return Ok(false);
     }
     let mut all_logs = session.over_all_logs();
@@ -92,8 +92,9 @@ pub(super) fn search(
 
 /// A member with its columns along the training logs.
 fn from_training(session: &Session, mut member: Member) -> Result<Member> {
-    let (candidate, rows) = (&mut member.candidate, &session.train.rows);
+    let (candidate, rows) = (&mut member.candidate, &session.logs.train.rows);
     candidate.columns =
-        columns_in(&session.arm, rows, candidate.log, std::slice::from_ref(&candidate.placed), Moved::Tested)?.concat();
+        columns_in(&session.model.arm, rows, candidate.log, std::slice::from_ref(&candidate.placed), Moved::Tested)?
+            .concat();
     Ok(member)
 }

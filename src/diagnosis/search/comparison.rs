@@ -4,7 +4,7 @@ use super::eligible::Contenders;
 use super::found::Alternative;
 use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Member, Noise, Session, Slot, shapes};
+use crate::diagnosis::model::{Candidate, Fit, Member, Session, Slot, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Projection, Test, log_survival};
 use crate::error::Result;
@@ -42,11 +42,11 @@ pub(super) fn compare(
 ) -> Result<Comparison> {
     let Contenders { best, eligible, .. } = contenders;
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
-    let present = session.all_columns(&session.train, members)?;
+    let present = session.model.columns(&session.logs.train, members)?;
     let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
         let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
         let whitener = session.noise_under(&with).whitener;
-        let fit = whitener.fit(&present, &session.train.torque);
+        let fit = whitener.fit(&present, &session.logs.train.torque);
         let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { return Ok(None) };
         let own = session.refined(own, &whitener, &fit)?;
         let left = fit.left() - own.test.statistic;
@@ -64,7 +64,7 @@ pub(super) fn compare(
     // From here on all are seen in the same whitening, that under the leader.
     let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
     let whitener = session.noise_under(&with).whitener;
-    let fit = whitener.fit(&present, &session.train.torque);
+    let fit = whitener.fit(&present, &session.logs.train.torque);
     // What acts elsewhere is no other name for what is seen here.
     let here = leader.joints();
     let rivals = all.iter().filter(|candidate| candidate.acts_on(&here) && eligible.may_be(candidate));
@@ -135,8 +135,8 @@ pub(super) fn better_held_out(
     }
     let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
     let first = with(&winner);
-    let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &first)?);
-    let on_held_out = whitener.on(&session.test.rows);
+    let Fit { whitener, .. } = session.noise_under(&session.model.columns(&session.logs.train, &first)?);
+    let on_held_out = whitener.on(&session.logs.test.rows);
     let before = session.held_out_residual(&first, &whitener)?;
     let rivals: Vec<&Judged> = close.iter().filter(|rival| rival.candidate.log.is_none()).collect();
     let bound = |rival: &&Judged| -> Result<f64> {
@@ -145,7 +145,7 @@ pub(super) fn better_held_out(
         joints.sort_unstable();
         joints.dedup();
         let after = session.held_out_residual(&with(rival), &whitener)?;
-        let bound = Gains::new(&on_held_out, &before, &after, &joints, session.test.rows.len()).lower_bound();
+        let bound = Gains::new(&on_held_out, &before, &after, &joints, session.logs.test.rows.len()).lower_bound();
         tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
         Ok(bound)
     };
@@ -167,7 +167,7 @@ fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
 
 /// The fit with a candidate and the derivatives to its shapes.
 fn with_tangents(session: &Session, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<Projection> {
-    let tangents = session.tangents(&session.train, &judged.candidate, &judged.test.values)?;
+    let tangents = session.model.tangents(&session.logs.train, &judged.candidate, &judged.test.values)?;
     Ok(fit.with(&judged.whitened).with(&whitener.apply_all(&tangents)))
 }
 

@@ -103,7 +103,7 @@ pub(super) fn explained_by_play(
         alternatives.extend(own.map(|family| Alternative { family, relative_likelihood: 1.0 }));
     }
     let play = Family { effect: Backlash.about().name, joint: placed.joint };
-    let is_open = placed.effect.about().nature == Nature::LikePlay && session.open_play.contains(&placed.joint);
+    let is_open = placed.effect.about().nature == Nature::LikePlay && session.model.open_play.contains(&placed.joint);
     if is_open && alternatives.iter().all(|other| other.family != play) {
         alternatives.push(Alternative { family: play, relative_likelihood: 1.0 });
     }

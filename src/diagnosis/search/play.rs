@@ -21,11 +21,11 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         return Ok(Vec::new());
     }
     let criteria = &options.criteria.impacts;
-    let dof = session.model.dof();
+    let dof = session.model.base.dof();
     let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
-    let known: Vec<usize> = session.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
-    let train = Traces::new(&session.arm, &session.train.rows);
-    let test = Traces::new(&session.arm, &session.test.rows);
+    let known: Vec<usize> = session.model.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
+    let train = Traces::new(&session.model.arm, &session.logs.train.rows);
+    let test = Traces::new(&session.model.arm, &session.logs.test.rows);
     let mut rattling: Vec<usize> = Vec::new();
     let mut found = Vec::new();
     while found.len() < options.max_findings {
@@ -51,7 +51,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         if alike > criteria.own_p.ln() {
             break;
         }
-        let Some(play) = train.play(joint, &session.arm, &session.train.rows) else { break };
+        let Some(play) = train.play(joint, &session.model.arm, &session.logs.train.rows) else { break };
         let rivals: Vec<usize> = all[1..]
             .iter()
             .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
@@ -66,17 +66,17 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     let chance = |joint: usize| fisher([&train, &test].map(|traces| traces.log_p(joint, &rattling)));
     let open =
         (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < criteria.open_p.ln());
-    session.open_play = open.collect();
+    session.model.open_play = open.collect();
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
     let known_from = session.blocks(&[]).known.start;
-    for data in [&mut session.train, &mut session.test] {
-        let steady = columns(&session.arm, &data.rows, &placed)?.concat();
+    for data in [&mut session.logs.train, &mut session.logs.test] {
+        let steady = columns(&session.model.arm, &data.rows, &placed)?.concat();
         data.baseline.splice(known_from..known_from, steady);
     }
     for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
-        train.leave_out(joint, &mut session.train.rows);
-        test.leave_out(joint, &mut session.test.rows);
+        train.leave_out(joint, &mut session.logs.train.rows);
+        test.leave_out(joint, &mut session.logs.test.rows);
     }
     Ok(found)
 }

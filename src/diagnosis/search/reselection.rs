@@ -9,7 +9,7 @@ use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Family, Member, Noise, Session};
+use crate::diagnosis::model::{Candidate, Family, Fit, Member, Session};
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
@@ -17,7 +17,7 @@ use crate::error::Result;
 /// A model comparison for a finding with all others in the model.
 struct Again {
     others: Vec<Found>,
-    noise: Noise,
+    noise: Fit,
     comparison: Comparison,
 }
 
@@ -35,13 +35,13 @@ impl Again {
         let others: Vec<Found> =
             found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
         let of_others = members(&others);
-        let noise = session.noise_under(&session.all_columns(&session.train, &of_others)?);
+        let noise = session.noise_under(&session.model.columns(&session.logs.train, &of_others)?);
         let finding = &found[index].member;
         // What acts elsewhere is no other name for what is seen here.
         let here = finding.candidate.joints();
         let mut all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
         loop {
-            let scan = Scan::new(session, &all, &noise.whitener, &noise.fit);
+            let scan = Scan::new(session, &all, &noise.whitener, &noise.projection);
             let anyone = |_: &Candidate, _| Standing::MayWin;
             let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
             let own_noise = &mut InOwnNoise::new();
@@ -61,7 +61,7 @@ impl Again {
 fn explains_no_less_here(
     session: &Session,
     others: &[Member],
-    Noise { whitener, fit }: &Noise,
+    Fit { whitener, projection: fit }: &Fit,
     finding: &Member,
     winner: &Candidate,
 ) -> Result<bool> {
@@ -70,7 +70,7 @@ fn explains_no_less_here(
         return Ok(true);
     }
     let with: Vec<Member> = others.iter().chain([finding]).cloned().collect();
-    let mut of_finding = session.all_columns(&session.train, &with)?;
+    let mut of_finding = session.model.columns(&session.logs.train, &with)?;
     let of_finding = of_finding.split_off(of_finding.len() - finding.places().count());
     let restricted: Vec<Column> = winner.columns.iter().map(|column| column.only(&here)).collect();
     let log_p = |columns: &[Column]| fit.test(&whitener.apply_all(columns)).map_or(0.0, |test| test.log_p());
@@ -106,7 +106,7 @@ pub(super) fn rename(
             break;
         }
         watch.tell(Progress::Found(found.len()));
-        let Some(Again { others, noise: Noise { whitener, fit }, comparison }) =
+        let Some(Again { others, noise: Fit { whitener, projection: fit }, comparison }) =
             Again::new(session, found, index, everywhere, multiplicity, comparing)?
         else {
             continue;

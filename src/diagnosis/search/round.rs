@@ -3,7 +3,7 @@
 use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
-use crate::diagnosis::model::{Candidate, Noise, Session, all_candidates, carried_on, renewed};
+use crate::diagnosis::model::{ArmModel, Candidate, Fit, PreparedLogs, Session, all_candidates, carried_on, renewed};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
 use crate::error::Result;
@@ -28,7 +28,8 @@ impl Round {
     /// If a log is too short to differentiate.
     pub fn first(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
-        let all = all_candidates(&session.arm, &session.train.rows, session.trust, &options.candidates)?;
+        let all =
+            all_candidates(&session.model.arm, &session.logs.train.rows, session.model.trust, &options.candidates)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 
@@ -43,9 +44,9 @@ impl Round {
         options: &Options,
     ) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
-        let Session { arm, train, test, .. } = &*session;
+        let PreparedLogs { train, test, .. } = &session.logs;
         let later = &test.rows;
-        let carried_on = carried_on(candidates, arm, train.rows.len() - later.len(), later)?;
+        let carried_on = carried_on(candidates, &session.model.arm, train.rows.len() - later.len(), later)?;
         Self::renewed(session, whitener, fit, carried_on, options)
     }
 
@@ -67,8 +68,8 @@ impl Round {
         candidates: Vec<Candidate>,
         options: &Options,
     ) -> Result<Self> {
-        let Session { arm, train, trust, .. } = session;
-        let all = renewed(candidates, arm, &train.rows, *trust, &options.candidates)?;
+        let ArmModel { arm, trust, .. } = &session.model;
+        let all = renewed(candidates, arm, &session.logs.train.rows, *trust, &options.candidates)?;
         Ok(Self::of(session, whitener, fit, all))
     }
 
@@ -84,11 +85,11 @@ impl Round {
 /// If a log is too short to differentiate.
 pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
     let mut members = members(found);
-    let present = session.all_columns(&session.train, &members)?;
-    let Noise { whitener, .. } = session.noise_under(&present);
+    let present = session.model.columns(&session.logs.train, &members)?;
+    let Fit { whitener, .. } = session.noise_under(&present);
     session.settle(&mut members, &whitener)?;
     found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
-    let columns = session.all_columns(&session.train, &members)?;
-    let fit = whitener.fit(&columns, &session.train.torque);
+    let columns = session.model.columns(&session.logs.train, &members)?;
+    let fit = whitener.fit(&columns, &session.logs.train.torque);
     Ok((whitener, fit))
 }

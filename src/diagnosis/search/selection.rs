@@ -11,7 +11,7 @@ use super::reselection::rename;
 use super::round::{Round, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
-use crate::diagnosis::model::{Candidate, Family, Member, Noise, Session};
+use crate::diagnosis::model::{Candidate, Family, Fit, Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::watch::{Progress, Watch};
@@ -156,8 +156,8 @@ impl Selection {
 /// Writes the held-out residual before and after each effect; returns the residual after all.
 fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
     let all = members(found);
-    let rms = |residual: &Column| rms(&session.test.rows.valid, residual);
-    let mut left = session.baseline_residual_on(&session.test, whitener)?;
+    let rms = |residual: &Column| rms(&session.logs.test.rows.valid, residual);
+    let mut left = session.baseline_residual_on(&session.logs.test, whitener)?;
     for (count, found) in found.iter_mut().enumerate() {
         let after = session.held_out_residual(&all[..=count], whitener)?;
         found.rms = [rms(&left), rms(&after)];
@@ -171,12 +171,12 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>, dropped_p: f64) -
     let mut dropped = false;
     while found.len() > 1 {
         let all = members(found);
-        let Noise { whitener, .. } = session.noise_under(&session.all_columns(&session.train, &all)?);
+        let Fit { whitener, .. } = session.noise_under(&session.model.columns(&session.logs.train, &all)?);
         let mut least = (f64::NEG_INFINITY, 0);
         for index in (0..all.len()).filter(|&index| !all[index].held) {
             let others: Vec<Member> =
                 all.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, member)| member.clone()).collect();
-            let fit = whitener.fit(&session.all_columns(&session.train, &others)?, &session.train.torque);
+            let fit = whitener.fit(&session.model.columns(&session.logs.train, &others)?, &session.logs.train.torque);
             let log_p = fit.test(&whitener.apply_all(&all[index].candidate.columns)).map_or(0.0, |test| test.log_p());
             if log_p > least.0 {
                 least = (log_p, index);

@@ -32,8 +32,8 @@ pub fn power(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
     let model = Model::new(&setup.known);
     let logs = references(setup, case, motions);
     let session = session(setup, &model, &logs, case)?;
-    let rows = &session.train.rows;
-    let added = session.arm.added(std::slice::from_ref(placed), rows)?.swap_remove(0);
+    let rows = &session.logs.train.rows;
+    let added = session.model.arm.added(std::slice::from_ref(placed), rows)?.swap_remove(0);
     let noises = setup.sensors.iter().map(|sensor| of_rows(sensor, rows.logs[0].period, rows.logs[0].block)).collect();
     Ok(in_noise(&session, &Whitener::of_known(rows, noises), &added, case))
 }
@@ -46,8 +46,8 @@ pub fn power(setup: &Setup, placed: &Placed, case: &Case, motions: &[Motion]) ->
 pub fn power_as_measured(setup: &Setup, hidden: &[Placed], case: &Case, logs: &[Recording]) -> Result<Vec<f64>> {
     let model = Model::new(&setup.known);
     let session = session(setup, &model, logs, case)?;
-    let DataSet { rows, baseline, torque, .. } = &session.train;
-    let added = session.arm.added(hidden, rows)?;
+    let DataSet { rows, baseline, torque, .. } = &session.logs.train;
+    let added = session.model.arm.added(hidden, rows)?;
     let mut noise = torque.clone();
     added.iter().for_each(|added| noise.add(-1.0, added));
     let whitener = Whitener::new(rows, &noise, baseline);
@@ -56,8 +56,8 @@ pub fn power_as_measured(setup: &Setup, hidden: &[Placed], case: &Case, logs: &[
 
 /// Probability that a torque on top of the baseline is seen in noise that `whitener` makes white.
 fn in_noise(session: &Session, whitener: &Whitener, added: &Column, case: &Case) -> f64 {
-    let noncentrality = whitener.fit(&session.train.baseline, added).left();
-    let tests: usize = visible(case.trust).iter().map(|effect| places(*effect, session.model.dof()).len()).sum();
+    let noncentrality = whitener.fit(&session.logs.train.baseline, added).left();
+    let tests: usize = visible(case.trust).iter().map(|effect| places(*effect, session.model.base.dof()).len()).sum();
     tracing::debug!(noncentrality, tests, new = ?whitener.innovation_std(), rows = ?whitener.rows(), "power");
     of(noncentrality, tests)
 }

@@ -34,7 +34,7 @@ pub(crate) fn sized(setup: &Setup, placed: &Placed, case: &Case, motions: &[Moti
     let session = session(setup, &model, &logs, case)?;
     let mut placed = placed.clone();
     if is_level(placed.effect) {
-        let largest = session.largest_torque(placed.joint);
+        let largest = session.model.largest_torque(&session.logs.train.rows, placed.joint);
         let (mut low, mut high) = (0.1 * largest, largest);
         for _ in 0..HALVINGS {
             placed.parameters[0] = 0.5 * (low + high);
@@ -86,7 +86,7 @@ pub(crate) fn noise_at_size(setup: &Setup, placed: &Placed, case: &Case, motions
     if about.nature != Nature::Delay {
         return Ok(shown(setup, &session, placed)? / case.severity);
     }
-    let period = session.train.rows.logs[0].period;
+    let period = session.logs.train.rows.logs[0].period;
     let a_sample = Placed { parameters: vec![period.copysign(placed.parameters[0])], ..placed.clone() };
     Ok((shown(setup, &session, &a_sample)? / case.severity).max(1.0))
 }
@@ -100,24 +100,24 @@ pub(super) fn references(setup: &Setup, case: &Case, motions: &[Motion]) -> Vec<
 pub(super) fn session<'a>(setup: &Setup, model: &'a Model, logs: &[Recording], case: &Case) -> Result<Session<'a>> {
     let logs: Vec<&Recording> = logs.iter().collect();
     let mut session = Session::new(model, case.trust, &logs, &logs)?;
-    session.take_parameters_of(&setup.known);
+    session.model.take_parameters_of(&setup.known);
     Ok(session)
 }
 
 /// What an effect adds beyond the baseline on its worst joint over the torque noise, root mean squares.
 fn severity(setup: &Setup, session: &Session, placed: &Placed) -> Result<f64> {
-    let added = session.arm.added(std::slice::from_ref(placed), &session.train.rows)?.swap_remove(0);
+    let added = session.model.arm.added(std::slice::from_ref(placed), &session.logs.train.rows)?.swap_remove(0);
     // Parameters that joints share must not carry what is little on a strong joint to a weak one, where it is much.
     let in_noise = |column: &Column| {
-        let mut column = column.masked(&session.train.rows.valid);
+        let mut column = column.masked(&session.logs.train.rows.valid);
         for (joint, values) in &mut column.parts {
             values.iter_mut().for_each(|value| *value /= setup.sensors[*joint].torque_noise);
         }
         column
     };
-    let baseline: Vec<_> = session.train.baseline.iter().map(in_noise).collect();
+    let baseline: Vec<_> = session.logs.train.baseline.iter().map(in_noise).collect();
     let left = Projection::new(&baseline, &in_noise(&added)).residual;
-    Ok(rms(&session.train.rows.valid, &left).into_iter().fold(0.0, f64::max))
+    Ok(rms(&session.logs.train.rows.valid, &left).into_iter().fold(0.0, f64::max))
 }
 
 fn shown(setup: &Setup, session: &Session, placed: &Placed) -> Result<f64> {

@@ -43,7 +43,7 @@ impl Evidence {
         ranking: Vec<Ranked>,
         [described, baseline, extended]: [&Column; 3],
     ) -> Result<Self> {
-        let rows = &session.test.rows;
+        let rows = &session.logs.test.rows;
         let table = |column: &Column| -> Vec<Vec<f64>> {
             let zeros = || vec![0.0; rows.len()];
             (0..rows.dof()).map(|joint| column.part(joint).map_or_else(zeros, <[f64]>::to_vec)).collect()
@@ -54,7 +54,7 @@ impl Evidence {
                 return Ok(table(&Column::default()));
             }
             let placed = std::slice::from_ref(&member.candidate.placed);
-            let columns = columns_in(&session.arm, rows, None, placed, Moved::Modelled)?.concat();
+            let columns = columns_in(&session.model.arm, rows, None, placed, Moved::Modelled)?.concat();
             Ok(table(&combined(&columns, &member.factors)))
         };
         let joints = 0..rows.dof();

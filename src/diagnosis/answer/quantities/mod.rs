@@ -1,0 +1,17 @@
+//! Numbers of an answer that follow from its fits.
+//!
+//! In: members of the model, rows, residuals. Out: derived quantities of an effect, share of the gap to the noise that is closed,
+//! what a residual correlates with, and the residuals that an answer is shown by.
+
+mod derived;
+mod gap;
+mod residual_structure;
+mod traces;
+
+pub use derived::Derived;
+pub(super) use derived::derived;
+pub(super) use gap::Residuals;
+pub use gap::Share;
+pub use residual_structure::ResidualStructure;
+pub(super) use residual_structure::residual_structure;
+pub use traces::Evidence;

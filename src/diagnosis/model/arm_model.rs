@@ -1,0 +1,109 @@
+//! The model of an arm with effects: its regressor along a data set, and the places of its parameters.
+
+use super::arm::{Arm, Moved};
+use super::blocks::ParameterBlocks;
+use super::candidates::{Candidate, columns_in};
+use super::data_set::DataSet;
+use super::known::Known;
+use super::member::Member;
+use super::roles::shapes;
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::{Column, combined};
+use crate::effects::Parameter;
+use crate::error::Result;
+use crate::identification::effect_model::Trust;
+use crate::identification::model::Model;
+use crate::robot::Robot;
+
+/// Share of a shape's value over which its derivative is taken.
+const DIFFERENCE: f64 = 0.02;
+
+/// The arm under diagnosis: what is known of it, and its parameters as last fitted.
+#[derive(Debug, Clone)]
+pub struct ArmModel<'a> {
+    /// Base parameters and rotors.
+    pub base: &'a Model,
+    /// Whether its inertias are estimated or taken from the URDF.
+    pub trust: Trust,
+    /// What is known before anything is tested.
+    pub known: Known<'a>,
+    /// The arm as found so far.
+    pub arm: Arm,
+    /// Joints whose gears may have play: impacts show some, but not significantly.
+    pub open_play: Vec<usize>,
+}
+
+impl ArmModel<'_> {
+    /// Takes the arm's parameters from `robot` instead of from a fit.
+    pub fn take_parameters_of(&mut self, robot: &Robot) {
+        self.arm = Arm::new(robot, self.trust).with_sign_widths(self.arm.sign_widths.clone());
+    }
+
+    /// Largest torque of a joint of the arm as found, N m.
+    pub fn largest_torque(&self, rows: &Rows, joint: usize) -> f64 {
+        let torque = self.arm.all_torque(rows);
+        torque.part(joint).unwrap_or_default().iter().fold(0.0f64, |m, v| m.max(v.abs()))
+    }
+
+    /// Places of the parameters with `members`, in the order of [`ArmModel::columns`].
+    pub fn blocks(&self, data: &DataSet, members: &[Member]) -> ParameterBlocks {
+        ParameterBlocks::new(data.baseline.len(), self.known.fitted().len(), members)
+    }
+
+    /// Regressor along a data set: columns of the baseline, then of every effect its own and the derivatives to its shapes.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn columns(&self, data: &DataSet, members: &[Member]) -> Result<Vec<Column>> {
+        let mut all = data.baseline.clone();
+        for member in members.iter().filter(|member| !member.held) {
+            if data.training || member.candidate.log.is_none() {
+                let Candidate { placed, log, .. } = &member.candidate;
+                let mut own =
+                    columns_in(&self.arm, &data.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat();
+                own.extend(self.tangents(data, &member.candidate, &member.factors)?);
+                for (column, index) in own.iter_mut().zip(member.places()) {
+                    if member.fixed.contains(&index) {
+                        *column = Column::default();
+                    }
+                }
+                all.extend(own);
+            } else {
+                // What happened in a training log did not happen here.
+                all.extend(member.places().map(|_| Column::default()));
+            }
+        }
+        Ok(all)
+    }
+
+    /// Derivatives of an effect's torque to its shapes.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn tangents(&self, data: &DataSet, candidate: &Candidate, factors: &[f64]) -> Result<Vec<Column>> {
+        let Candidate { placed, log, .. } = candidate;
+        let mut tangents = Vec::new();
+        for index in shapes(placed.effect) {
+            let parameter = &placed.effect.parameters()[index];
+            let step = DIFFERENCE * placed.parameters[index].abs().max(0.1 * parameter.typical.abs());
+            let moved = |by: f64| {
+                let mut moved = placed.clone();
+                moved.parameters[index] = bounded(parameter, placed.parameters[index] + by);
+                moved
+            };
+            let (ahead, behind) = (moved(step), moved(-step));
+            let apart = ahead.parameters[index] - behind.parameters[index];
+            let both = columns_in(&self.arm, &data.rows, *log, &[ahead, behind], Moved::Modelled)?;
+            let mut tangent = combined(&both[0], factors);
+            tangent.add(-1.0, &combined(&both[1], factors));
+            tangent.scale(1.0 / apart);
+            tangents.push(tangent);
+        }
+        Ok(tangents)
+    }
+}
+
+/// A value within the bounds of its parameter.
+pub fn bounded(parameter: &Parameter, value: f64) -> f64 {
+    value.clamp(parameter.lower, parameter.upper)
+}

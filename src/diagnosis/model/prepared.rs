@@ -1,0 +1,32 @@
+//! Logs made ready to be fitted.
+
+use super::data_set::DataSet;
+use crate::diagnosis::logs::LowPass;
+
+/// Logs that every model is fitted to and judged by. No fit changes them.
+#[derive(Debug, Clone)]
+pub struct PreparedLogs {
+    /// Logs that are identified from.
+    pub train: DataSet,
+    /// Logs to judge by.
+    pub test: DataSet,
+    /// Whether these are others than those identified from.
+    pub apart: bool,
+    /// Cut-off of the low-pass of each joint's positions, Hz.
+    pub cutoffs_hz: Vec<f64>,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
+}
+
+impl PreparedLogs {
+    /// The same with all logs to identify from.
+    pub fn pooled(&self) -> Self {
+        PreparedLogs {
+            train: self.train.and(&self.test),
+            test: self.test.clone(),
+            apart: false,
+            cutoffs_hz: self.cutoffs_hz.clone(),
+            passband: self.passband,
+        }
+    }
+}

@@ -164,7 +164,7 @@ pub(super) fn withdraw(
     let [before, after] = residuals;
     let open: Vec<usize> = unexplained
         .iter()
-        .filter(|left| left.sure)
+        .filter(|left| left.certain)
         .map(|left| left.joint)
         .filter(|&joint| {
             let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);

@@ -85,5 +85,5 @@ pub(super) fn all_inertias<'a>(
 
 /// Number of joints with unexplained structure that is certain.
 fn certain(unexplained: &[Unexplained]) -> usize {
-    unexplained.iter().filter(|left| left.sure).count()
+    unexplained.iter().filter(|left| left.certain).count()
 }

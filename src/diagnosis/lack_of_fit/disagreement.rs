@@ -37,7 +37,7 @@ pub fn disagreement(
             share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
             structure: LOGS_DISAGREE,
             family_wise_p: None,
-            sure: true,
+            certain: true,
             instead_of: Vec::new(),
         })
     };

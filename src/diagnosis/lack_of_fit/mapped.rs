@@ -51,7 +51,7 @@ pub fn mapped(
             share: largest.share,
             structure: largest.follows.meaning(),
             family_wise_p: Some(largest.family_wise_p),
-            sure: false,
+            certain: false,
             instead_of: Vec::new(),
         })
     };
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn what_is_significant_and_clear_of_the_noise_is_told() {
         let [left] = &reported(&map(0.6, 0.009, None), 15.0, &[])[..] else { panic!() };
-        assert!(left.structure == Kind::SlowTime.meaning() && (left.share - 0.25).abs() < 1e-12 && !left.sure);
+        assert!(left.structure == Kind::SlowTime.meaning() && (left.share - 0.25).abs() < 1e-12 && !left.certain);
         // A fifth of the level decides, and a quarter of the noise.
         assert!(reported(&map(0.6, 0.011, None), 15.0, &[]).is_empty());
         assert!(reported(&map(0.24, 0.001, None), 15.0, &[]).is_empty());

@@ -22,7 +22,7 @@ pub struct Unexplained {
     /// Probability of as much without structure, on any joint; None where none was worked out.
     pub family_wise_p: Option<f64>,
     /// Whether training and held-out logs each show it with certainty: findings on the joint are compared with it.
-    pub sure: bool,
+    pub certain: bool,
     /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
     pub instead_of: Vec<usize>,
 }
@@ -79,7 +79,7 @@ struct Again {
     /// Whether they gain by it, also outside the second that gains most.
     gained: bool,
     /// Whether the lower bound of their gain is positive.
-    surely: bool,
+    significant: bool,
 }
 
 /// The model as found, on training and held-out rows.
@@ -92,7 +92,7 @@ pub(super) struct Fitted<'a> {
     /// The effects in it.
     pub members: Vec<Member>,
     /// Which of them have no rivals.
-    firm: Vec<bool>,
+    named: Vec<bool>,
     /// Its columns, those of the baseline first, and columns of what errors of the positions put into the torque.
     columns: Vec<Column>,
     errors: Nuisances,
@@ -105,8 +105,8 @@ pub(super) struct Fitted<'a> {
     pub before: &'a Column,
     /// Level of training and held-out logs together.
     together: f64,
-    /// Level of the training logs from which structure is sure.
-    pub sure: f64,
+    /// Level of the training logs from which structure is certain.
+    pub certain: f64,
 }
 
 impl Under {
@@ -157,9 +157,9 @@ impl<'a> Fitted<'a> {
             before: &selection.held_out,
             criteria,
             together: criteria.together * alpha,
-            sure: criteria.certain * alpha,
+            certain: criteria.certain * alpha,
             session,
-            firm: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
+            named: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
             columns,
             errors: train_errors,
@@ -172,10 +172,10 @@ impl<'a> Fitted<'a> {
         let PreparedLogs { train, test, .. } = &self.session.logs;
         let blocks = self.session.blocks(&self.members).members;
         let mut changing = Vec::new();
-        for ((member, is_firm), block) in self.members.iter().zip(&self.firm).zip(blocks) {
+        for ((member, is_named), block) in self.members.iter().zip(&self.named).zip(blocks) {
             let own = block.amplitudes;
             // What happened in one log is not in others.
-            if *is_firm && is_weighed(member, joint) && member.candidate.log.is_none() {
+            if *is_named && is_weighed(member, joint) && member.candidate.log.is_none() {
                 let on = |data, columns: &[Column]| modulated(self.session, data, joint, &columns[own.clone()]);
                 changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.held_out_columns)));
             }
@@ -222,23 +222,23 @@ impl<'a> Fitted<'a> {
     pub fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
         let (joint, structure) = (place.joint, block.structure);
         let Seen { under, whitened, test, p, family_wise_p } = seen;
-        let Again { chance, gained, surely } =
+        let Again { chance, gained, significant } =
             if block.over_time { self.seen_again(&under, again)? } else { self.gained(&under, joint, block, again) };
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
-        tracing::debug!(joint, structure, chance, gained, surely, "structure on held-out rows");
+        tracing::debug!(joint, structure, chance, gained, significant, "structure on held-out rows");
         // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
-        let goes_along = family_wise_p < self.sure && chance < self.criteria.confirmed_p;
-        let sure = gained && family_wise_p < self.sure && surely;
+        let goes_along = family_wise_p < self.certain && chance < self.criteria.confirmed_p;
+        let certain = gained && family_wise_p < self.certain && significant;
         let shown =
-            sure || goes_along || (gained && with(family_wise_p) < self.together && chance < self.criteria.again_p);
+            certain || goes_along || (gained && with(family_wise_p) < self.together && chance < self.criteria.again_p);
         let is_not_all =
             place.has_names && chance < self.criteria.leans_p && with(place.kinds * p) < self.criteria.not_all_p;
         let share = under.share(joint, test.statistic);
-        let weighs = sure || is_not_all;
+        let weighs = certain || is_not_all;
         let instead_of = if weighs { self.empty_beside(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
         let told = (shown && share > self.criteria.share_of_residual) || !instead_of.is_empty();
-        told.then_some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), sure, instead_of })
+        told.then_some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of })
     }
 
     /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
@@ -249,15 +249,15 @@ impl<'a> Fitted<'a> {
         let whitened = under.on_held_out.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
         let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
-        let surely = chance < self.criteria.confirmed_p;
-        Some(Again { chance, gained: surely, surely })
+        let significant = chance < self.criteria.confirmed_p;
+        Some(Again { chance, gained: significant, significant })
     }
 
     /// What the held-out rows say of a block that follows from the motion, as fitted to the training rows.
     fn gained(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Again {
         let gains = self.gains(under, joint, block, again);
         let gained = gains.share() > 0.0 && gains.without_most_influential_block() > 0.0;
-        Again { chance: gains.chance(), gained, surely: gains.lower_bound() > 0.0 }
+        Again { chance: gains.chance(), gained, significant: gains.lower_bound() > 0.0 }
     }
 
     /// How much better the held-out rows are predicted with a block.

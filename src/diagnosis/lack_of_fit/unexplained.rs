@@ -83,12 +83,12 @@ impl Fitted<'_> {
         let (freedom, above_freedom) = (test.freedom as f64, above.freedom as f64);
         let ratio = test.statistic / freedom / (above.statistic / above_freedom);
         let family_wise_p = place.tests * FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
-        (family_wise_p < self.sure).then(|| Unexplained {
+        (family_wise_p < self.certain).then(|| Unexplained {
             joint: place.joint,
             share: self.under.share(place.joint, test.statistic),
             structure: "drifts over time",
             family_wise_p: Some(family_wise_p),
-            sure: true,
+            certain: true,
             instead_of: Vec::new(),
         })
     }
@@ -101,7 +101,7 @@ impl Fitted<'_> {
         let found = Spectrum::new(&train.rows, whitener, &fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
         let residual = on_held_out.apply(&self.before.only(&[joint]));
-        let again = (family_wise_p < self.sure)
+        let again = (family_wise_p < self.certain)
             .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
@@ -110,7 +110,7 @@ impl Fitted<'_> {
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p: Some(family_wise_p),
-            sure: again.log_p < self.criteria.confirmed_p.ln(),
+            certain: again.log_p < self.criteria.confirmed_p.ln(),
             instead_of: Vec::new(),
         })
     }

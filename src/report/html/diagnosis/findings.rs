@@ -53,7 +53,7 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
                 "{}; these hold at least {gain:.0} % of the innovations of the held-out torque",
                 impacts(play)
             )),
-            None => format!("It takes at least {gain:.0} % of the held-out sum of squares (84 % sure)."),
+            None => format!("It takes at least {gain:.0} % of the held-out sum of squares (lower bound at 84 %)."),
         };
         blocks.push(Block::text(format!(
             "{}: {} Chance of a false alarm: {}. {shown}",

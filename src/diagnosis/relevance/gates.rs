@@ -7,7 +7,7 @@ use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
-use crate::effects::Site;
+use crate::effects::{Scope, Site};
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -192,9 +192,10 @@ impl<'a> Judge<'a> {
 
 /// Joints that a law is about: where it is in joints or gears, those; else all on which it has torque.
 fn own_joints(member: &Member) -> Vec<usize> {
-    match member.placed.effect.about().site {
-        Site::Joint | Site::Gear => member.placed.joints(),
-        Site::Body | Site::Sensor | Site::Integrator => member.candidate.joints(),
+    let about = member.placed.effect.about();
+    match about.site {
+        Site::Joint | Site::Gear if about.scope != Scope::Arm => member.placed.joints(),
+        _ => member.candidate.joints(),
     }
 }
 
@@ -214,5 +215,7 @@ mod tests {
         assert_eq!(own_joints(&member("joint_elasticity")), [1]);
         assert_eq!(own_joints(&member("joint_coupling")), [1, 2]);
         assert_eq!(own_joints(&member("payload")), [0, 1, 2]);
+        assert_eq!(own_joints(&member("external_contact")), [0, 1, 2]);
+        assert_eq!(own_joints(&member("time_delay")), [0, 1, 2]);
     }
 }

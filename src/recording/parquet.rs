@@ -11,8 +11,8 @@ use ::parquet::basic::{Compression, Encoding};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::metadata::KeyValue;
 use ::parquet::file::properties::WriterProperties;
-use arrow::array::{Array, ArrayRef, FixedSizeListArray, Float64Array, LargeListArray, ListArray, RecordBatch};
-use arrow::datatypes::DataType;
+use arrow_array::{Array, ArrayRef, FixedSizeListArray, Float64Array, LargeListArray, ListArray, RecordBatch};
+use arrow_schema::DataType;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::File;
 use std::io::Write;
@@ -252,10 +252,10 @@ fn append(
         column.extend_from_slice(values.values());
     } else if kind.is_numeric() || matches!(kind, DataType::Timestamp(..)) {
         let whole = |array: &ArrayRef| match kind {
-            DataType::Timestamp(..) => arrow::compute::cast(array, &DataType::Int64),
+            DataType::Timestamp(..) => arrow_cast::cast(array, &DataType::Int64),
             _ => Ok(array.clone()),
         };
-        let values = whole(array).and_then(|array| arrow::compute::cast(&array, &DataType::Float64));
+        let values = whole(array).and_then(|array| arrow_cast::cast(&array, &DataType::Float64));
         let values = values.map_err(|error| error.to_string())?;
         let values = values.as_any().downcast_ref::<Float64Array>().ok_or("its numbers cannot be read")?;
         column.extend_from_slice(values.values());
@@ -282,8 +282,8 @@ fn into_io(error: ParquetError) -> std::io::Error {
 mod tests {
     use super::super::samples;
     use super::*;
-    use arrow::array::{Float32Array, Int64Array, ListArray, StringArray};
-    use arrow::datatypes::Float32Type;
+    use arrow_array::types::Float32Type;
+    use arrow_array::{Float32Array, Int64Array, ListArray, StringArray};
     use proptest::prelude::*;
 
     fn foreign(columns: Vec<(&str, ArrayRef)>) -> Result<(Recording, Vec<String>)> {

@@ -90,7 +90,7 @@ impl<W: Write> RrdFile<W> {
     /// # Errors
     /// Those of writing.
     pub fn finish(mut self) -> io::Result<()> {
-        // Without an index of the chunks: the viewer reads the whole file then.
+        // There is no index of the chunks, so the viewer reads the whole file.
         self.message(END, &Message::default())?;
         self.to.flush()
     }

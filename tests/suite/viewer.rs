@@ -1,59 +1,38 @@
 //! `recording.rrd` read back without a viewer: entities, rows, values against the recording, views of the layout.
 
-use rerun::{ChunkStore, ChunkStoreConfig, StoreKind, TimelineName};
-use std::fs::File;
-use std::path::Path;
+mod file;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float32Type, Float64Type, UInt8Type, UInt32Type};
+use file::{Chunk, Store, Stores};
+use tauscope::channels::Channels;
 use tauscope::identification::effect_model::{Preparation, Trust};
 use tauscope::identification::model::Model;
 use tauscope::identification::prepare::Smoothing;
 use tauscope::identification::{consistent, fit};
-use tauscope::report::viewer::{self, Film};
+use tauscope::report::viewer::{self, Film, Track};
+use tauscope::robot::InertiaCheck;
 use tauscope::scenario::Setup;
 use tauscope::study::replay;
 use tauscope::study::testbed::{self, Runs, Variant};
-
-/// The recording and the layout in a file.
-struct Stores {
-    recording: ChunkStore,
-    layout: ChunkStore,
-}
 
 fn written(film: &Film) -> Stores {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.rrd");
     viewer::write(&path, film).unwrap();
-    read(&path)
-}
-
-fn read(path: &Path) -> Stores {
-    let stores = ChunkStore::from_rrd_reader(&ChunkStoreConfig::DEFAULT, &mut File::open(path).unwrap()).unwrap();
-    let (mut recordings, mut layouts) = (Vec::new(), Vec::new());
-    for (id, store) in stores {
-        match id.kind() {
-            StoreKind::Recording => recordings.push(store),
-            StoreKind::Blueprint => layouts.push(store),
-        }
-    }
-    assert_eq!((recordings.len(), layouts.len()), (1, 1));
-    Stores { recording: recordings.remove(0), layout: layouts.remove(0) }
+    file::read(&path)
 }
 
 /// Times, s, and values of a line.
-fn line(store: &ChunkStore, path: &str) -> Vec<(f64, f64)> {
-    let scalars = rerun::Scalars::descriptor_scalars().component;
+fn line(store: &Store, path: &str) -> Vec<(f64, f64)> {
     let mut rows = Vec::new();
-    for chunk in store.iter_physical_chunks().filter(|chunk| chunk.entity_path().to_string() == path) {
-        let times =
-            chunk.iter_component_indices(TimelineName::from_static_str("time"), scalars).map(|(t, _)| t.as_i64());
-        let values = chunk.iter_slices::<f64>(scalars).map(|row| row[0]);
-        rows.extend(times.zip(values).map(|(t, value)| (t as f64 * 1e-9, value)));
+    for chunk in store.of(path) {
+        let Some(values) = chunk.component("Scalars:scalars") else { continue };
+        let values = values.as_primitive::<Float64Type>().values();
+        rows.extend(chunk.times().unwrap().iter().zip(values).map(|(&t, &value)| (t as f64 * 1e-9, value)));
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     rows
-}
-
-fn entities(store: &ChunkStore) -> Vec<String> {
-    store.all_entities_sorted().into_iter().map(|path| path.to_string()).collect()
 }
 
 fn short() -> (Setup, Runs) {
@@ -69,7 +48,7 @@ fn a_run_is_in_the_recording() {
     let scored = testbed::identify(&setup, &model, &runs, Variant::SavitzkyGolay).unwrap();
     let film = viewer::scenario::film(&setup, &runs, Some((&model, &scored))).unwrap();
     let stores = written(&film);
-    let entities = entities(&stores.recording);
+    let entities = stores.recording.entities();
     for joint in setup.plant.joint_names() {
         for line in [
             "torque/J/measured",
@@ -124,15 +103,11 @@ fn a_run_is_in_the_recording() {
 fn the_arm_moves_as_measured() {
     let (setup, runs) = short();
     let stores = written(&viewer::scenario::film(&setup, &runs, None).unwrap());
-    let quaternions = rerun::Transform3D::descriptor_quaternion().component;
     let mut rows: Vec<(i64, [f32; 4])> = Vec::new();
-    for chunk in stores.recording.iter_physical_chunks() {
-        if chunk.entity_path().to_string() == "/arm/measured/joint_1" {
-            let times = chunk
-                .iter_component_indices(TimelineName::from_static_str("time"), quaternions)
-                .map(|(t, _)| t.as_i64());
-            rows.extend(times.zip(chunk.iter_slices::<[f32; 4]>(quaternions).map(|row| row[0])));
-        }
+    for chunk in stores.recording.of("/arm/measured/joint_1") {
+        let quaternions = chunk.component("Transform3D:quaternion").unwrap().as_fixed_size_list();
+        let parts = quaternions.values().as_primitive::<Float32Type>().values();
+        rows.extend(chunk.times().unwrap().iter().copied().zip(parts.as_chunks::<4>().0.iter().copied()));
     }
     rows.sort_by_key(|row| row.0);
     // 50 poses a second over both motions.
@@ -152,7 +127,7 @@ fn the_arm_moves_as_measured() {
 fn the_layout_has_a_view_for_every_plot() {
     let (setup, runs) = short();
     let stores = written(&viewer::scenario::film(&setup, &runs, None).unwrap());
-    let entities = entities(&stores.layout);
+    let entities = stores.layout.entities();
     let count =
         |ending: &str| entities.iter().filter(|path| path.starts_with("/view/") && path.ends_with(ending)).count();
     // The arm, the verdict, the findings, and four quantities of six joints.
@@ -162,6 +137,124 @@ fn the_layout_has_a_view_for_every_plot() {
     for path in ["/viewport", "/time_panel", "/blueprint_panel", "/selection_panel"] {
         assert!(entities.iter().any(|entity| entity == path), "{path}");
     }
+}
+
+#[test]
+fn the_layout_is_one_tree_of_views() {
+    let (setup, runs) = short();
+    let layout = written(&viewer::scenario::film(&setup, &runs, None).unwrap()).layout;
+    let root = layout.numbers::<UInt8Type>("/viewport", "ViewportBlueprint:root_container");
+    let hex: String = root.iter().map(|byte| format!("{byte:02x}")).collect();
+    let mut open: Vec<String> =
+        layout.entities().into_iter().filter(|path| path.replace('-', "") == format!("/container/{hex}")).collect();
+    assert_eq!(open.len(), 1, "{hex}");
+    // Tabs, horizontal, vertical, grid.
+    let (mut kinds, mut views) = ([0; 4], Vec::new());
+    while let Some(path) = open.pop() {
+        if path.starts_with("/view/") {
+            views.push(path);
+            continue;
+        }
+        let kind = layout.numbers::<UInt8Type>(&path, "ContainerBlueprint:container_kind")[0];
+        match kind {
+            2 => assert_eq!(layout.numbers::<Float32Type>(&path, "ContainerBlueprint:col_shares"), [2.0, 3.0]),
+            3 => assert_eq!(layout.numbers::<Float32Type>(&path, "ContainerBlueprint:row_shares"), [3.0, 2.0]),
+            4 => assert_eq!(layout.numbers::<UInt32Type>(&path, "ContainerBlueprint:grid_columns"), [2]),
+            _ => {}
+        }
+        kinds[usize::from(kind) - 1] += 1;
+        open.extend(layout.texts(&path, "ContainerBlueprint:contents"));
+    }
+    assert_eq!(kinds, [1, 1, 1, 4]);
+    let class = |view: &String| layout.texts(view, "ViewBlueprint:class_identifier").remove(0);
+    for (name, count) in [("3D", 1), ("TextDocument", 1), ("TextLog", 1), ("TimeSeries", 4 * 6)] {
+        assert_eq!(views.iter().filter(|view| class(view) == name).count(), count, "{name}");
+    }
+    let origin = |view: &&String| layout.texts(view, "ViewBlueprint:space_origin") == ["/torque/joint_1"];
+    let plot = views.iter().find(origin).unwrap();
+    assert_eq!(layout.texts(plot, "ViewBlueprint:display_name"), ["joint_1, N m"]);
+    assert_eq!(layout.texts(&format!("{plot}/ViewContents"), "ViewContents:query"), ["$origin/**"]);
+}
+
+#[test]
+fn the_viewer_opens_paused_with_the_whole_run_in_view() {
+    let (setup, runs) = short();
+    let film = viewer::scenario::film(&setup, &runs, None).unwrap();
+    let layout = written(&film).layout;
+    let span = film.span().map(|seconds| (1e9 * seconds).round() as i64);
+    let mut legends = 0;
+    for path in layout.entities() {
+        if path.ends_with("/TimeAxis") {
+            assert_eq!(layout.numbers::<UInt8Type>(&path, "TimeAxis:link"), [1], "independent");
+            let range = layout.values(&path, "TimeAxis:view_range").as_struct();
+            let ends = range.columns().iter().map(|end| {
+                let end = end.as_union();
+                assert_eq!(end.type_names()[end.type_id(0) as usize], "Absolute");
+                end.value(0).as_primitive::<arrow_array::types::Int64Type>().value(0)
+            });
+            assert_eq!(ends.collect::<Vec<_>>(), span);
+        } else if path.ends_with("/PlotLegend") {
+            legends += usize::from(layout.values(&path, "PlotLegend:visible").as_boolean().value(0));
+        } else if path.ends_with("/Background") {
+            assert_eq!(layout.numbers::<UInt8Type>(&path, "Background:kind"), [3], "one colour");
+        }
+    }
+    assert_eq!(legends, 4, "of the first joint in each quantity");
+    let number = |path: &str, component: &str| layout.numbers::<UInt8Type>(path, component)[0];
+    assert_eq!(number("/time_panel", "TimePanelBlueprint:play_state"), 1, "paused");
+    assert_eq!(number("/time_panel", "TimePanelBlueprint:state"), 2, "collapsed");
+    assert_eq!(layout.texts("/time_panel", "TimePanelBlueprint:timeline"), ["time"]);
+    for panel in ["/blueprint_panel", "/selection_panel"] {
+        assert_eq!(number(panel, "PanelBlueprint:state"), 1, "hidden");
+    }
+}
+
+#[test]
+fn shapes_have_their_sizes_and_colours() {
+    let (setup, runs) = short();
+    let recording = written(&viewer::scenario::film(&setup, &runs, None).unwrap()).recording;
+    assert_eq!(recording.numbers::<UInt8Type>("/arm", "ViewCoordinates:xyz"), [3, 5, 1], "right, forward, up");
+    // The foot of the IRB 1600, solid as measured and in outline as commanded.
+    let foot = |path: &str| {
+        assert_eq!(recording.numbers::<Float32Type>(path, "Boxes3D:half_sizes"), [0.26, 0.20, 0.04]);
+        let at = recording.numbers::<Float32Type>(path, "Transform3D:translation");
+        assert_eq!(at, [-0.08, 0.0, 0.04]);
+        let color = recording.numbers::<UInt32Type>(path, "Boxes3D:colors")[0];
+        (color, recording.numbers::<UInt8Type>(path, "Boxes3D:fill_mode")[0])
+    };
+    assert_eq!(foot("/arm/measured/shape_0"), (0x383b_40ff, 3));
+    assert_eq!(foot("/arm/commanded/shape_0"), (0x56b4_e96e, 1));
+}
+
+#[test]
+fn meshes_and_capsules_are_shown() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(format!("{root}/tests/reference/pendulum.urdf")).unwrap();
+    let mesh = "<visual><geometry><mesh filename=\"part.STL\"/></geometry></visual></link>";
+    std::fs::write(folder.path().join("mesh.urdf"), text.replace("</link>", mesh)).unwrap();
+    std::fs::write(folder.path().join("part.STL"), "solid part\nendsolid part\n").unwrap();
+    std::fs::copy(format!("{root}/tests/reference/skew7.urdf"), folder.path().join("plain.urdf")).unwrap();
+    let shown = |name: &str| {
+        let robot = tauscope::robot::load(folder.path().join(name), InertiaCheck::Ignored).unwrap();
+        let q = Channels::from_vectors(&vec![vec![0.0, 0.1]; robot.dof()]);
+        let track = Track { name: "measured", ghost: false, time: vec![0.0, 1.0], q };
+        let (title, text) = ("arm".to_owned(), "text".to_owned());
+        written(&Film { title, robot: &robot, text, tracks: vec![track], signals: vec![], markers: vec![] }).recording
+    };
+    let mesh = shown("mesh.urdf");
+    let path = mesh.entities().into_iter().find(|path| path.ends_with("/shape_0")).unwrap();
+    assert_eq!(mesh.texts(&path, "Asset3D:media_type"), ["model/stl"]);
+    let blob = mesh.values(&path, "Asset3D:blob").as_list::<i32>().value(0);
+    assert_eq!(blob.as_primitive::<UInt8Type>().values().to_vec(), b"solid part\nendsolid part\n");
+    assert_eq!(mesh.numbers::<UInt32Type>(&path, "Asset3D:albedo_factor").len(), 1);
+    // Without markers there are no rows of them.
+    assert!(!mesh.entities().contains(&"/findings".to_owned()));
+
+    let plain = shown("plain.urdf");
+    let length = plain.numbers::<Float32Type>("/arm/measured/shape_0", "Capsules3D:lengths")[0];
+    let radius = plain.numbers::<Float32Type>("/arm/measured/shape_0", "Capsules3D:radii")[0];
+    assert!(length > 0.0 && radius > 0.0);
 }
 
 #[test]
@@ -197,7 +290,7 @@ fn a_fit_shows_the_identified_arm_and_the_noise_floor() {
 
     let shown = viewer::fit::Shown { plain: &plain, extended: None, replayed: Some(&replayed) };
     let stores = written(&viewer::fit::film(&setup.known, logs, shown));
-    let entities = entities(&stores.recording);
+    let entities = stores.recording.entities();
     for path in [
         "/arm/measured/joint_1/joint_2",
         "/arm/simulated/joint_1/joint_2",
@@ -256,11 +349,6 @@ fn findings_are_marked_in_time() {
     }
     let stores = written(&film);
     assert!(line(&stores.recording, "/residual/joint_2/with_findings").len() >= evidence.len());
-    let texts: usize = stores
-        .recording
-        .iter_physical_chunks()
-        .filter(|chunk| chunk.entity_path().to_string() == "/findings")
-        .map(|chunk| chunk.num_rows())
-        .sum();
+    let texts: usize = stores.recording.of("/findings").map(Chunk::rows).sum();
     assert_eq!(texts, film.markers.len());
 }

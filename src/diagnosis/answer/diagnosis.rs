@@ -332,9 +332,9 @@ mod tests {
     #[test]
     fn a_name_that_leaves_much_is_taken_back() {
         // Of an excess of 15 in units of the noise, 1.6 are left, or 1.4; without structure a name stands all the same.
-        let structure = |sure| {
+        let structure = |certain| {
             let (family_wise_p, instead_of) = (Some(1e-6), Vec::new());
-            Unexplained { joint: 0, share: 0.3, structure: "follows the speed", family_wise_p, sure, instead_of }
+            Unexplained { joint: 0, share: 0.3, structure: "follows the speed", family_wise_p, certain, instead_of }
         };
         let left = |excess: f64, left: f64, unexplained: &[Unexplained]| {
             let [before, after] = [excess, left].map(|excess| (1.0 + excess).sqrt());

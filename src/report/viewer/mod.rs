@@ -12,7 +12,11 @@ pub mod scenario;
 #[cfg(feature = "viewer")]
 mod arm;
 #[cfg(feature = "viewer")]
+mod blueprint;
+#[cfg(feature = "viewer")]
 mod layout;
+#[cfg(feature = "viewer")]
+mod rrd;
 #[cfg(feature = "viewer")]
 mod write;
 

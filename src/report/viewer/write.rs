@@ -1,59 +1,77 @@
 //! A film as an .rrd file.
 
+use super::rrd::{Archetype, Index, RrdFile, Store, StoreKind, numbers, texts, tuples};
 use super::{Film, Look, Signal, arm, layout};
 use crate::error::{Error, Result};
 use crate::robot::visuals;
-use rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamResult, TimeColumn};
+use arrow_array::types::{Float32Type, Float64Type, UInt8Type, UInt32Type};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
+
+const DOCUMENT: Archetype = Archetype("archetypes.TextDocument");
+const LINES: Archetype = Archetype("archetypes.SeriesLines");
+const SCALARS: Archetype = Archetype("archetypes.Scalars");
+const TEXT_LOG: Archetype = Archetype("archetypes.TextLog");
+const VIEW_COORDINATES: Archetype = Archetype("archetypes.ViewCoordinates");
+
+/// Right, forward, up along x, y, z, in the viewer's numbers.
+const RIGHT_HAND_Z_UP: [u8; 3] = [3, 5, 1];
 
 /// Writes `film` to `path`.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write(path: &Path, film: &Film) -> Result<()> {
-    let failed =
-        |problem: String| Error::io(path, "write the recording for the viewer", std::io::Error::other(problem));
-    let stream = record(path, film).map_err(|problem| failed(problem.to_string()))?;
-    stream.flush_blocking().map_err(|problem| failed(problem.to_string()))
+    let written = File::create(path).and_then(|file| record(BufWriter::new(file), film));
+    written.map_err(|error| Error::io(path, "write the recording for the viewer", error))
 }
 
-fn record(path: &Path, film: &Film) -> RecordingStreamResult<RecordingStream> {
-    let stream = RecordingStreamBuilder::new("tauscope").recording_name(film.title.as_str()).save(path)?;
-    stream.set_log_tick_enabled(false);
-    stream.set_log_time_enabled(false);
-    layout::send(&stream, film)?;
+fn record(to: impl Write, film: &Film) -> io::Result<()> {
+    let mut file = RrdFile::new(to)?;
+    let recording = file.store(StoreKind::Recording, Some(&film.title))?;
+    layout::send(&mut file, film)?;
 
     let visuals = visuals::load(film.robot);
-    stream.log_static("arm", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    let axes = tuples::<UInt8Type, 3>([RIGHT_HAND_Z_UP]);
+    file.log(&recording, "/arm", &[], &[VIEW_COORDINATES.component("xyz", "components.ViewCoordinates", axes)])?;
     for track in &film.tracks {
-        arm::log(&stream, film.robot, &visuals, track)?;
+        arm::log(&mut file, &recording, film.robot, &visuals, track)?;
     }
     for note in &visuals.notes {
         tracing::warn!("{}: {note}; it is not drawn", film.robot.name);
     }
     let notes: String = visuals.notes.iter().map(|note| format!("\n- not shown as the URDF has it: {note}")).collect();
-    stream.log_static("verdict", &rerun::TextDocument::from_markdown(format!("{}\n{notes}", film.text)))?;
+    let verdict = [
+        DOCUMENT.component("text", "components.Text", texts([format!("{}\n{notes}", film.text)])),
+        DOCUMENT.component("media_type", "components.MediaType", texts(["text/markdown"])),
+    ];
+    file.log(&recording, "/verdict", &[], &verdict)?;
     for signal in &film.signals {
-        log_signal(&stream, &film.path(signal), signal)?;
+        log_signal(&mut file, &recording, &format!("/{}", film.path(signal)), signal)?;
     }
-    for marker in &film.markers {
-        stream.set_duration_secs("time", marker.time);
-        let level = if marker.finding { rerun::TextLogLevel::WARN } else { rerun::TextLogLevel::INFO };
-        stream.log("findings", &rerun::TextLog::new(marker.text.as_str()).with_level(level))?;
-    }
-    Ok(stream)
+    let levels = film.markers.iter().map(|marker| if marker.finding { "WARN" } else { "INFO" });
+    let findings = [
+        TEXT_LOG.component("text", "components.Text", texts(film.markers.iter().map(|marker| &marker.text))),
+        TEXT_LOG.component("level", "components.TextLogLevel", texts(levels)),
+    ];
+    let times = Index::seconds("time", film.markers.iter().map(|marker| marker.time));
+    file.log(&recording, "/findings", &[times], &findings)?;
+    file.finish()
 }
 
-fn log_signal(stream: &RecordingStream, path: &str, signal: &Signal) -> RecordingStreamResult<()> {
+fn log_signal(file: &mut RrdFile<impl Write>, recording: &Store, path: &str, signal: &Signal) -> io::Result<()> {
     let ([r, g, b], width) = stroke(signal.look);
-    let lines = rerun::SeriesLines::new()
-        .with_names([signal.name])
-        .with_colors([rerun::Color::from_rgb(r, g, b)])
-        .with_widths([width]);
-    stream.log_static(path, &lines)?;
-    let time = TimeColumn::new_duration_secs("time", signal.time.iter().copied());
-    let values = rerun::Scalars::new(signal.values.iter().copied()).columns_of_unit_batches()?;
-    stream.send_columns(path, [time], values)
+    let color = numbers::<UInt32Type>([u32::from_be_bytes([r, g, b, 255])]);
+    let lines = [
+        LINES.component("colors", "components.Color", color),
+        LINES.component("widths", "components.StrokeWidth", numbers::<Float32Type>([width])),
+        LINES.component("names", "components.Name", texts([signal.name])),
+    ];
+    file.log(recording, path, &[], &lines)?;
+    let values = numbers::<Float64Type>(signal.values.iter().copied());
+    let times = Index::seconds("time", signal.time.iter().copied());
+    file.log(recording, path, &[times], &[SCALARS.component("scalars", "components.Scalar", values)])
 }
 
 /// Colour and width of a line; the colours are distinct for readers who see few colours.

@@ -157,7 +157,7 @@ impl StudyFolder {
         Ok(())
     }
 
-    fn write(&self, path: &Path, batch: &arrow::array::RecordBatch) -> Result<()> {
+    fn write(&self, path: &Path, batch: &arrow_array::RecordBatch) -> Result<()> {
         write_whole(path, |staged| {
             let mut writer = Writer::new(staged, &self.identity)?;
             writer.write(batch)?;

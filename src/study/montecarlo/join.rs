@@ -8,7 +8,7 @@ use super::summary::{Summary, Sums};
 use super::table::{self, Timings, Writer};
 use crate::error::{Error, Result};
 use crate::output::ResultFolder;
-use arrow::array::RecordBatch;
+use arrow_array::RecordBatch;
 use std::path::{Path, PathBuf};
 
 /// Makes the report page of a study.

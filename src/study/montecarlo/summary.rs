@@ -4,7 +4,7 @@ use super::plan::{Identity, smoothings};
 use super::table::{float, text};
 use crate::error::Result;
 use crate::study::testbed::Variant;
-use arrow::array::{Array, RecordBatch};
+use arrow_array::{Array, RecordBatch};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -5,7 +5,7 @@ use super::plan::Identity;
 use super::trial::{Found, Row};
 use crate::error::{Error, Result};
 use crate::study::testbed::Variant;
-use arrow::array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray, UInt32Array};
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray, UInt32Array};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, Encoding};

@@ -7,7 +7,7 @@ use crate::recording::Recording;
 use crate::recording::columns::names::{self, Joint, QUANTITIES};
 use ::parquet::arrow::ProjectionMask;
 use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use arrow::datatypes::DataType;
+use arrow_schema::DataType;
 use std::collections::{BTreeSet, HashMap};
 use std::fs::File;
 use std::path::Path;

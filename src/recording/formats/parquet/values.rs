@@ -1,7 +1,7 @@
 //! Values of a column, of any numeric type and in lists.
 
-use arrow::array::{Array, ArrayRef, FixedSizeListArray, Float64Array, LargeListArray, ListArray};
-use arrow::datatypes::DataType;
+use arrow_array::{Array, ArrayRef, FixedSizeListArray, Float64Array, LargeListArray, ListArray};
+use arrow_schema::DataType;
 
 /// The elements of a list.
 pub fn elements(array: &ArrayRef, row: usize) -> Option<ArrayRef> {
@@ -42,10 +42,10 @@ pub fn append(
         column.extend_from_slice(values.values());
     } else if kind.is_numeric() || matches!(kind, DataType::Timestamp(..)) {
         let whole = |array: &ArrayRef| match kind {
-            DataType::Timestamp(..) => arrow::compute::cast(array, &DataType::Int64),
+            DataType::Timestamp(..) => arrow_cast::cast(array, &DataType::Int64),
             _ => Ok(array.clone()),
         };
-        let values = whole(array).and_then(|array| arrow::compute::cast(&array, &DataType::Float64));
+        let values = whole(array).and_then(|array| arrow_cast::cast(&array, &DataType::Float64));
         let values = values.map_err(|error| error.to_string())?;
         let values = values.as_any().downcast_ref::<Float64Array>().ok_or("its numbers cannot be read")?;
         column.extend_from_slice(values.values());

@@ -113,7 +113,7 @@ fn columns_under_other_names() {
 #[test]
 fn empty_cells_of_a_parquet_file_cost_their_rows() {
     use ::parquet::arrow::ArrowWriter;
-    use arrow::array::{ArrayRef, Float64Array, RecordBatch};
+    use arrow_array::{ArrayRef, Float64Array, RecordBatch};
     use std::sync::Arc;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.parquet");

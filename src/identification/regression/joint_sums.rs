@@ -1,9 +1,9 @@
 //! What weighted least squares needs to know of each joint's rows [X y]: their Gram matrix, or where that has lost too many
 //! digits their triangle. The solution for any weights of the joints follows without the rows.
 
-use super::scaled_normal::ScaledNormal;
-use super::tsqr::Triangle;
 use crate::error::{Error, Result};
+use crate::identification::numerics::scaled_normal::ScaledNormal;
+use crate::identification::numerics::tsqr::Triangle;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use std::cell::OnceCell;
 
@@ -95,7 +95,7 @@ impl<'a> Sums<'a> {
     ///
     /// # Errors
     /// As [`Sums::solve`].
-    pub(super) fn solution(&self, sigma: &[f64], names: &[String]) -> Result<DVector<f64>> {
+    pub(in crate::identification) fn solution(&self, sigma: &[f64], names: &[String]) -> Result<DVector<f64>> {
         let parameters = names.len();
         let normal = self.normal(sigma, parameters);
         let scale = normal.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
@@ -117,7 +117,11 @@ impl<'a> Sums<'a> {
     ///
     /// # Errors
     /// Names the parameters that the motion does not separate.
-    pub(super) fn solve(&self, sigma: &[f64], names: &[String]) -> Result<(DVector<f64>, ScaledNormal)> {
+    pub(in crate::identification) fn solve(
+        &self,
+        sigma: &[f64],
+        names: &[String],
+    ) -> Result<(DVector<f64>, ScaledNormal)> {
         let parameters = names.len();
         match ScaledNormal::new(&self.normal(sigma, parameters), names) {
             Ok(scaled) if scaled.condition_number <= TRUSTED => {
@@ -127,7 +131,11 @@ impl<'a> Sums<'a> {
         }
     }
 
-    pub(super) fn solve_by_triangles(&self, sigma: &[f64], names: &[String]) -> Result<(DVector<f64>, ScaledNormal)> {
+    pub(in crate::identification) fn solve_by_triangles(
+        &self,
+        sigma: &[f64],
+        names: &[String],
+    ) -> Result<(DVector<f64>, ScaledNormal)> {
         let parameters = names.len();
         let triangles = self.triangles.get_or_init(|| (self.make_triangles)());
         let mut all = Triangle::new(parameters + 1);

@@ -4,13 +4,13 @@ use super::joint_regression::JointRegression;
 use super::joint_sums::{JointSums, Sums};
 use super::linear_problem::LinearProblem;
 use super::noise::{AutoregressiveNoise, autocovariance, simulate_together};
-use super::scaled_normal::ScaledNormal;
 use crate::error::{Error, Result};
+use crate::identification::numerics::scaled_normal::ScaledNormal;
 use crate::random;
 use nalgebra::DMatrix;
 
 /// Order of the noise model behind the standard deviations.
-pub(super) const NOISE_ORDER: usize = 12;
+pub(in crate::identification) const NOISE_ORDER: usize = 12;
 
 /// Rounds of, and draws in each round of, correcting the noise model for what the fit swallows.
 const BIAS_ROUNDS: u64 = 2;
@@ -44,7 +44,7 @@ impl Estimate {
     }
 
     /// The same with parameters that are held put back in their places, without uncertainty.
-    pub(super) fn with_held(mut self, held: &[(usize, f64)], count: usize) -> Self {
+    pub(in crate::identification) fn with_held(mut self, held: &[(usize, f64)], count: usize) -> Self {
         let value = |k: usize| held.iter().find(|(own, _)| *own == k).map(|(_, value)| *value);
         let free: Vec<usize> = (0..count).filter(|&k| value(k).is_none()).collect();
         let mut covariance = DMatrix::zeros(count, count);
@@ -91,7 +91,7 @@ pub fn weighted_least_squares(joints: &[JointRegression], names: &[String]) -> R
 }
 
 /// Refuses a joint with fewer than twice as many rows as parameters.
-pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
+pub(in crate::identification) fn require_rows(joints: &[JointRegression]) -> Result<()> {
     for joint in joints {
         if joint.rows() < 2 * joint.parameters.len() {
             let problem = format!(
@@ -109,7 +109,11 @@ pub(super) fn require_rows(joints: &[JointRegression]) -> Result<()> {
 ///
 /// # Errors
 /// Names the parameters that the motion does not separate.
-pub(super) fn weighted_solution(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Result<Vec<f64>> {
+pub(in crate::identification) fn weighted_solution(
+    joints: &[JointRegression],
+    sigma: &[f64],
+    names: &[String],
+) -> Result<Vec<f64>> {
     Ok(sums(joints).solution(sigma, names)?.as_slice().to_vec())
 }
 

@@ -2,12 +2,12 @@
 //!
 //! A joint without one moves like the others in theirs; what only its own equation would show is no parameter.
 
-use super::effect_model::{Preparation, Trust};
-use super::fit::Logs;
-use super::model::Model;
-use super::prepare;
+use super::fitted::Logs;
 use crate::dynamics::Motion;
 use crate::error::Result;
+use crate::identification::effect_model::{Preparation, Trust};
+use crate::identification::model::Model;
+use crate::identification::preparation::prepare;
 use crate::recording::Recording;
 use crate::robot::Robot;
 

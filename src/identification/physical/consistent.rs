@@ -7,14 +7,15 @@
 //! is solved by a primal barrier method (Boyd and Vandenberghe 2004, chapter 11) on the fitted parameters in units of
 //! their uncertainty and the standard parameters that torque does not see.
 
-use super::effect_model::{EffectModel, Preparation, Trust};
-use super::fit::{Fitted, Logs};
-use super::linear_problem::LinearProblem;
-use super::model::Model;
 use super::plausible::Plausible;
 use super::pseudo_inertia::{pseudo_inertia, unit_pseudo_inertia};
-use super::standard::STANDARD;
 use crate::error::{Error, Result};
+use crate::identification::effect_model::{EffectModel, Preparation, Trust};
+use crate::identification::fit::{Fitted, Logs};
+use crate::identification::model::Model;
+use crate::identification::model::standard::STANDARD;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::linear_problem::LinearProblem;
 use crate::robot::{PARAMETERS, Robot};
 use nalgebra::{DMatrix, DVector, Matrix4};
 
@@ -75,7 +76,7 @@ pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &
         normal[(k, k)] += sizes[model.base().kept()[k]].powi(-2);
     }
     let solution = solve(model, &normal, &estimate.beta)?;
-    let rms = |joints: &[super::joint_regression::JointRegression]| {
+    let rms = |joints: &[JointRegression]| {
         joints.iter().map(|joint| joint.residual_rms(&solution.beta)).collect::<Vec<f64>>()
     };
     let test_rms = if logs.test.is_empty() { Vec::new() } else { rms(&regression(logs.test)?.regression()?) };

@@ -1,11 +1,11 @@
 //! Fits on demand: the arm's parameters and named effects from training logs, judged on held-out logs.
 
-use super::effect_model::{EffectModel, Preparation, Trust};
-use super::joint_regression::JointRegression;
-use super::model::Model;
 use super::separable::{EffectFit, fit};
 use crate::effects::Placed;
 use crate::error::Result;
+use crate::identification::effect_model::{EffectModel, Preparation, Trust};
+use crate::identification::model::Model;
+use crate::identification::regression::joint_regression::JointRegression;
 use crate::recording::Recording;
 use crate::robot::{Drive, Robot};
 

@@ -2,14 +2,14 @@
 //! every step, Levenberg-Marquardt searches the few nonlinear ones. All stay within the bounds that make sense for the
 //! effect; one that ends at a bound is held there, and the others are as certain as they are with it held.
 
-use super::bounded::{self, Bound};
-use super::effect_model::{EffectModel, Place};
-use super::joint_regression::JointRegression;
-use super::least_squares::{Estimate, weighted_least_squares};
-use super::levenberg_marquardt::{Bounds, LeastSquaresProblem, NormalEquations, Options, minimize};
-use super::linear_problem::LinearProblem;
 use crate::effects::{Parameter, Role};
 use crate::error::Result;
+use crate::identification::effect_model::{EffectModel, Place};
+use crate::identification::levenberg_marquardt::{Bounds, LeastSquaresProblem, NormalEquations, Options, minimize};
+use crate::identification::numerics::bounded::{self, Bound};
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::{Estimate, weighted_least_squares};
+use crate::identification::regression::linear_problem::LinearProblem;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 

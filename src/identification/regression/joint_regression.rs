@@ -1,10 +1,10 @@
 //! One joint's rows of a regression.
 
-use super::gram::{BLOCK, Gram, products, valid_block};
 use super::joint_sums::JointSums;
-use super::sequences::combined;
-use super::tsqr::Triangle;
 use crate::channels::Channels;
+use crate::identification::numerics::gram::{BLOCK, Gram, products, valid_block};
+use crate::identification::numerics::sequences::combined;
+use crate::identification::numerics::tsqr::Triangle;
 use nalgebra::DMatrix;
 
 /// One joint's share of a linear regression: torque = columns * parameters.
@@ -60,7 +60,7 @@ impl JointRegression {
     }
 
     /// Adds the column of one more parameter, whose present `value` is already part of the prediction.
-    pub(super) fn append(&mut self, parameter: usize, column: &[f64], value: f64) {
+    pub(in crate::identification) fn append(&mut self, parameter: usize, column: &[f64], value: f64) {
         let mut columns: Vec<Vec<f64>> = self.columns.iter().map(<[f64]>::to_vec).collect();
         columns.push(column.to_vec());
         self.columns = Channels::from_vectors(&columns);
@@ -70,7 +70,7 @@ impl JointRegression {
 
     /// The same without the parameters that are held, whose torque is taken off; the others, `kept` in order, are counted
     /// anew.
-    pub(super) fn without(&self, held: &[(usize, f64)], kept: &[usize]) -> Self {
+    pub(in crate::identification) fn without(&self, held: &[(usize, f64)], kept: &[usize]) -> Self {
         let (mut parameters, mut columns) = (Vec::new(), Vec::new());
         let mut torque = self.torque.clone();
         for (parameter, column) in self.parameters.iter().zip(self.columns.iter()) {
@@ -120,7 +120,7 @@ impl JointRegression {
     }
 
     /// Inner product of two signals over the rows that count.
-    pub(super) fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+    pub(in crate::identification) fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).zip(&self.valid).map(|((x, y), &ok)| if ok { x * y } else { 0.0 }).sum()
     }
 
@@ -163,12 +163,12 @@ impl JointRegression {
     }
 
     /// Adds `weight` times X'X over the rows that count to `sum`, at the places of this joint's parameters.
-    pub(super) fn add_gram(&self, weight: f64, sum: &mut DMatrix<f64>) {
+    pub(in crate::identification) fn add_gram(&self, weight: f64, sum: &mut DMatrix<f64>) {
         self.scatter(weight, &self.gram(), sum);
     }
 
     /// Adds `weight` times the Gram matrix of `table`, `[active parameter][row]`, to `sum`.
-    pub(super) fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
+    pub(in crate::identification) fn scatter_gram(&self, weight: f64, table: &Channels, sum: &mut DMatrix<f64>) {
         let mut gram = Gram::new(self.parameters.len());
         gram.add(table.as_slice(), table.samples());
         self.scatter(weight, &gram.matrix(), sum);
@@ -184,7 +184,7 @@ impl JointRegression {
     }
 
     /// The columns, zero where rows do not count.
-    pub(super) fn masked_columns(&self) -> Channels {
+    pub(in crate::identification) fn masked_columns(&self) -> Channels {
         let mut columns = self.columns.clone();
         for column in 0..columns.channels() {
             columns.channel_mut(column).iter_mut().zip(&self.valid).filter(|(_, ok)| !**ok).for_each(|(x, _)| *x = 0.0);
@@ -192,7 +192,7 @@ impl JointRegression {
         columns
     }
 
-    pub(super) fn masked(&self, signal: &[f64]) -> Vec<f64> {
+    pub(in crate::identification) fn masked(&self, signal: &[f64]) -> Vec<f64> {
         signal.iter().zip(&self.valid).map(|(&value, &ok)| if ok { value } else { 0.0 }).collect()
     }
 }

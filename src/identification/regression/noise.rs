@@ -1,7 +1,7 @@
 //! Autoregressive model of residual noise: what makes standard deviations right when noise has a colour.
 
-use super::sequences::{Law, lagged_products, recur_backward, recur_forward};
 use crate::channels::Channels;
+use crate::identification::numerics::sequences::{Law, lagged_products, recur_backward, recur_forward};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 

@@ -3,8 +3,8 @@
 //! The URDF's bodies where it has some, balls where not. A URDF without inertials, or with placeholders, does not show how
 //! heavy the arm is; the identified parameters do: all bodies are then scaled until they make as much torque.
 
-use super::model::Model;
 use super::pseudo_inertia::pseudo_inertia;
+use crate::identification::model::Model;
 use crate::robot::Inertia;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -92,7 +92,7 @@ fn own_value(model: &Model, fitted: &[f64], joint: usize, which: usize) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::standard::STANDARD;
+    use crate::identification::model::standard::STANDARD;
     use crate::robot::{self, Drive, InertiaCheck, PARAMETERS};
 
     #[test]

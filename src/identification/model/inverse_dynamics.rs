@@ -2,13 +2,13 @@
 
 use super::base_columns::{BLOCK, BaseColumns};
 use super::linear_model::LinearModel;
-use super::sequences::combine_into;
 use super::standard::{COULOMB, ROTOR, STANDARD, VISCOUS};
 use super::streamed::{self, Writer};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Lanes, Motion};
 use crate::effects::{CoulombFriction, Effect, ViscousFriction, direction};
 use crate::error::Result;
+use crate::identification::numerics::sequences::combine_into;
 use crate::lane::Aligned;
 use crate::random;
 use crate::robot::{Drive, Inertia, Joint, PARAMETERS, Robot, SYMBOLS, UNITS};

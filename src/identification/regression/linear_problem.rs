@@ -1,9 +1,9 @@
 //! The weighted linear regression as a problem for Levenberg-Marquardt, equations (11)-(12) of the paper on the spatial model.
 
 use super::joint_regression::JointRegression;
-use super::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
-use super::scaled_normal::ScaledNormal;
 use crate::error::Result;
+use crate::identification::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
+use crate::identification::numerics::scaled_normal::ScaledNormal;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of all joints, weighted by the joints' standard deviations, with the normal matrix worked out once.
@@ -48,7 +48,7 @@ impl<'a> LinearProblem<'a> {
     ///
     /// # Errors
     /// Names the parameters that the motion does not separate.
-    pub(super) fn solve(&self, right: &DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
+    pub(in crate::identification) fn solve(&self, right: &DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
         Ok(ScaledNormal::new(&self.normal, names)?.solve(right))
     }
 

@@ -1,13 +1,13 @@
 //! From a recording to regression rows: smoothing, differentiation, the filter that torque and columns share, the samples
 //! to leave out.
 
-use super::joint_regression::JointRegression;
-use super::linear_model::LinearModel;
-use super::model::Model;
 use super::reversals::{self, Band};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
+use crate::identification::model::Model;
+use crate::identification::model::linear_model::LinearModel;
+use crate::identification::regression::joint_regression::JointRegression;
 use crate::recording::{Recording, Signals};
 use crate::signal::{
     Edge, Filter, NoiseGains, SavitzkyGolay, Slow, ZeroPhaseLowPass, downsample, first_derivative, second_derivative,
@@ -232,7 +232,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(super) fn filtered(&self, signal: &[f64]) -> Result<Vec<f64>> {
+    pub(in crate::identification) fn filtered(&self, signal: &[f64]) -> Result<Vec<f64>> {
         let mut out = vec![0.0; signal.len()];
         self.filter.apply(signal, &mut out)?;
         Ok(out)
@@ -242,7 +242,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(super) fn filtered_like_positions(&self, signal: &[f64]) -> Result<Vec<f64>> {
+    pub(in crate::identification) fn filtered_like_positions(&self, signal: &[f64]) -> Result<Vec<f64>> {
         let mut out = vec![0.0; signal.len()];
         self.position_filter.apply(signal, &mut out)?;
         Ok(out)
@@ -252,7 +252,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(super) fn columns(&self, model: &Model, link: &Motion) -> Result<Vec<Channels>> {
+    pub(in crate::identification) fn columns(&self, model: &Model, link: &Motion) -> Result<Vec<Channels>> {
         model.filtered_columns_apart([&self.motion, link], &self.filter, self.decimation)
     }
 
@@ -260,7 +260,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(super) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
+    pub(in crate::identification) fn thinned(&self, signal: &[f64]) -> Result<Vec<f64>> {
         self.filter.apply_every(signal, self.decimation)
     }
 
@@ -268,7 +268,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// Never for a decimation that is positive.
-    pub(super) fn row_times(&self) -> Result<Vec<f64>> {
+    pub(in crate::identification) fn row_times(&self) -> Result<Vec<f64>> {
         downsample(&self.time, self.decimation)
     }
 
@@ -276,7 +276,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// Never for a decimation that is positive.
-    pub(super) fn row_motion(&self, joint: usize) -> Result<[Vec<f64>; 2]> {
+    pub(in crate::identification) fn row_motion(&self, joint: usize) -> Result<[Vec<f64>; 2]> {
         let thinned = |table: &Channels| downsample(table.channel(joint), self.decimation);
         Ok([thinned(&self.motion.q)?, thinned(&self.motion.qd)?])
     }
@@ -285,7 +285,7 @@ impl<'a> Prepared<'a> {
     ///
     /// # Errors
     /// If the log is too short for the filter.
-    pub(super) fn torque_noise(&self) -> Result<Vec<f64>> {
+    pub(in crate::identification) fn torque_noise(&self) -> Result<Vec<f64>> {
         let gain = self.filter.noise_gain(self.torque.samples())?;
         Ok((0..self.torque.channels()).map(|joint| gain * white_noise(self.torque.channel(joint))).collect())
     }
@@ -309,7 +309,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Rows after decimation all of whose inputs are inside the log, and whose direction is certain.
-    pub(super) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
+    pub(in crate::identification) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
         reversals::rows_to_use(&self.moving(joint), (self.reach, &self.weights), self.decimation, self.band)
     }
 }

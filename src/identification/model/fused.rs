@@ -4,14 +4,14 @@
 //! For signals that are smooth already and need no filter of torque and columns. The sums of fixed stretches of the log are
 //! put together in their order, so that the result does not depend on the number of threads.
 
-use super::gram::Gram;
-use super::joint_sums::{JointSums, Sums};
-use super::least_squares::REWEIGHTINGS;
-use super::model::Model;
-use super::tsqr::Triangle;
+use super::inverse_dynamics::Model;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
+use crate::identification::numerics::gram::Gram;
+use crate::identification::numerics::tsqr::Triangle;
+use crate::identification::regression::joint_sums::{JointSums, Sums};
+use crate::identification::regression::least_squares::REWEIGHTINGS;
 use crate::lane::{Aligned, Lanes};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -183,8 +183,8 @@ pub fn predicted(model: &Model, motion: &Motion, beta: &[f64]) -> Channels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::joint_regression::JointRegression;
-    use crate::identification::least_squares;
+    use crate::identification::regression::joint_regression::JointRegression;
+    use crate::identification::regression::least_squares;
     use crate::random;
     use crate::robot::{self, InertiaCheck};
     use nalgebra::DVector;

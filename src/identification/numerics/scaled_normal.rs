@@ -23,14 +23,14 @@ fn listed(names: &[&str]) -> String {
 }
 
 /// Normal matrix with unit diagonal, factored; the square root of its condition number is the regressor's.
-pub(super) struct ScaledNormal {
+pub(in crate::identification) struct ScaledNormal {
     scale: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
-    pub(super) condition_number: f64,
+    pub(in crate::identification) condition_number: f64,
 }
 
 impl ScaledNormal {
-    pub(super) fn new(normal: &DMatrix<f64>, names: &[String]) -> Result<Self> {
+    pub(in crate::identification) fn new(normal: &DMatrix<f64>, names: &[String]) -> Result<Self> {
         let scale = unit_scale(normal.diagonal(), names)?;
         let mut unit = DMatrix::from_fn(normal.nrows(), normal.ncols(), |r, c| normal[(r, c)] * scale[r] * scale[c]);
         unit.fill_upper_triangle_with_lower_triangle();
@@ -48,7 +48,7 @@ impl ScaledNormal {
     ///
     /// # Errors
     /// Names the parameters that the motion does not separate.
-    pub(super) fn from_triangle(triangle: &DMatrix<f64>, names: &[String]) -> Result<Self> {
+    pub(in crate::identification) fn from_triangle(triangle: &DMatrix<f64>, names: &[String]) -> Result<Self> {
         let squares = DVector::from_iterator(names.len(), triangle.column_iter().map(|column| column.norm_squared()));
         let scale = unit_scale(squares, names)?;
         let unit = DMatrix::from_fn(names.len(), names.len(), |r, c| triangle[(r, c)] * scale[c]);
@@ -61,7 +61,7 @@ impl ScaledNormal {
         Ok(ScaledNormal { scale, factor: Cholesky::pack_dirty(unit.transpose()), condition_number: high / low })
     }
 
-    pub(super) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+    pub(in crate::identification) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
         self.factor.solve(&right.component_mul(&self.scale)).component_mul(&self.scale)
     }
 
@@ -77,7 +77,7 @@ impl ScaledNormal {
         inverse
     }
 
-    pub(super) fn inverse(&self) -> DMatrix<f64> {
+    pub(in crate::identification) fn inverse(&self) -> DMatrix<f64> {
         let unit = self.inverse_of_unit();
         DMatrix::from_fn(unit.nrows(), unit.ncols(), |r, c| unit[(r, c)] * self.scale[r] * self.scale[c])
     }

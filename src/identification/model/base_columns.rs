@@ -7,12 +7,13 @@ use super::standard::{ROTOR, STANDARD, VISCOUS};
 use crate::channels::Channels;
 use crate::dynamics::{BaseParameters, Chain, Entries, Motion};
 use crate::effects::direction;
+use crate::identification::numerics::gram;
 use crate::lane::{Aligned, Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 use std::ops::Range;
 
 /// Samples of a block.
-pub(crate) const BLOCK: usize = super::gram::BLOCK;
+pub(crate) const BLOCK: usize = gram::BLOCK;
 
 /// What a column is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

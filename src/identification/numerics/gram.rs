@@ -88,7 +88,12 @@ impl Gram {
 
 /// Fills `block`, `[column][row]`, with the rows of a table from `first` on, one per entry of `valid`, zeros where that is
 /// false.
-pub(super) fn valid_block<'t>(table: impl Iterator<Item = &'t [f64]>, first: usize, valid: &[bool], block: &mut [f64]) {
+pub(in crate::identification) fn valid_block<'t>(
+    table: impl Iterator<Item = &'t [f64]>,
+    first: usize,
+    valid: &[bool],
+    block: &mut [f64],
+) {
     let all = valid.iter().all(|&ok| ok);
     for (column, target) in table.zip(block.chunks_exact_mut(valid.len())) {
         let part = &column[first..][..valid.len()];

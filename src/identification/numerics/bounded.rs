@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A parameter between two values, by its index; infinite where there is no bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bound {
+pub(in crate::identification) struct Bound {
     /// Index of the parameter.
     pub parameter: usize,
     /// Smallest value.
@@ -27,7 +27,7 @@ pub(super) type Held = Vec<(usize, f64)>;
 ///
 /// # Errors
 /// Names the parameters that the motion does not separate.
-pub(super) fn solve(
+pub(in crate::identification) fn solve(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,
     bounds: &[Bound],

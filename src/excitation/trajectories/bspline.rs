@@ -9,13 +9,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::batch::fill_along;
-use super::peaks::Peaks;
-use super::piecewise::PiecewisePolynomial;
-use super::reference::{Reference, fill};
-use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::excitation::primitives::{Peaks, PiecewisePolynomial, Reference, fill, fill_along, timing};
 
 /// Degree that motions have unless another is asked for: continuous up to the fourth derivative.
 pub(crate) const DEGREE: usize = 5;
@@ -167,8 +163,8 @@ impl From<Bspline> for Data {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends, state};
     use super::*;
+    use crate::excitation::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends, state};
     use proptest::prelude::*;
 
     fn spline(duration_s: f64, degree: usize, points: Vec<Vec<f64>>) -> Result<Bspline> {
@@ -183,7 +179,7 @@ mod tests {
     #[test]
     fn matches_scipy() {
         // scipy.interpolate.BSpline, made by tests/reference/excitation_bspline.py.
-        let reference = include_str!("../../tests/reference/excitation_bspline.csv");
+        let reference = include_str!("../../../tests/reference/excitation_bspline.csv");
         let points = vec![1.0, -2.0, 0.5, 1.5, -0.7];
         let mut rows = 0;
         for line in reference.lines().skip(1) {

@@ -25,12 +25,9 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::batch::{Law, fill_along};
-use super::peaks::Peaks;
-use super::reference::{Reference, fill};
-use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::excitation::primitives::{Law, Peaks, Reference, fill, fill_along, timing};
 use crate::lane::Lane;
 
 /// The factor alpha that makes the velocity at both ends exactly zero; the paper prints 0.9438.
@@ -215,8 +212,8 @@ impl From<FreudensteinSequence> for Data {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends};
     use super::*;
+    use crate::excitation::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends};
     use proptest::prelude::*;
 
     fn close(actual: [f64; 3], expected: [f64; 3]) {

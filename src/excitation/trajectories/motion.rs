@@ -3,10 +3,9 @@
 use super::bspline::Bspline;
 use super::fourier::FourierSeries;
 use super::freudenstein::FreudensteinSequence;
-use super::peaks::Peaks;
 use super::quintic::QuinticSequence;
-use super::reference::Reference;
 use crate::channels::Channels;
+use crate::excitation::primitives::{Peaks, Reference};
 use serde::{Deserialize, Serialize};
 
 /// A motion of any of the four parametrisations, as motion files hold it: `kind` names the parametrisation, `data` holds

@@ -9,13 +9,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::batch::fill_along;
-use super::peaks::Peaks;
-use super::piecewise::PiecewisePolynomial;
-use super::reference::{Reference, fill};
-use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::excitation::primitives::{Peaks, PiecewisePolynomial, Reference, fill, fill_along, timing};
 
 /// The segments of one joint; it starts and ends at rest at zero, so n durations go with n - 1 via points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -150,8 +146,8 @@ impl From<QuinticSequence> for Data {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends, state};
     use super::*;
+    use crate::excitation::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends, state};
     use proptest::prelude::*;
 
     prop_compose! {

@@ -20,12 +20,9 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::batch::{Law, fill_along};
-use super::peaks::Peaks;
-use super::reference::{Reference, fill};
-use super::timing;
 use crate::channels::Channels;
 use crate::error::{Error, Result};
+use crate::excitation::primitives::{Law, Peaks, Reference, fill, fill_along, timing};
 use crate::lane::{Lane, Lanes};
 
 /// Samples per period of the highest harmonic from which peaks are bounded; the bounds are then 1e-4 too wide at most.
@@ -190,8 +187,8 @@ impl From<FourierSeries> for Data {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends, state};
     use super::*;
+    use crate::excitation::testing::{assert_derivatives, assert_peaks_tight, assert_zero_ends, state};
     use proptest::prelude::*;
 
     prop_compose! {

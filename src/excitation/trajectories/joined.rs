@@ -2,9 +2,10 @@
 //! and quintic segments then make one motion of the same kind.
 
 use super::freudenstein::{FreudensteinSequence, JointMoves};
+use super::motion::Motion;
 use super::quintic::{JointSegments, QuinticSequence};
-use super::{Motion, Reference};
 use crate::error::{Error, Result};
+use crate::excitation::primitives::Reference;
 
 impl Motion {
     /// The motions in their order as one motion.
@@ -82,10 +83,10 @@ fn join_segments(whole: &mut JointSegments, part: &JointSegments) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::encoding::{Encoding, FourierEncoding, QuinticEncoding, random_point};
-    use super::super::random_sequence::FreudensteinEncoding;
-    use super::super::testing::{irb1600, state};
     use super::*;
+    use crate::excitation::encoding::{Encoding, FourierEncoding, QuinticEncoding, random_point};
+    use crate::excitation::random_sequence::FreudensteinEncoding;
+    use crate::excitation::testing::{irb1600, state};
 
     #[test]
     fn the_parts_come_one_after_the_other() {

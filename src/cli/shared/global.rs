@@ -1,6 +1,6 @@
 //! What all commands share: options and exit codes.
 
-use super::Host;
+use super::host::Host;
 use clap::Args;
 use std::path::PathBuf;
 use std::sync::Arc;

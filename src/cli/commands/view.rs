@@ -1,6 +1,6 @@
 //! `tauscope view`: open the recording of a results folder in the rerun viewer.
 
-use super::{DONE, FAILED, Global};
+use crate::cli::shared::{DONE, FAILED, Global};
 use crate::error::{Error, Result};
 use crate::report::viewer::{FILE, VIEWER_VERSION};
 use std::io::ErrorKind;
@@ -10,14 +10,14 @@ use std::process::Command;
 /// Arguments of `tauscope view`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope view results/irb1600")]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Results folder, or an .rrd file.
     #[arg(value_name = "DIR")]
     place: PathBuf,
 }
 
 /// Opens the viewer and waits until it is closed.
-pub(super) fn run(arguments: &Arguments, _global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, _global: &Global) -> Result<u8> {
     let file = if arguments.place.is_dir() { arguments.place.join(FILE) } else { arguments.place.clone() };
     if !file.is_file() {
         let problem = format!(

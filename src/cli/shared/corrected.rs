@@ -8,13 +8,13 @@ use crate::quality::descriptions::Description;
 use crate::robot::Robot;
 
 /// Its name in the folder of results.
-pub(super) const FILE: &str = "corrected.toml";
+pub const FILE: &str = "corrected.toml";
 
 /// Writes it, and returns whether it could: `dataset`, or a new one of the files `named`, with what `description` and `units` change.
 ///
 /// # Errors
 /// Those of [`corrected`] and of writing.
-pub(super) fn write(
+pub fn write(
     folder: &ResultFolder,
     dataset: Option<&Dataset>,
     named: &Named,

@@ -1,7 +1,6 @@
 //! `tauscope payload`: the load that was added between logs. The work is [`Payload::between`]'s; here are the files.
 
-use super::arm::ArmArguments;
-use super::{DONE, FAILED, Global, print, progress};
+use crate::cli::shared::{ArmArguments, DONE, FAILED, Global, print, progress};
 use crate::dataset::{self, Dataset, Logs};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -16,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `tauscope payload`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Log without the load, or a dataset (.toml) of such logs.
     before: PathBuf,
     /// Log with the load, or a dataset (.toml) of such logs.
@@ -76,7 +75,7 @@ impl Side {
 }
 
 /// Finds the load, writes the results folder, and compares with what is expected.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let expected = arguments.expected()?;
     let before = Side::new(&arguments.before, &arguments.more_before)?;
     let after = Side::new(&arguments.after, &arguments.more_after)?;

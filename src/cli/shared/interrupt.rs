@@ -1,12 +1,12 @@
 //! Ctrl-C as a request to stop in good order.
 
-use super::Global;
+use super::global::Global;
 use crate::error::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flag that ctrl-C raises; a second ctrl-C ends the program at once. Inside a program it is the program that raises it.
-pub(super) fn flag(global: &Global) -> Result<Arc<AtomicBool>> {
+pub fn flag(global: &Global) -> Result<Arc<AtomicBool>> {
     if let Some(host) = &global.host {
         return Ok(host.flag());
     }

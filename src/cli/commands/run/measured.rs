@@ -1,7 +1,8 @@
 //! `tauscope run --dataset`: identify and score with measured logs in place of the simulation.
 
 use super::usual_way::compared;
-use super::{DONE, Global, corrected, identify, print, progress};
+use crate::cli::commands::identify;
+use crate::cli::shared::{DONE, Global, corrected, print, progress};
 use crate::dataset::arm::{Asked, LoggedArm};
 use crate::dataset::{self, Dataset, Logs, Named};
 use crate::error::{Error, Result};

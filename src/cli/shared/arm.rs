@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The arm and its joints.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Arm")]
-pub(super) struct ArmArguments {
+pub struct ArmArguments {
     /// Robot file, URDF or MJCF. Default: that of the dataset or of the scenario.
     #[arg(long, value_name = "URDF")]
     pub robot: Option<PathBuf>,
@@ -28,7 +28,7 @@ pub(super) struct ArmArguments {
 
 impl ArmArguments {
     /// The file of the arm, named here or by the dataset.
-    pub(super) fn file(&self, dataset: Option<&Dataset>) -> Option<PathBuf> {
+    pub fn file(&self, dataset: Option<&Dataset>) -> Option<PathBuf> {
         self.robot.clone().or_else(|| dataset.and_then(Dataset::robot))
     }
 
@@ -36,13 +36,7 @@ impl ArmArguments {
     ///
     /// # Errors
     /// Those of [`LoggedArm::open`].
-    pub(super) fn open(
-        &self,
-        file: &Path,
-        trust: Trust,
-        dataset: Option<&Dataset>,
-        logs: &[PathBuf],
-    ) -> Result<LoggedArm> {
+    pub fn open(&self, file: &Path, trust: Trust, dataset: Option<&Dataset>, logs: &[PathBuf]) -> Result<LoggedArm> {
         let joints = Some(self.joints.clone()).filter(|joints| !joints.is_empty());
         let asked = Asked { joints, tip: self.tip.clone(), gravity: self.gravity };
         LoggedArm::open(file, &asked, trust, dataset, logs)

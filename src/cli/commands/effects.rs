@@ -1,18 +1,18 @@
 //! `tauscope effects`: the catalogue of physical effects.
 
-use super::{DONE, Global, print};
+use crate::cli::shared::{DONE, Global, print};
 use crate::effects::{self, About, Effect, Hidden, LIBRARY, Parameter, Scope};
 use crate::error::Result;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use serde::Serialize;
 
 /// Schema of the catalogue as JSON.
-pub(super) const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
+pub const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
 
 /// Arguments of `tauscope effects`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope effects stribeck_friction")]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Effect to describe. Default: all are listed.
     name: Option<String>,
 }
@@ -32,7 +32,7 @@ struct Entry {
 }
 
 /// Prints the catalogue, or one entry of it.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let chosen = arguments.name.as_deref().map(effects::find).transpose()?;
     let shown = chosen.map_or(LIBRARY.to_vec(), |effect| vec![effect]);
     let entry = |effect: &&'static dyn Effect| Entry { about: effect.about(), parameters: effect.parameters() };

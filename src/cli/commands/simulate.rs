@@ -1,6 +1,6 @@
 //! `tauscope simulate`: simulate and measure, without identifying.
 
-use super::{DONE, Global, print, progress};
+use crate::cli::shared::{DONE, Global, print, progress};
 use crate::error::{Error, Result};
 use crate::output::ResultFolder;
 use crate::recording;
@@ -22,14 +22,14 @@ struct Simulated<'a> {
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope simulate scenarios/effects/stribeck_friction.toml --out logs")]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
 }
 
 /// Simulates both motions of the scenario and writes their recordings.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let (setup, folder, runs) = simulated(&arguments.scenario, global)?;
     write_recordings(&folder, &setup, &runs)?;
     viewer::add(&folder, || viewer::scenario::film(&setup, &runs, None))?;

@@ -1,8 +1,6 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use super::arm::ArmArguments;
-use super::logs::LogArguments;
-use super::{DONE, Global, corrected, print, progress};
+use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Logs};
 use crate::effects::{self, Placed, Scope};
@@ -31,7 +29,7 @@ use std::path::PathBuf;
 #[command(
     after_help = "Example:\n  tauscope identify --robot arm.urdf --train monday.csv --test tuesday.csv --effect stribeck_friction:joint_2"
 )]
-pub(super) struct Arguments {
+pub struct Arguments {
     #[command(flatten)]
     logs: LogArguments,
     #[command(flatten)]
@@ -70,7 +68,7 @@ const WITH_EFFECTS: u64 = 16;
 const SIMULATING: u64 = 1;
 
 /// Fits and writes the results folder.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.logs.described()?;
     let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;

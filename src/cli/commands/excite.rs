@@ -1,6 +1,6 @@
 //! `tauscope excite`: search for an excitation motion, or compare the parametrisations.
 
-use super::{DONE, Global, interrupt, print, progress};
+use crate::cli::shared::{DONE, Global, interrupt, print, progress};
 use crate::design::comparison::{Judge, compare};
 use crate::design::criterion::KAPPA_WEIGHT;
 use crate::design::excite::{Outcome, Request, excite};
@@ -31,7 +31,7 @@ const SPEED_PROBES: u64 = 200;
 #[command(
     after_help = "Example:\n  tauscope excite scenarios/irb1600.toml --duration 20 --budget-s 60 --out motion.toml"
 )]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Scenario file: arm, limits, torque noise, rate of the log.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -68,7 +68,7 @@ pub(super) struct Arguments {
 }
 
 /// Searches and writes the motion to `--out` (a file that ends in .toml, or a folder for `motion.toml`).
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let arm = Arm::load(&arguments.scenario, global.seed)?;
     let problem = problem(arguments, &arm)?;
     let mut request = Request {

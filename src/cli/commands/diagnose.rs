@@ -1,8 +1,6 @@
 //! `tauscope diagnose`: what the model of an arm misses, from logs. [`Diagnosis::of`] does the work; this file reads and writes.
 
-use super::arm::ArmArguments;
-use super::logs::LogArguments;
-use super::{DONE, Global, corrected, interrupt, print, progress};
+use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, interrupt, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
@@ -42,7 +40,7 @@ const LEAST_ROUNDS: usize = 2;
     mut_arg("test", |test| test.help("Held-out log of a different motion. Repeatable. Default: the last 30 % of each training log")),
     after_help = "Example:\n  tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv --out results/arm"
 )]
-pub(super) struct Arguments {
+pub struct Arguments {
     #[command(flatten)]
     logs: LogArguments,
     /// Reference log: one from before a change. The question is then what changed: a payload, wear, a new hose. Repeatable.

@@ -1,6 +1,6 @@
 //! Writing to standard output, which may be a pipe that nobody reads any longer. Only a terminal gets colours.
 
-use super::Global;
+use super::global::Global;
 use crate::error::{Error, Result};
 use crate::output;
 use anstyle::Style;
@@ -12,12 +12,7 @@ use std::io::{ErrorKind, Write};
 ///
 /// # Errors
 /// If standard output cannot be written, as on a full disk.
-pub(super) fn result(
-    global: &Global,
-    schema: &str,
-    value: &impl Serialize,
-    text: impl FnOnce() -> String,
-) -> Result<()> {
+pub fn result(global: &Global, schema: &str, value: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
     if let Some(host) = &global.host {
         return host.print(schema, value, text());
     }

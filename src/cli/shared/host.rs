@@ -15,7 +15,7 @@ pub struct Printed {
     pub text: String,
 }
 
-/// Takes what a command prints, and asks it to stop. See [`call`](super::call).
+/// Takes what a command prints, and asks it to stop. See [`call`](crate::cli::call).
 #[derive(Debug, Default)]
 pub struct Host {
     stop: Arc<AtomicBool>,

@@ -1,7 +1,6 @@
 //! `tauscope inspect`: faults of measured logs.
 
-use super::arm::ArmArguments;
-use super::{DONE, Global, corrected, print, progress};
+use crate::cli::shared::{ArmArguments, DONE, Global, corrected, print, progress};
 use crate::dataset::{self, Dataset, Named};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -17,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope inspect monday.csv tuesday.csv --robot arm.urdf")]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Log: .csv, .parquet, .npz, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are examined together.
     #[arg(required = true)]
     log: Vec<PathBuf>,
@@ -33,7 +32,7 @@ pub(super) struct Arguments {
 }
 
 /// Examines the logs and prints the findings; a log that cannot be used is an error after the report.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let file = arguments.arm.file(dataset.as_ref());
     let open = |file: PathBuf| {

@@ -1,6 +1,6 @@
 //! `tauscope montecarlo`: the same identification on many draws, on one machine or as parts of an array job.
 
-use super::{DONE, FAILED, Global, interrupt, print, progress};
+use crate::cli::shared::{DONE, FAILED, Global, interrupt, print, progress};
 use crate::error::{Error, Result};
 use crate::report::html::{self, Provenance};
 use crate::report::montecarlo as report;
@@ -19,7 +19,7 @@ const TRIAL_SCHEMA: &str = "tauscope.montecarlo.trial/1";
 #[command(
     after_help = "Example:\n  tauscope montecarlo scenarios/irb1600.toml --trials 100 --estimators ols,wls,iv --sg-windows 0,31,61 --butterworth"
 )]
-pub(super) struct Arguments {
+pub struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     /// Scenario file.
@@ -68,7 +68,7 @@ enum Command {
 }
 
 /// Runs the study, a part of it, one trial, or the merger.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(Command::Merge { folders }) = &arguments.command {
         let out = global.out.clone().unwrap_or_else(|| PathBuf::from("results/merged"));
         let (summary, times, path) = montecarlo::merge(folders, &out, &page)?;

@@ -1,18 +1,22 @@
 //! `tauscope run`: simulate, measure, identify, score.
 
-use super::usual_way::compared;
-use super::{DONE, Global, measured, print, progress, simulate};
+mod measured;
+mod usual_way;
+
+use crate::cli::commands::simulate;
+use crate::cli::shared::{DONE, Global, print, progress};
 use crate::error::Result;
 use crate::identification::model::Model;
 use crate::report::html::{self, Provenance};
 use crate::report::{console, results, viewer};
 use crate::study::testbed::{self, Variant};
 use std::path::PathBuf;
+use usual_way::compared;
 
 /// Arguments of `tauscope run`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope run scenarios/irb1600.toml --seed 7 --out results/seed_7")]
-pub(super) struct Arguments {
+pub struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -28,7 +32,7 @@ impl Default for Arguments {
 }
 
 /// Runs the scenario and writes its results folder.
-pub(super) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(dataset) = &arguments.dataset {
         return measured::run(dataset, global);
     }

@@ -1,36 +1,16 @@
-//! The command line: one file per command, each thin: parse, call the library, print.
+//! The command line: one file per command (`commands`), each thin: parse, call the library, print. What they share is in `shared`, which
+//! uses no command.
 
-mod arm;
-mod blind;
-mod check;
-mod corrected;
-mod diagnose;
-mod effects;
-mod excite;
-mod global;
-mod gravity;
-mod host;
-mod identify;
-mod inspect;
-mod interrupt;
-mod logs;
-mod measured;
-mod montecarlo;
-mod paper;
-mod payload;
-mod print;
-mod progress;
-mod robot;
-mod run;
-mod simulate;
-mod usual_way;
-mod view;
+mod commands;
+mod shared;
 
-pub use global::{BAD_INPUT, DONE, FAILED, Global};
-pub use host::{Host, Printed};
+pub use shared::{BAD_INPUT, DONE, FAILED, Global, Host, Printed};
 
 use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
+use commands::{
+    blind, check, diagnose, effects, excite, identify, inspect, montecarlo, paper, payload, robot, run, simulate, view,
+};
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;

@@ -6,10 +6,11 @@
 
 use rand::RngExt;
 
-use super::bspline::{Bspline, JointPoints};
-use super::fourier::{FourierSeries, Harmonics};
-use super::quintic::{JointSegments, QuinticSequence};
-use super::{JointLimits, Motion, Reference, timing};
+use super::primitives::timing;
+use super::trajectories::bspline::{Bspline, JointPoints};
+use super::trajectories::fourier::{FourierSeries, Harmonics};
+use super::trajectories::quintic::{JointSegments, QuinticSequence};
+use super::{JointLimits, Motion, Reference};
 use crate::error::{Error, Result};
 use crate::random;
 
@@ -252,10 +253,10 @@ impl Encoding for BsplineEncoding {
 
 #[cfg(test)]
 mod tests {
-    use super::super::limits::check;
-    use super::super::random_sequence::FreudensteinEncoding;
-    use super::super::testing::irb1600;
     use super::*;
+    use crate::excitation::limits::check;
+    use crate::excitation::random_sequence::FreudensteinEncoding;
+    use crate::excitation::testing::irb1600;
 
     fn all() -> Vec<Box<dyn Encoding>> {
         let limits = irb1600();

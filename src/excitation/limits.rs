@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Reference;
-use super::peaks::{Extreme, Peaks};
+use super::primitives::{Extreme, Peaks, timing};
 use crate::error::{Error, Result};
 use crate::robot::JointKind;
 
@@ -158,7 +158,7 @@ pub(crate) fn check_kinds<S: AsRef<str>>(
             return Err(Error::request(what, format!("the motion has {joints} joints, but there are {count} {what}")));
         }
     }
-    super::timing::require_positive("rate_hz", rate_hz)?;
+    timing::require_positive("rate_hz", rate_hz)?;
     let known: Option<Vec<Peaks>> = (0..joints).map(|joint| reference.peaks(joint)).collect();
     let at_all_times = known.is_some();
     let peaks = known.unwrap_or_else(|| sampled_peaks(reference, rate_hz));
@@ -203,8 +203,8 @@ fn sampled_peaks(reference: &dyn Reference, rate_hz: f64) -> Vec<Peaks> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::freudenstein::{FreudensteinSequence, JointMoves};
     use super::*;
+    use crate::excitation::trajectories::freudenstein::{FreudensteinSequence, JointMoves};
 
     /// One joint out to `to` and back, 1 s each way.
     fn out_and_back(to: f64) -> FreudensteinSequence {

@@ -184,10 +184,10 @@ fn from_toml<D: DeserializeOwned>(path: &Path, text: &str) -> Result<D> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::encoding::{BsplineEncoding, Encoding, FourierEncoding, QuinticEncoding, random_point};
-    use super::super::random_sequence::FreudensteinEncoding;
-    use super::super::testing::irb1600;
     use super::*;
+    use crate::excitation::encoding::{BsplineEncoding, Encoding, FourierEncoding, QuinticEncoding, random_point};
+    use crate::excitation::random_sequence::FreudensteinEncoding;
+    use crate::excitation::testing::irb1600;
 
     fn names() -> Vec<String> {
         (1..=6).map(|j| format!("joint_{j}")).collect()

@@ -6,7 +6,7 @@
 //! before and to what leaves zero within reach of the moves after it. So every point of the box is a feasible motion.
 
 use super::encoding::{self, Encoding, FULL_USE};
-use super::freudenstein::{FreudensteinSequence, JointMoves, PEAK_ACCELERATION, PEAK_VELOCITY};
+use super::trajectories::freudenstein::{FreudensteinSequence, JointMoves, PEAK_ACCELERATION, PEAK_VELOCITY};
 use super::{JointLimits, Motion};
 use crate::error::Result;
 
@@ -97,10 +97,10 @@ pub fn random_sequence(
 
 #[cfg(test)]
 mod tests {
-    use super::super::Reference;
-    use super::super::limits::check;
-    use super::super::testing::{irb1600, state};
     use super::*;
+    use crate::excitation::Reference;
+    use crate::excitation::limits::check;
+    use crate::excitation::testing::{irb1600, state};
     use proptest::prelude::*;
 
     #[test]

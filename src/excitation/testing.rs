@@ -1,7 +1,6 @@
 //! What the tests of all parametrisations share.
 
-use super::peaks::Peaks;
-use super::{JointLimits, Reference};
+use super::{JointLimits, Peaks, Reference};
 
 /// Position, velocity and acceleration of all joints at `t`.
 pub fn state(reference: &dyn Reference, t: f64) -> [Vec<f64>; 3] {

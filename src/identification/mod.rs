@@ -1,35 +1,36 @@
 //! Identification: from a recording to base parameters with standard deviations.
+//!
+//! | room | in | out |
+//! |---|---|---|
+//! | `physical` | fitted parameters | the nearest bodies that can exist |
+//! | [`fit`] | arm, logs, effects | parameters of arm and effects, residuals |
+//! | `estimators` | rows of a simulation | parameters by each estimator |
+//! | [`effect_model`] | arm, effects, logs | regressor and residual under effects |
+//! | `preparation` | logs | motion, filtered torque, valid samples |
+//! | [`model`] | arm, motion | regressor of the base parameters |
+//! | `regression` | rows of each joint | parameters, standard deviations |
+//! | [`levenberg_marquardt`] | residuals, derivatives | parameters of a nonlinear problem |
+//! | `numerics` | tables | Gram matrices, triangles, solutions |
+//!
+//! Each room imports only from rooms below it.
 
-pub(crate) mod base_columns;
-mod bounded;
-pub mod consistent;
-mod consistent_body;
 pub mod effect_model;
-pub mod equations;
 pub(crate) mod estimators;
 pub mod fit;
-pub mod fused;
-pub(crate) mod gram;
-pub(crate) mod joint_regression;
-pub(crate) mod joint_sums;
-pub mod least_squares;
 pub mod levenberg_marquardt;
-pub(crate) mod linear_model;
-pub mod linear_problem;
 pub mod model;
-pub(crate) mod noise;
-mod plausible;
-pub mod prepare;
-mod pseudo_inertia;
-pub mod reversals;
-mod scaled_normal;
-pub(crate) mod separable;
-pub(crate) mod sequences;
-pub mod smoothing_choice;
-pub(crate) mod spectrum;
-pub(crate) mod standard;
-mod streamed;
-pub mod tsqr;
-mod undetermined;
+mod numerics;
+mod physical;
+mod preparation;
+mod regression;
 
-pub(crate) use consistent_body::nearest_body;
+pub use fit::equations;
+pub use model::fused;
+pub(crate) use model::{linear_model, standard};
+pub use numerics::tsqr;
+pub(crate) use numerics::{gram, sequences, spectrum};
+pub use physical::consistent;
+pub(crate) use physical::nearest_body;
+pub use preparation::{prepare, reversals, smoothing_choice};
+pub(crate) use regression::{joint_regression, noise};
+pub use regression::{least_squares, linear_problem};

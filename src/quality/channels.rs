@@ -1,6 +1,8 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
-use super::{Finding, Kind, Severity, View, size_quantile};
+use super::finding::{Finding, Kind, Severity};
+use super::statistics::size_quantile;
+use super::view::View;
 use crate::channels::Channels;
 use crate::recording::Recording;
 use std::f64::consts::TAU;

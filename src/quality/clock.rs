@@ -1,6 +1,6 @@
 //! Rows that were left out, and the clock.
 
-use super::{Finding, Kind, Severity};
+use super::finding::{Finding, Kind, Severity};
 use crate::recording::lenient::{Cause, Rejected, Sieved};
 use crate::recording::resample::{Clock, IRREGULAR};
 

@@ -1,10 +1,11 @@
 //! A law over all kinds of findings: there is a fault for each, and it is found where it was put in.
 
 use super::tests::{irb, log};
+use super::view::View;
 use super::*;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
-use crate::recording::lenient::Cause;
-use crate::recording::{self};
+use crate::recording::lenient::{self, Cause, ColumnMap, Rejected, Sieved};
+use crate::recording::{self, Recording};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
 const ALL: [Kind; 36] = [

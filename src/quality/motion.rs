@@ -1,9 +1,10 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
-use super::{Finding, Kind, Severity, View, size_quantile};
+use super::finding::{Finding, Kind, Severity};
+use super::statistics::size_quantile;
+use super::view::View;
 use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
-use crate::signal::moves_enough;
 use std::f64::consts::{PI, TAU};
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
@@ -58,12 +59,6 @@ pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
             }
         })
         .collect()
-}
-
-/// Whether a joint moves enough, from its positions and velocities.
-pub fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> bool {
-    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
-    moves_enough(high - low, size_quantile(qd.iter().copied(), 1.0), kind == Some(JointKind::Prismatic))
 }
 
 fn reversals(velocity: &[f64], band: f64) -> usize {

@@ -1,10 +1,14 @@
 //! Faults put into clean logs are found and named; clean logs of different arms and rates have none.
 
+use super::view::View;
 use super::*;
+use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::linear::root_mean_square;
 use crate::random;
-use crate::robot::{self, InertiaCheck};
+use crate::recording::Recording;
+use crate::recording::lenient::Sieved;
+use crate::robot::{self, InertiaCheck, Robot};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 

@@ -5,9 +5,10 @@
 //! would take the pull of the other joints for one. What is wrong with signs, columns, gravity or units is asked of all
 //! joints and logs together, in [`super::descriptions`].
 
+use super::finding::{Finding, Kind, Severity};
 use super::motion::JointSummary;
 use super::velocity::vertex;
-use super::{Finding, Kind, Severity, View};
+use super::view::View;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::identification::model::Model;

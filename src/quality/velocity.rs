@@ -1,6 +1,8 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay.
 
-use super::{Finding, Kind, Severity, View, correlation};
+use super::finding::{Finding, Kind, Severity};
+use super::statistics::correlation;
+use super::view::View;
 use crate::channels::Channels;
 use crate::linear::root_mean_square;
 use std::f64::consts::PI;

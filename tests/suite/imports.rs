@@ -8,9 +8,6 @@ use modules::{Crate, ModulePath};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Rooms whose own files still import each other in circles. A room leaves this list with its last circle.
-const CIRCLES_INSIDE: [&str; 1] = ["quality"];
-
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
@@ -77,11 +74,8 @@ fn files_of_a_room_import_each_other_without_circles() {
     for (from, to) in &mut arrows {
         to.retain(|to| from.first() == to.first());
     }
-    let room = |circle: &BTreeSet<ModulePath>| circle.iter().find_map(|path| path.first().cloned()).unwrap_or_default();
-    let found = circles(&arrows);
-    let described: Vec<String> = found
+    let described: Vec<String> = circles(&arrows)
         .iter()
-        .filter(|circle| !CIRCLES_INSIDE.contains(&room(circle).as_str()))
         .map(|circle| {
             let inside = circle.iter().flat_map(|from| arrows[from].intersection(circle).map(move |to| (from, to)));
             let uses =
@@ -90,10 +84,6 @@ fn files_of_a_room_import_each_other_without_circles() {
         })
         .collect();
     assert!(described.is_empty(), "files import each other in circles:\n    {}", described.join("\n\n    "));
-    for listed in CIRCLES_INSIDE {
-        let still = found.iter().any(|circle| room(circle) == listed);
-        assert!(still, "`{listed}` has no circle any more: take it from CIRCLES_INSIDE");
-    }
 }
 
 #[test]

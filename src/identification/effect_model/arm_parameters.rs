@@ -2,7 +2,7 @@
 
 use crate::effects::Placed;
 use crate::identification::model::Model;
-use crate::identification::standard::{ROTOR, STANDARD};
+use crate::identification::model::standard::{ROTOR, STANDARD};
 
 /// Which parameters of the arm are taken from the URDF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]

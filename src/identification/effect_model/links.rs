@@ -6,7 +6,7 @@ use super::state::EffectModel;
 use crate::dynamics::Motion;
 use crate::effects::{DAMPING_TIME_S, Gear};
 use crate::error::Result;
-use crate::identification::prepare::{self, Prepared, Smoothing};
+use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::recording::Recording;
 use std::borrow::Cow;
 

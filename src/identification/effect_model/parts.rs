@@ -6,7 +6,7 @@ use super::state::EffectModel;
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
 use crate::effects::{Along, Placed, contributions, direction};
-use crate::identification::prepare::Prepared;
+use crate::identification::preparation::prepare::Prepared;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 

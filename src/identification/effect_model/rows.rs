@@ -7,8 +7,8 @@ use super::signals::difference;
 use super::state::EffectModel;
 use crate::channels::Channels;
 use crate::error::Result;
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::prepare::{self, Prepared};
+use crate::identification::preparation::prepare::{self, Prepared};
+use crate::identification::regression::joint_regression::JointRegression;
 use crate::recording::Recording;
 
 /// Rows without weight between two logs, so that the noise of one is not carried into the next.

@@ -3,12 +3,12 @@
 use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, is_merged, leader, stands_for};
 use crate::effects::{Gear, Placed, Role, Scope, Site};
 use crate::error::Result;
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::require_rows;
 use crate::identification::model::Model;
-use crate::identification::prepare::{self, Prepared, Smoothing};
-use crate::identification::reversals::Band;
-use crate::identification::undetermined::undetermined;
+use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
+use crate::identification::preparation::reversals::Band;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::require_rows;
+use crate::identification::regression::undetermined::undetermined;
 use crate::recording::Recording;
 
 /// How measured logs are made ready.

@@ -3,7 +3,7 @@
 
 use super::estimator::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
 use crate::error::Result;
-use crate::identification::least_squares::{
+use crate::identification::regression::least_squares::{
     Estimate, require_rows, residual_sigma, weighted_least_squares, weighted_solution,
 };
 

@@ -1,10 +1,10 @@
 //! From a solution to an [`Estimate`]: covariance with the colour of the residual, weights, condition number.
 
 use crate::error::{Error, Result};
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::{Estimate, NOISE_ORDER, residual_sigma};
-use crate::identification::noise::{AutoregressiveNoise, autocovariance};
-use crate::identification::scaled_normal::ScaledNormal;
+use crate::identification::numerics::scaled_normal::ScaledNormal;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::{Estimate, NOISE_ORDER, residual_sigma};
+use crate::identification::regression::noise::{AutoregressiveNoise, autocovariance};
 use nalgebra::{DMatrix, DVector, LU};
 
 /// The moment equations H beta = Z'W tau of rows X and instruments Z with W = 1 / sigma^2 on each joint's rows.

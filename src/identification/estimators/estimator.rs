@@ -1,8 +1,8 @@
 //! What estimators share: what they see, what they give, and when their iterations end.
 
 use crate::error::{Error, Result};
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::Estimate;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::Estimate;
 
 /// What an estimator sees.
 #[derive(Clone, Copy)]

@@ -4,8 +4,8 @@
 use super::covariance::{MomentEquations, assemble};
 use super::estimator::{Data, Estimator, MOST_ROUNDS, settled, unsettled};
 use crate::error::Result;
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::{Estimate, require_rows, residual_sigma};
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::{Estimate, require_rows, residual_sigma};
 
 /// Z'W (tau - Y beta) = 0 with instruments Z, the columns along the motion that the arm with the present estimate makes in
 /// simulation: they follow the true columns but not the noise in the measured ones, which biases least squares.

@@ -4,8 +4,8 @@ use super::covariance::assemble;
 use super::{Data, Estimator};
 use crate::channels::Channels;
 use crate::error::Result;
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::{Estimate, require_rows, weighted_solution};
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::{Estimate, require_rows, weighted_solution};
 
 /// Residual over its scale beyond which a row counts less: 95 % efficient where the noise is normal after all.
 const HUBER: f64 = 1.345;

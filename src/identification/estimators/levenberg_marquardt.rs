@@ -3,9 +3,9 @@
 use super::covariance::assemble;
 use super::{Data, Estimator};
 use crate::error::{Error, Result};
-use crate::identification::least_squares::{Estimate, REWEIGHTINGS, require_rows, residual_sigma};
 use crate::identification::levenberg_marquardt::{Options, minimize};
-use crate::identification::linear_problem::LinearProblem;
+use crate::identification::regression::least_squares::{Estimate, REWEIGHTINGS, require_rows, residual_sigma};
+use crate::identification::regression::linear_problem::LinearProblem;
 
 /// The minimum that weighted least squares names in one step, reached by damped steps from the start.
 #[derive(Debug, Clone, Copy)]

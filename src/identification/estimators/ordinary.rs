@@ -3,7 +3,7 @@
 use super::covariance::assemble;
 use super::{Data, Estimator};
 use crate::error::Result;
-use crate::identification::least_squares::{Estimate, require_rows, weighted_solution};
+use crate::identification::regression::least_squares::{Estimate, require_rows, weighted_solution};
 
 /// All rows alike, whatever their joint.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 use super::*;
 use crate::channels::Channels;
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::Estimate;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::Estimate;
 use crate::random;
 use rand_distr::{Distribution, StandardNormal};
 

@@ -4,8 +4,8 @@
 use super::covariance::assemble;
 use super::{Data, Estimator};
 use crate::error::{Error, Result};
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::least_squares::{Estimate, weighted_least_squares};
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::least_squares::{Estimate, weighted_least_squares};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// The smallest singular direction of rows and torque side by side, rows weighted as weighted least squares does and

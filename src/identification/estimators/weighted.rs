@@ -2,7 +2,7 @@
 
 use super::{Data, Estimator};
 use crate::error::Result;
-use crate::identification::least_squares::{Estimate, weighted_least_squares};
+use crate::identification::regression::least_squares::{Estimate, weighted_least_squares};
 
 /// Rows weighted by the standard deviation of their joint's residual (Gautier 1997).
 #[derive(Debug, Clone, Copy)]

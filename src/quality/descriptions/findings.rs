@@ -1,7 +1,8 @@
 //! Findings on a wrong description.
 
-use super::super::{Finding, Kind, Severity};
-use super::{Alternative, Change, Verdict};
+use super::change::Change;
+use super::verdict::{Alternative, Verdict};
+use crate::quality::finding::{Finding, Kind, Severity};
 
 /// Alternatives that are named; more mean only that the logs do not decide.
 const NAMED: usize = 4;

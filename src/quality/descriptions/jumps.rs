@@ -3,9 +3,9 @@
 //! On either side of a reversal, at equal speed, a joint has the same place and the same acceleration: gravity and inertia
 //! cancel in the difference of the torques, and twice the friction is left. It goes with the motion.
 
-use super::super::View;
 use super::change::Description;
 use crate::linear::root_mean_square;
+use crate::quality::view::View;
 
 /// Speed on both sides of a reversal, as a share of the joint's root mean square speed.
 const SIDES: f64 = 0.1;

@@ -1,9 +1,9 @@
 //! The rows on which descriptions of the logs are compared: few, band-limited, and cut into blocks of time.
 
-use super::super::{View, motion};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::linear::root_mean_square;
+use crate::quality::view::{self, View};
 use crate::robot::{JointKind, Robot};
 
 /// Spacing of the rows, s. Gravity, inertia and friction of an arm act below 10 Hz; more rows would only repeat them.
@@ -101,7 +101,7 @@ impl Rows {
 
 /// Where a position surely changes; nowhere for one that stands still throughout.
 fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> Vec<bool> {
-    let enough = motion::moves(q, qd, kind);
+    let enough = view::moves(q, qd, kind);
     let sticks = STICKS * root_mean_square(qd);
     qd.iter().map(|v| enough && v.abs() > sticks && v.abs() < FASTEST).collect()
 }

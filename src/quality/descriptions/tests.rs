@@ -8,7 +8,7 @@ use crate::quality::{Kind, examine_together};
 use crate::random;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
-use crate::robot::{self, Inertia, InertiaCheck};
+use crate::robot::{self, Inertia, InertiaCheck, Robot};
 use nalgebra::Matrix3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};

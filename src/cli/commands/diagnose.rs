@@ -1,0 +1,272 @@
+//! `tauscope diagnose`: what the model of an arm misses, from logs. [`Diagnosis::of`] does the work; this file reads and writes.
+
+use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, interrupt, print, progress};
+use crate::dataset::arm::LoggedArm;
+use crate::dataset::{self, Dataset};
+use crate::diagnosis::{
+    Answer, Conclusion, Criteria, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_SCENARIO, EXTENDED_URDF, Options, Outcome,
+    Progress,
+};
+use crate::effects::Placed;
+use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
+use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
+use crate::recording::Recording;
+use crate::report::diagnosis as report;
+use crate::report::html::{self, Provenance};
+use crate::report::viewer;
+use crate::robot::{self, Robot};
+use crate::scenario::{Arm, Scenario};
+use crate::simulation::engine::EngineKind;
+use clap::ArgGroup;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Header of the written scenario.
+const EXTENDED_NOTE: &str = "\
+# The model of the arm as `tauscope diagnose` found it. Bodies, rotors and friction of the drives are in extended.urdf, what the
+# arm does beyond is in the [[effect]] tables.
+
+";
+
+/// Rounds of the search that there are even where nothing is found.
+const LEAST_ROUNDS: usize = 2;
+
+/// Arguments of `tauscope diagnose`.
+#[derive(Debug, clap::Args)]
+#[command(
+    group = ArgGroup::new("identified from").args(["train", "dataset"]).required(true),
+    mut_arg("test", |test| test.help("Held-out log of a different motion. Repeatable. Default: the last 30 % of each training log")),
+    after_help = "Example:\n  tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv --out results/arm"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    logs: LogArguments,
+    /// Reference log: one from before a change. The question is then what changed: a payload, wear, a new hose. Repeatable.
+    #[arg(long, value_name = "LOG", help_heading = "Logs")]
+    reference: Vec<PathBuf>,
+    #[command(flatten)]
+    arm: ArmArguments,
+    /// Simulation of the arm: its bodies, friction, gravity and effects are known, and are part of the baseline.
+    #[arg(long, value_name = "SCENARIO", help_heading = "Model")]
+    scenario: Option<PathBuf>,
+    /// Estimate the inertias (structure), or take them from the URDF (nominal).
+    #[arg(long, value_enum, default_value = "structure", help_heading = "Model")]
+    trust: Trust,
+    /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct.
+    #[arg(long, default_value_t = 0.05, help_heading = "Search")]
+    alpha: f64,
+    /// Largest number of effects that are reported.
+    #[arg(long, default_value = "12", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Search")]
+    max_findings: u16,
+    /// Effects to test, comma-separated or repeated. Default: all of the library.
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',', help_heading = "Search")]
+    candidates: Vec<String>,
+    /// Least size of a finding, % of a joint's torque rms; a tenth of what the joint misses counts too.
+    #[arg(long, value_name = "PERCENT", default_value_t = 2.0, help_heading = "Search")]
+    least_share: f64,
+    /// Time for the search, as 60s or 2min; what is known by then is written, marked as unfinished. Ctrl-C does the same.
+    #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Search")]
+    budget: Option<Duration>,
+    /// Skip the simulation of the extended model along the held-out motions.
+    #[arg(long, help_heading = "Simulation")]
+    no_resimulation: bool,
+    /// Forward dynamics of that simulation: rapier, or the project's own, the same to rounding.
+    #[arg(long, value_enum, default_value = "rapier", help_heading = "Simulation")]
+    engine: EngineKind,
+}
+
+/// A time in seconds, milliseconds or minutes: "60", "60s", "500ms", "1.5min".
+fn time(text: &str) -> std::result::Result<Duration, String> {
+    let number = text.trim_end_matches(char::is_alphabetic);
+    let unit = match &text[number.len()..] {
+        "ms" => 1e-3,
+        "" | "s" => 1.0,
+        "min" | "m" => 60.0,
+        _ => f64::NAN,
+    };
+    let seconds = number.trim().parse::<f64>().map_or(f64::NAN, |value| value * unit);
+    let time = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
+    time.ok_or_else(|| "give a time above zero, as 60s or 2min".into())
+}
+
+/// Diagnoses and writes the results folder.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+    let options = arguments.options(global)?;
+    let dataset = arguments.logs.described()?;
+    let Simulation { arm, mut robot, scenario } = simulation(arguments, dataset.as_ref())?;
+    let bar = progress::bar(global, "examining the logs", LEAST_ROUNDS + 1);
+    let [train, test] = arguments.logs.read(dataset.as_ref(), &robot)?;
+    let mut logs = [train, test, dataset::read_all(&arguments.reference, &robot)?];
+    if let Some(mut arm) = arm {
+        arm.settle(dataset.as_ref(), &mut logs)?;
+        robot = arm.robot;
+    }
+    let [train, test, reference] = logs;
+    let folder = ResultFolder::create(global.folder(&format!("diagnose_{}", robot.name)))?;
+    let stop = interrupt::flag(global)?;
+    let mut diagnosis = Diagnosis::of(&robot)
+        .train(train)
+        .test(test)
+        .reference(reference)
+        .present(present(arguments, scenario.as_ref(), &robot)?)
+        .options(options)
+        .labels(arguments.labels())
+        .stop(stop)
+        .progress(|progress| match progress {
+            Progress::Screened => bar.set_message("fitting the arm"),
+            Progress::Map(map) => {
+                bar.set_message("testing every effect on every joint");
+                if let Some(table) = report::followed(&robot, &map) {
+                    bar.println(format!("First answer, while the search for laws goes on:\n{table}"));
+                }
+            }
+            Progress::Found(found) => {
+                bar.set_message(format!("{found} found, testing for the next"));
+                bar.inc(1);
+                // How many rounds it takes depends on what is found: one more at the least, and the simulation behind.
+                bar.set_length(bar.position() + 2);
+            }
+        });
+    if let Some(budget) = arguments.budget {
+        diagnosis = diagnosis.budget(budget);
+    }
+    let mut answer = diagnosis.run()?;
+    if let Outcome::Concluded(conclusion) = &mut answer.outcome {
+        bar.inc(1);
+        bar.set_length(bar.position() + 1);
+        bar.set_message("simulating the extended model");
+        conclusion.extended()?;
+        if !arguments.no_resimulation
+            && let Err(problem) = conclusion.resimulate(arguments.engine)
+        {
+            tracing::warn!("the extended model was not simulated: {problem}");
+        }
+    }
+    bar.finish_and_clear();
+
+    if let Some(verdict) = &answer.description {
+        let named = arguments.logs.named(arguments.arm.robot.clone());
+        let units = UnitChanges::default();
+        corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, &verdict.description, units)?;
+    }
+    folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
+    let text = match answer.conclusion() {
+        Some(conclusion) => write_conclusion(&folder, &answer, conclusion, scenario.as_ref(), global)?,
+        None => {
+            let logs: Vec<&Recording> = answer.logs.all().collect();
+            let page = html::stopped::page(&answer.robot, &logs, &answer.faults, Provenance::here(global.seed));
+            folder.write_text(html::FILE, &page.render())?;
+            report::stopped_lines(&answer.faults)
+        }
+    };
+    let path = folder.finish()?;
+    print::result(global, DIAGNOSIS_SCHEMA, &answer, || format!("{text}\nResults in {}", path.display()))?;
+    Ok(DONE)
+}
+
+impl Arguments {
+    fn options(&self, global: &Global) -> Result<Options> {
+        let options = Options {
+            trust: self.trust,
+            alpha: self.alpha,
+            max_findings: self.max_findings.into(),
+            seed: global.seed.unwrap_or_default(),
+            candidates: self.candidates.clone(),
+            criteria: Criteria { share_of_torque: 0.01 * self.least_share, ..Criteria::default() },
+        };
+        options.check().map_err(|problem| match problem {
+            Error::Request { subject, problem } if subject == "alpha" => Error::request("--alpha", problem),
+            other => other,
+        })?;
+        Ok(options)
+    }
+
+    /// Where training, test and reference logs are given.
+    fn labels(&self) -> [String; 3] {
+        let [train, test] = match &self.logs.dataset {
+            Some(path) => ["train", "test"].map(|key| format!("{}: {key}", path.display())),
+            None => ["--train", "--test"].map(str::to_owned),
+        };
+        [train, test, "--reference".to_owned()]
+    }
+}
+
+/// Writes the extended model, the report and the viewer's file of a diagnosis, and returns its lines.
+fn write_conclusion(
+    folder: &ResultFolder,
+    answer: &Answer,
+    conclusion: &Conclusion,
+    scenario: Option<&Scenario>,
+    global: &Global,
+) -> Result<String> {
+    let Answer { robot, faults, .. } = answer;
+    let Conclusion { diagnosis, measured, .. } = conclusion;
+    let resimulation = conclusion.resimulation.as_ref();
+    let seed = global.seed.unwrap_or_default();
+    let extended = conclusion.extended()?;
+    let written =
+        Scenario::of(&extended.robot, EXTENDED_URDF.as_ref(), &extended.effects, scenario, measured, seed).to_toml()?;
+    folder.write_text(EXTENDED_URDF, &robot::with_parameters(&extended.robot)?)?;
+    folder.write_text(EXTENDED_SCENARIO, &format!("{EXTENDED_NOTE}{written}"))?;
+    let lines = report::lines(robot, diagnosis, resimulation, faults);
+    let held_out = answer.logs.held_out();
+    let held_out: Vec<&Recording> = held_out.iter().collect();
+    let train: Vec<&Recording> = answer.logs.train.iter().collect();
+    let logs = html::diagnosis::Logs { train: &train, held_out: &held_out, faults };
+    let page = html::diagnosis::page(robot, diagnosis, resimulation, logs, Provenance::here(Some(seed)));
+    folder.write_text(html::FILE, &page.render())?;
+    let simulated = resimulation.map(|run| &run.positions[..]);
+    viewer::add(folder, || Ok(viewer::diagnosis::film(robot, &held_out, diagnosis, &lines, simulated)))?;
+    Ok(lines)
+}
+
+/// The simulation as it stands.
+struct Simulation {
+    /// The arm as the logs know it, where a file of it is named.
+    arm: Option<LoggedArm>,
+    robot: Robot,
+    scenario: Option<Scenario>,
+}
+
+fn simulation(arguments: &Arguments, dataset: Option<&Dataset>) -> Result<Simulation> {
+    let known = arguments.scenario.as_ref().map(|path| Arm::load(path, None)).transpose()?;
+    if let Some(file) = arguments.arm.file(dataset) {
+        let logs = [arguments.logs.files(dataset), arguments.reference.clone()].concat();
+        let arm = arguments.arm.open(&file, arguments.trust, dataset, &logs)?;
+        let robot = arm.robot.clone();
+        return Ok(Simulation { arm: Some(arm), robot, scenario: known.map(|known| known.scenario) });
+    }
+    let Some(known) = known else {
+        return Err(Error::request("--robot", "give the arm's URDF, or a --scenario or --dataset that names one"));
+    };
+    let mut robot = known.known;
+    if let Some(dataset) = dataset {
+        dataset.mount(&mut robot)?;
+    }
+    robot.gravity = arguments.arm.gravity.unwrap_or(robot.gravity);
+    Ok(Simulation { arm: None, robot, scenario: Some(known.scenario) })
+}
+
+/// The effects that the simulation has.
+fn present(arguments: &Arguments, scenario: Option<&Scenario>, robot: &Robot) -> Result<Vec<Placed>> {
+    let (Some(path), Some(scenario)) = (&arguments.scenario, scenario) else { return Ok(Vec::new()) };
+    let place = |spec: &crate::scenario::EffectSpec| {
+        spec.place(robot).map_err(|problem| Error::input(path, None, "effect", problem))
+    };
+    scenario.effects.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_seconds_and_minutes() {
+        for (text, seconds) in [("60", 60), ("60s", 60), ("2min", 120), ("0.5m", 30), ("3000ms", 3)] {
+            assert_eq!(time(text), Ok(Duration::from_secs(seconds)), "{text}");
+        }
+        assert!(["", "0", "-1s", "nan", "5 parsecs", "s"].iter().all(|text| time(text).is_err()));
+    }
+}

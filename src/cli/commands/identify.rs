@@ -1,0 +1,264 @@
+//! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
+
+use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, print, progress};
+use crate::dataset::arm::LoggedArm;
+use crate::dataset::{self, Dataset, Logs};
+use crate::effects::{self, Placed, Scope};
+use crate::error::{Error, Result};
+use crate::identification::consistent;
+use crate::identification::effect_model::{Preparation, Trust};
+use crate::identification::equations;
+use crate::identification::fit::{self, fit_effects};
+use crate::identification::model::Model;
+use crate::identification::prepare::Smoothing;
+use crate::identification::reversals::Band;
+use crate::identification::smoothing_choice::usual_window;
+use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
+use crate::recording::Recording;
+use crate::report::fit::{self as report, SCHEMA};
+use crate::report::viewer;
+use crate::robot::{self, Robot};
+use crate::scenario::{Setup, effect_joint};
+use crate::simulation::following::Followed;
+use crate::study::{replay, testbed};
+use std::path::PathBuf;
+
+/// Arguments of `tauscope identify`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  tauscope identify --robot arm.urdf --train monday.csv --test tuesday.csv --effect stribeck_friction:joint_2"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    logs: LogArguments,
+    #[command(flatten)]
+    arm: ArmArguments,
+    /// Scenario whose arm, sensors and identification settings are used. Without logs its two motions are simulated.
+    #[arg(long, value_name = "SCENARIO", help_heading = "Model")]
+    scenario: Option<PathBuf>,
+    /// Effect to fit together with the arm's parameters, `NAME` or `NAME:JOINT`; without a joint, on every joint. Repeatable.
+    #[arg(long, value_name = "EFFECT", help_heading = "Model")]
+    effect: Vec<String>,
+    /// Estimate the inertias (structure), or take them from the URDF (nominal).
+    #[arg(long, value_enum, default_value = "structure", help_heading = "Model")]
+    trust: Trust,
+    /// Savitzky-Golay window, samples, odd. Default: that of the scenario, else 0.12 s.
+    #[arg(long, value_name = "SAMPLES", help_heading = "Smoothing")]
+    window: Option<usize>,
+    /// Savitzky-Golay polynomial order. Default: that of the scenario, else 6.
+    #[arg(long, value_name = "N", help_heading = "Smoothing")]
+    order: Option<usize>,
+    /// Zero-phase low-pass with this cut-off in place of Savitzky-Golay, Hz.
+    #[arg(long, value_name = "HZ", conflicts_with_all = ["window", "order"], help_heading = "Smoothing")]
+    low_pass_hz: Option<f64>,
+    /// Keep every N-th sample after smoothing. Default: that of the scenario, else a twelfth of the window.
+    #[arg(long, value_name = "N", help_heading = "Smoothing")]
+    decimation: Option<usize>,
+    /// Leave out samples of a joint slower than this, rad/s or m/s, and those that the smoothing mixes with them. Default: samples
+    /// whose direction is uncertain under the noise of the joint's own velocity.
+    #[arg(long, value_name = "RAD_S", help_heading = "Smoothing")]
+    band: Option<f64>,
+}
+
+/// Relative times of reading logs, a fit without effects, one with effects, and the simulation.
+const READING: u64 = 2;
+const FIT: u64 = 4;
+const WITH_EFFECTS: u64 = 16;
+const SIMULATING: u64 = 1;
+
+/// Fits and writes the results folder.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+    let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
+    let dataset = arguments.logs.described()?;
+    let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;
+    let simulates = dataset.is_none() && arguments.logs.train.is_empty() && setup.is_some();
+    let reading = if simulates { 0 } else { READING };
+    let fits = if arguments.effect.is_empty() { FIT } else { FIT + WITH_EFFECTS };
+    place(&arguments.effect, arm.robot(), None)?;
+    let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
+    stages.begin("reading the logs");
+    let Logs { train, test, mut notes, correction } =
+        logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
+    let mut robot = arm.into_robot();
+    notes.extend(robot.notes.clone());
+    if let Some(description) = &correction {
+        robot.gravity = description.gravity;
+    }
+    let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
+    let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
+    if let Some(description) = &correction {
+        let named = arguments.logs.named(arguments.arm.robot.clone());
+        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
+    }
+    let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
+    let logs = fit::Logs { train: &train, test: &test };
+    let observed = equations::observed(&robot, logs, preparation, arguments.trust)?;
+    let placed = place(&arguments.effect, &robot, Some(&observed.model))?;
+    let model = observed.model;
+    notes.extend(observed.notes);
+    stages.begin("identifying");
+    let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
+    let extended = match placed.is_empty() {
+        true => None,
+        false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
+    };
+    notes.extend(report::undetermined(model.base(), &plain));
+    stages.begin("finding consistent parameters");
+    // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
+    let consistent = match arguments.trust {
+        Trust::Structure => Some(consistent::consistent(&model, logs, preparation, &plain)?),
+        Trust::Nominal => None,
+    };
+
+    let identified = match &consistent {
+        Some(found) => found.robot(&robot),
+        None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
+    };
+    folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
+    let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
+    let result = report::result(&robot, arguments.trust, found, &notes);
+    folder.write_json("identification.json", SCHEMA, &result)?;
+    stages.begin("simulating the identified arm");
+    let replayed = replayed(&identified, logs, preparation);
+    let shown = viewer::fit::Shown { plain: &plain, extended: extended.as_ref(), replayed: replayed.as_deref() };
+    viewer::add(&folder, || Ok(viewer::fit::film(&robot, logs, shown)))?;
+    stages.finish();
+    let path = folder.finish()?;
+    print::result(global, SCHEMA, &result, || {
+        let notes = notes.iter().fold(String::new(), |text, note| text + note + "\n");
+        format!("{notes}{}\n\nResults in {}", report::tables(&robot, found), path.display())
+    })?;
+    Ok(DONE)
+}
+
+/// The arm that is identified.
+enum Subject {
+    /// That of logs.
+    Logged(Box<LoggedArm>),
+    /// That of a scenario.
+    Simulated(Box<Robot>),
+}
+
+impl Subject {
+    fn robot(&self) -> &Robot {
+        match self {
+            Subject::Logged(arm) => &arm.robot,
+            Subject::Simulated(robot) => robot,
+        }
+    }
+
+    fn into_robot(self) -> Robot {
+        match self {
+            Subject::Logged(arm) => arm.robot,
+            Subject::Simulated(robot) => *robot,
+        }
+    }
+}
+
+fn arm(arguments: &Arguments, setup: Option<&Setup>, dataset: Option<&Dataset>) -> Result<Subject> {
+    if let Some(file) = arguments.arm.file(dataset) {
+        let logs = arguments.logs.files(dataset);
+        return Ok(Subject::Logged(Box::new(arguments.arm.open(&file, arguments.trust, dataset, &logs)?)));
+    }
+    let Some(setup) = setup else {
+        return Err(Error::request("--robot", "give the arm's URDF, or a --dataset or --scenario that names one"));
+    };
+    let mut robot = setup.known.clone();
+    if let Some(dataset) = dataset {
+        dataset.mount(&mut robot)?;
+    }
+    robot.gravity = arguments.arm.gravity.unwrap_or(robot.gravity);
+    Ok(Subject::Simulated(Box::new(robot)))
+}
+
+fn logs(
+    arguments: &Arguments,
+    setup: Option<&Setup>,
+    dataset: Option<&Dataset>,
+    arm: &mut Subject,
+    global: &Global,
+) -> Result<Logs> {
+    if dataset.is_some() || !arguments.logs.train.is_empty() {
+        let mut logs = arguments.logs.read(dataset, arm.robot())?;
+        if let Subject::Logged(arm) = arm {
+            arm.settle(dataset, &mut logs)?;
+        }
+        return dataset::ready(logs, arm.robot());
+    }
+    let Some(setup) = setup else {
+        return Err(Error::request("--train", "give at least one log, a --dataset, or a --scenario to simulate"));
+    };
+    let bar = progress::bar(global, "simulating", testbed::samples(setup));
+    let runs = testbed::record(setup, &mut |done| bar.set_position(done as u64))?;
+    bar.finish_and_clear();
+    Ok(Logs { train: vec![runs.training.recording], test: vec![runs.held_out.recording], ..Logs::default() })
+}
+
+/// The requested effects on their joints; joints of `model` without an equation are skipped where no joint is named.
+fn place(wanted: &[String], robot: &Robot, model: Option<&Model>) -> Result<Vec<Placed>> {
+    let is_seen = |joint: &usize| model.is_none_or(|model| model.has_equation(*joint));
+    let mut placed = Vec::new();
+    for text in wanted {
+        let (name, joint) = text.split_once(':').map_or((text.as_str(), None), |(name, joint)| (name, Some(joint)));
+        let effect = effects::find(name)?;
+        let spots = match (effect.about().scope, joint) {
+            (Scope::Joint, None) => (0..robot.dof()).filter(is_seen).collect(),
+            (Scope::Pair, None) => {
+                (0..robot.dof().saturating_sub(1)).filter(|joint| is_seen(joint) && is_seen(&(joint + 1))).collect()
+            }
+            (scope, _) => {
+                let joint =
+                    effect_joint(effect, joint, robot).map_err(|problem| Error::request(text.as_str(), problem))?;
+                if matches!(scope, Scope::Joint | Scope::Pair) && !is_seen(&joint) {
+                    let problem = "the logs have no torque of this joint, or it hardly moves; leave the effect out";
+                    return Err(Error::request(text.as_str(), problem));
+                }
+                vec![joint]
+            }
+        };
+        placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
+    }
+    Ok(placed)
+}
+
+/// The identified arm in the simulator along the logs that the viewer shows; nothing without the viewer, or where the
+/// logs are long or the arm runs away.
+pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Preparation) -> Option<Vec<Followed>> {
+    let shown = viewer::fit::shown_logs(logs);
+    if !cfg!(feature = "viewer") || !replay::is_short(shown) {
+        return None;
+    }
+    match replay::replay(identified, shown, preparation) {
+        Ok(followed) => Some(followed),
+        Err(problem) => {
+            tracing::warn!("the identified arm was not simulated for the viewer: {problem}");
+            None
+        }
+    }
+}
+
+/// Default preparation of logs: Savitzky-Golay of order six over [`usual_window`].
+pub(super) fn usual_preparation(log: &Recording) -> Preparation {
+    let window = usual_window(log.rate_hz());
+    let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
+    Preparation { smoothing, band: Band::OfNoise }
+}
+
+fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
+    let spec = setup.map(|setup| &setup.scenario.identification);
+    let window = arguments.window.or(spec.and_then(|s| s.smoothing_window));
+    let window = window.unwrap_or_else(|| usual_window(log.rate_hz()));
+    let order = arguments.order.or(spec.map(|s| s.smoothing_order)).unwrap_or(6);
+    let decimation = arguments.decimation.or(spec.map(|s| s.decimation)).unwrap_or((window / 12).max(1));
+    if decimation == 0 {
+        return Err(Error::request("--decimation", "must be 1 or more"));
+    }
+    let band = arguments.band.or(spec.map(|s| s.reversal_band_rad_s)).map_or(Band::OfNoise, Band::Given);
+    let low_pass = arguments.low_pass_hz.or(spec.and_then(|s| s.low_pass_hz).filter(|_| arguments.window.is_none()));
+    let smoothing = match low_pass {
+        Some(cutoff_hz) => Smoothing::LowPass { cutoff_hz, decimation },
+        None => Smoothing::SavitzkyGolay { window, order, decimation },
+    };
+    Ok(Preparation { smoothing, band })
+}

@@ -1,0 +1,39 @@
+//! `corrected.toml`: a dataset that describes logs as they were found to be.
+
+use crate::dataset::{Dataset, Named, corrected};
+use crate::error::Result;
+use crate::output::ResultFolder;
+use crate::quality::UnitChanges;
+use crate::quality::descriptions::Description;
+use crate::robot::Robot;
+
+/// Its name in the folder of results.
+pub const FILE: &str = "corrected.toml";
+
+/// Writes it, and returns whether it could: `dataset`, or a new one of the files `named`, with what `description` and `units` change.
+///
+/// # Errors
+/// Those of [`corrected`] and of writing.
+pub fn write(
+    folder: &ResultFolder,
+    dataset: Option<&Dataset>,
+    named: &Named,
+    robot: &Robot,
+    description: &Description,
+    units: UnitChanges,
+) -> Result<bool> {
+    if dataset.is_some_and(Dataset::is_coupled) {
+        tracing::warn!("{FILE} is not written: the motors are coupled, so apply the change to the columns by hand");
+        return Ok(false);
+    }
+    if description.scale_is_partial {
+        tracing::warn!(
+            "{FILE} is not written: the factor is known of some torques only, and differs from joint to joint"
+        );
+        return Ok(false);
+    }
+    let source = || Some(robot.source.clone()).filter(|_| dataset.and_then(Dataset::robot).is_none());
+    let named = &Named { robot: named.robot.clone().or_else(source), ..named.clone() };
+    folder.write_text(FILE, &corrected(dataset, named, robot, description, units)?)?;
+    Ok(true)
+}

@@ -1,0 +1,109 @@
+//! Which joints have an equation: those whose torque is logged, and that surely move for long enough to determine their friction.
+//!
+//! A joint without one moves like the others in theirs; what only its own equation would show is no parameter.
+
+use super::fitted::Logs;
+use crate::dynamics::Motion;
+use crate::error::Result;
+use crate::identification::effect_model::{Preparation, Trust};
+use crate::identification::model::Model;
+use crate::identification::preparation::prepare;
+use crate::recording::Recording;
+use crate::robot::Robot;
+
+/// The model of the joints that have an equation.
+#[derive(Debug)]
+pub struct Observed {
+    /// The model.
+    pub model: Model,
+    /// A line for every joint that has none.
+    pub notes: Vec<String>,
+}
+
+/// Whether all logs hold torque of each joint. A log that holds it only in part still does; torque that never changes was not
+/// measured.
+pub fn with_torque<'a>(joints: usize, logs: impl Iterator<Item = &'a Recording> + Clone) -> Vec<bool> {
+    let is_logged = |log: &Recording, joint: usize| {
+        let mut measured = log.tau.channel(joint).iter().filter(|torque| torque.is_finite());
+        measured.next().is_some_and(|first| measured.any(|other| other != first))
+    };
+    (0..joints).map(|joint| logs.clone().all(|log| is_logged(log, joint))).collect()
+}
+
+/// The note on a joint whose torque some log does not hold.
+pub fn no_torque() -> String {
+    "its torque is not logged; it moves with the others, and its own friction and rotor stay as described".to_owned()
+}
+
+/// The joints of `robot` with an equation in the logs. Where no joint has one all keep theirs, and the fit reports what is wrong.
+///
+/// # Errors
+/// If a log is too short for its preparation.
+pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trust) -> Result<Observed> {
+    let all = logs.train.iter().chain(logs.test).copied();
+    let mut equations = with_torque(robot.dof(), all);
+    let unlogged = robot.joints.iter().zip(&equations).filter(|(_, logged)| !**logged);
+    let mut notes: Vec<String> = unlogged.map(|(spec, _)| format!("joint `{}`: {}", spec.name, no_torque())).collect();
+    let mut rows = vec![0usize; robot.dof()];
+    for log in logs.train {
+        let prepared = prepare::measured(log, preparation.smoothing, preparation.band)?;
+        let own: Vec<usize> =
+            (0..robot.dof()).map(|joint| prepared.rows_to_use(joint).into_iter().filter(|&ok| ok).count()).collect();
+        notes.extend(too_fast(log, &prepared.motion, &own));
+        rows.iter_mut().zip(own).for_each(|(rows, own)| *rows += own);
+    }
+    let model = Model::with_equations(robot, &equations);
+    for (joint, spec) in robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint)) {
+        // The least that a fit takes: two rows for every parameter of the joint.
+        let parameters = match trust {
+            Trust::Structure => model.active(joint).len(),
+            Trust::Nominal => DRIVE,
+        };
+        if rows[joint] < FEWEST.max(2 * parameters) {
+            equations[joint] = false;
+            notes.push(format!(
+                "joint `{}`: it surely moves in {} samples only, too few for the {parameters} parameters that act on it; its \
+                 own torque is left out, and its friction and rotor stay as described",
+                spec.name, rows[joint]
+            ));
+        }
+    }
+    let none = equations.iter().all(|has| !has);
+    match none || (0..robot.dof()).all(|joint| equations[joint] == model.has_equation(joint)) {
+        true => Ok(Observed { model, notes: if none { Vec::new() } else { notes } }),
+        false => Ok(Observed { model: Model::with_equations(robot, &equations), notes }),
+    }
+}
+
+/// A line about a motion that is too fast for the rate of its log, on joints with some `rows` in which they move.
+fn too_fast(log: &Recording, motion: &Motion, rows: &[usize]) -> Option<String> {
+    let rate_hz = log.rate_hz();
+    let rms = |signal: &[f64]| (signal.iter().map(|x| x * x).sum::<f64>() / signal.len().max(1) as f64).sqrt();
+    // What a swing of one frequency has.
+    let swings_hz =
+        |joint: usize| rms(motion.qdd.channel(joint)) / rms(motion.qd.channel(joint)) / std::f64::consts::TAU;
+    let moving = (0..motion.joints()).filter(|&joint| rows[joint] >= FEWEST);
+    let fastest = moving.max_by(|&a, &b| swings_hz(a).total_cmp(&swings_hz(b)))?;
+    let hz = swings_hz(fastest);
+    (rate_hz < SLOW_HZ && rate_hz < SAMPLES_IN_A_SWING * hz).then(|| {
+        format!(
+            "the log has {rate_hz:.1} samples a second, and joint `{}` swings at about {hz:.1} Hz: accelerations are worked out from \
+             too few samples in a swing and come out too small; log faster or move slower",
+            log.joints[fastest]
+        )
+    })
+}
+
+/// Rate below which a log is looked at for that, Hz: above it encoders' noise makes more of the acceleration than the motion of
+/// an arm does.
+const SLOW_HZ: f64 = 50.0;
+
+/// Fewest samples in a swing: the second difference of twelve samples to a turn is two per cent too small, the smoothing not yet
+/// counted.
+const SAMPLES_IN_A_SWING: f64 = 12.0;
+
+/// Fewest rows of a joint that determine its friction, a moment's motion.
+const FEWEST: usize = 30;
+
+/// Parameters of a drive: rotor inertia, viscous and Coulomb friction.
+const DRIVE: usize = 3;

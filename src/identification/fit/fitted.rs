@@ -1,0 +1,105 @@
+//! Fits on demand: the arm's parameters and named effects from training logs, judged on held-out logs.
+
+use super::separable::{EffectFit, fit};
+use crate::effects::Placed;
+use crate::error::Result;
+use crate::identification::effect_model::{EffectModel, Preparation, Trust};
+use crate::identification::model::Model;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::recording::Recording;
+use crate::robot::{Drive, Robot};
+
+/// Logs to fit and logs to judge by.
+#[derive(Debug, Clone, Copy)]
+pub struct Logs<'a> {
+    /// Logs that are identified from.
+    pub train: &'a [&'a Recording],
+    /// Logs of other motions, which the fit does not see.
+    pub test: &'a [&'a Recording],
+}
+
+/// A fit with its residual on training and held-out logs, root mean square per joint in N m.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Parameters with their covariance.
+    pub fit: EffectFit,
+    /// The effects with the parameters found.
+    pub placed: Vec<Placed>,
+    /// Residual on the training logs.
+    pub train_rms: Vec<f64>,
+    /// Residual on the held-out logs; empty where there are none.
+    pub test_rms: Vec<f64>,
+    /// The held-out logs row by row.
+    pub test: Rows,
+}
+
+/// The rows that a fit is judged by, `[joint][row]`; nothing where there are no held-out logs.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
+    /// Time, each log's own, s; NaN between two logs.
+    pub time: Vec<f64>,
+    /// Filtered torque, N m.
+    pub torque: Vec<Vec<f64>>,
+    /// Torque less that of the model; None where a row does not count.
+    pub residual: Vec<Vec<Option<f64>>>,
+    /// Smoothed positions, rad; NaN between two logs.
+    pub q: Vec<Vec<f64>>,
+    /// Their velocities, rad/s.
+    pub qd: Vec<Vec<f64>>,
+    /// Standard deviation of the white noise in the filtered torque, for each joint, N m.
+    pub noise: Vec<f64>,
+}
+
+/// Fits the arm and `placed` effects to the training logs.
+///
+/// # Errors
+/// If a log is too short, or the motion does not separate the parameters (named).
+pub fn fit_effects(
+    model: &Model,
+    trust: Trust,
+    logs: Logs,
+    preparation: Preparation,
+    placed: Vec<Placed>,
+) -> Result<Fitted> {
+    let mut training = EffectModel::new(model, trust, logs.train, preparation, placed)?;
+    let found = fit(&mut training)?;
+    let placed = training.placed().to_vec();
+    let (test_rms, test) = match logs.test {
+        [] => (Vec::new(), Rows::default()),
+        test => judged(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
+    };
+    Ok(Fitted { train_rms: found.residual_rms.clone(), placed, test_rms, test, fit: found })
+}
+
+impl Fitted {
+    /// The arm with rotor inertia, viscous and Coulomb friction of every joint as fitted with the bodies of the URDF; one that
+    /// came out negative, which no drive has, is zero. What an effect stands for stays as it was.
+    pub fn with_drives(&self, known: &Robot) -> Robot {
+        let mut robot = known.clone();
+        for (joint, spec) in robot.joints.iter_mut().enumerate() {
+            let Drive { armature, viscous, coulomb } = &mut spec.drive;
+            for (symbol, target) in [("Ia", armature), ("Fv", viscous), ("Fc", coulomb)] {
+                let name = format!("{symbol}{}", joint + 1);
+                if let Some(place) = self.fit.names.iter().position(|own| *own == name) {
+                    *target = self.fit.estimate.beta[place].max(0.0);
+                }
+            }
+        }
+        robot
+    }
+}
+
+/// The residual of a fit on the logs of `model`: root mean square per joint, and row by row.
+fn judged(mut model: EffectModel, fit: &EffectFit) -> Result<(Vec<f64>, Rows)> {
+    let linear = &fit.estimate.beta;
+    model.set_baseline(linear);
+    let joints = model.regression()?;
+    let residual = |joint: &JointRegression| {
+        joint.residual(linear).into_iter().zip(&joint.valid).map(|(r, ok)| ok.then_some(r)).collect()
+    };
+    let rms = joints.iter().map(|joint| joint.residual_rms(linear)).collect();
+    let residual = joints.iter().map(residual).collect();
+    let ([q, qd], time, noise) = (model.row_motion()?, model.row_times()?, model.torque_noise()?);
+    let torque = joints.into_iter().map(|joint| joint.torque).collect();
+    Ok((rms, Rows { time, torque, residual, q, qd, noise }))
+}

@@ -1,0 +1,9 @@
+//! Fits on demand. An arm, training logs and held-out logs come in; the arm's parameters, those of named effects and both residuals
+//! go out, and the joints that have an equation.
+
+pub mod equations;
+mod fitted;
+mod separable;
+
+pub use fitted::{Fitted, Logs, Rows, fit_effects};
+pub use separable::EffectFit;

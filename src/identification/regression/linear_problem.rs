@@ -1,0 +1,86 @@
+//! The weighted linear regression as a problem for Levenberg-Marquardt, equations (11)-(12) of the paper on the spatial model.
+
+use super::joint_regression::JointRegression;
+use crate::error::Result;
+use crate::identification::levenberg_marquardt::{LeastSquaresProblem, NormalEquations};
+use crate::identification::numerics::scaled_normal::ScaledNormal;
+use nalgebra::{DMatrix, DVector};
+
+/// Rows of all joints, weighted by the joints' standard deviations, with the normal matrix worked out once.
+pub struct LinearProblem<'a> {
+    joints: &'a [JointRegression],
+    sigma: &'a [f64],
+    normal: DMatrix<f64>,
+}
+
+impl<'a> LinearProblem<'a> {
+    /// The problem of `parameters` unknowns with W = 1 / sigma^2 on each joint's rows.
+    pub fn new(joints: &'a [JointRegression], sigma: &'a [f64], parameters: usize) -> Self {
+        let mut normal = DMatrix::zeros(parameters, parameters);
+        for (joint, s) in joints.iter().zip(sigma) {
+            joint.add_gram(1.0 / (s * s), &mut normal);
+        }
+        LinearProblem { joints, sigma, normal }
+    }
+
+    /// The problem whose normal matrix is known.
+    pub(super) fn with_normal(joints: &'a [JointRegression], sigma: &'a [f64], normal: DMatrix<f64>) -> Self {
+        LinearProblem { joints, sigma, normal }
+    }
+
+    /// J'WJ.
+    pub fn normal(&self) -> &DMatrix<f64> {
+        &self.normal
+    }
+
+    /// J'W r for one residual per joint.
+    pub fn right(&self, residuals: &[Vec<f64>]) -> DVector<f64> {
+        let mut right = DVector::zeros(self.normal.nrows());
+        for ((joint, s), residual) in self.joints.iter().zip(self.sigma).zip(residuals) {
+            for (&parameter, value) in joint.parameters.iter().zip(joint.products(residual)) {
+                right[parameter] += value / (s * s);
+            }
+        }
+        right
+    }
+
+    /// (J'WJ)^-1 of a right side.
+    ///
+    /// # Errors
+    /// Names the parameters that the motion does not separate.
+    pub(in crate::identification) fn solve(&self, right: &DVector<f64>, names: &[String]) -> Result<DVector<f64>> {
+        Ok(ScaledNormal::new(&self.normal, names)?.solve(right))
+    }
+
+    fn residuals(&self, p: &[f64]) -> Vec<Vec<f64>> {
+        self.joints.iter().map(|joint| joint.residual(p)).collect()
+    }
+
+    fn weighted_sum(&self, residuals: &[Vec<f64>]) -> f64 {
+        let joints = self.joints.iter().zip(self.sigma).zip(residuals);
+        joints.map(|((joint, s), residual)| joint.dot(residual, residual) / (s * s)).sum()
+    }
+}
+
+impl LeastSquaresProblem for LinearProblem<'_> {
+    fn parameters(&self) -> usize {
+        self.normal.nrows()
+    }
+
+    fn measurements(&self) -> usize {
+        self.joints.iter().map(JointRegression::rows).sum()
+    }
+
+    fn normal_equations(&mut self, p: &[f64]) -> Result<NormalEquations> {
+        let residuals = self.residuals(p);
+        Ok(NormalEquations {
+            jtwj: self.normal.clone(),
+            jtwr: self.right(&residuals),
+            chi2: self.weighted_sum(&residuals),
+        })
+    }
+
+    fn chi2(&mut self, p: &[f64]) -> Result<f64> {
+        Ok(self.weighted_sum(&self.residuals(p)))
+    }
+}

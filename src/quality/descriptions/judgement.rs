@@ -1,0 +1,122 @@
+//! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
+
+use super::change::Description;
+use super::fit::Fit;
+use super::physics::Physics;
+use super::rows::Rows;
+use super::scale::Scaled;
+use super::search::{Found, Outcome, Tried, search};
+use super::verdict::{Alternative, Verdict};
+use super::{compare, jumps, scale};
+use crate::quality::view::View;
+use crate::robot::Robot;
+use nalgebra::Vector3;
+
+/// A log by itself allows to go on with a changed description where it lasts so long, s; a shorter one needs a second log:
+/// one short motion is one observation, whatever its blocks show.
+const LONG_ENOUGH_S: f64 = 30.0;
+
+/// A torque that a rigid-body model explains to this share, and friction of no more than that: no measured torque is like it.
+const MODELLED: f64 = 0.005;
+
+/// Whether all torques are those of a rigid-body model without friction: a controller's feedforward, or a simulation, and no
+/// measurement.
+pub fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
+    let modelled = || {
+        let robot = robot?;
+        let rows = Rows::new(views, Some(robot))?;
+        let start = Description::as_given(robot.dof(), robot.gravity);
+        let tables = Physics::free(robot).tables(&rows, &start);
+        Fit::new(&tables, &rows, &start).residual_and_friction()
+    };
+    modelled().is_some_and(|shares| !shares.is_empty() && shares.iter().flatten().all(|share| *share < MODELLED))
+}
+
+/// Judges the description of some logs of one arm.
+pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
+    let rows = Rows::new(views, robot)?;
+    let dof = rows.measured.len();
+    let gravity = robot.map_or(Vector3::zeros(), |robot| robot.gravity);
+    let start = Description::as_given(dof, gravity);
+    let seconds: f64 = views.iter().map(|view| view.log.duration()).sum();
+    let replicated = |found: &Found| match views.len() {
+        1 => seconds >= LONG_ENOUGH_S,
+        _ => found.gain.least_of_logs > 0.0,
+    };
+    let with_motion = jumps::with_motion(views);
+    let Some(robot) = robot else {
+        let outcome = search(&Physics::Alone, &rows, &with_motion, start)?;
+        return verdict(outcome, |_| false);
+    };
+    let outcome = search(&Physics::free(robot), &rows, &with_motion, start.clone())?;
+    let bodies = Physics::bodies(robot);
+    if outcome.found.is_some() {
+        let settled = match bodies {
+            Some(bodies) => settled(&bodies, &rows, outcome),
+            None => outcome,
+        };
+        return verdict(settled, replicated);
+    }
+    let bodies = bodies?;
+    if let Some(Scaled { before, after, factors }) = scale::judge(&bodies, &rows, &start) {
+        return Some(Verdict {
+            before: before.share(),
+            after: after.share(),
+            each: [before.evaluation.unexplained, after.evaluation.unexplained],
+            alternatives: Vec::new(),
+            next: None,
+            description: after.description,
+            factors,
+            beyond_doubt: false,
+        });
+    }
+    let outcome = search(&bodies, &rows, &with_motion, start)?;
+    let credible = outcome.found.as_ref().is_some_and(|found| found.best.share() < scale::ALIKE);
+    if credible { verdict(outcome, replicated) } else { None }
+}
+
+/// An outcome whose rivals are compared under the described bodies, where these explain the torques.
+fn settled(bodies: &Physics, rows: &Rows, mut outcome: Outcome) -> Outcome {
+    let Some(Found { best, rivals, next, gain }) = outcome.found.take() else { return outcome };
+    let mut each: Vec<Tried> = std::iter::once(best).chain(rivals).collect();
+    let under = |tried: &Tried| Tried::new(bodies, rows, tried.description.clone());
+    let judged: Vec<Tried> = each.iter().filter_map(under).collect();
+    let least = (0..judged.len()).min_by(|&a, &b| judged[a].share().total_cmp(&judged[b].share()));
+    let least = least.filter(|&least| judged.len() == each.len() && judged[least].share() < scale::ALIKE);
+    let worse = |place: usize| {
+        let own = |least: usize| compare::compare(&judged[place].evaluation, &judged[least].evaluation, &rows.log);
+        least.and_then(own).is_some_and(|comparison| comparison.is_distinct())
+    };
+    let worse: Vec<bool> = (0..each.len()).map(|place| judged.len() == each.len() && worse(place)).collect();
+    let best = each.remove(least.unwrap_or(0));
+    let mut worse = worse;
+    worse.remove(least.unwrap_or(0));
+    let mut next = next;
+    let mut rivals = Vec::new();
+    for (other, worse) in each.into_iter().zip(worse) {
+        match worse {
+            true => next = Some(next.filter(|next| next.share() < other.share()).unwrap_or(other)),
+            false => rivals.push(other),
+        }
+    }
+    outcome.found = Some(Found { best, rivals, next, gain }.simplest_first());
+    outcome
+}
+
+fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verdict> {
+    let Outcome { start, found } = outcome;
+    let found = found?;
+    let beyond_doubt = found.rivals.is_empty() && replicated(&found);
+    let alternative =
+        |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
+    Some(Verdict {
+        before: start.share(),
+        after: found.best.share(),
+        each: [start.evaluation.unexplained, found.best.evaluation.unexplained.clone()],
+        alternatives: found.rivals.into_iter().map(alternative).collect(),
+        next: found.next.map(alternative),
+        description: found.best.description,
+        factors: Vec::new(),
+        beyond_doubt,
+    })
+}

@@ -1,0 +1,141 @@
+//! The examination of logs: all checks of each, and the judgement of their description together.
+
+use super::descriptions;
+use super::finding::{Finding, Kind, Severity};
+use super::report::{Report, Together, UnitChanges};
+use super::view::View;
+use super::{channels, clock, motion, torque, velocity};
+use crate::error::Result;
+use crate::recording::Recording;
+use crate::recording::lenient::{self, ColumnMap, Sieved};
+use crate::recording::resample::{self, Clock};
+use crate::robot::Robot;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Reads a log leniently and examines it; with the arm's joints in order and their limits where `robot` is known.
+///
+/// # Errors
+/// Those of [`lenient::load`]: the file cannot be read as a log at all.
+pub fn inspect(path: &Path, robot: Option<&Robot>) -> Result<Report> {
+    let names = robot.map(Robot::joint_names);
+    examine(&lenient::load(path, names.as_deref(), &ColumnMap::default())?, robot)
+}
+
+/// Examines a log. `robot` gives limits and geometry; its inertias are used where they are possible.
+///
+/// # Errors
+/// None on a log of any content; those of the filters are passed on.
+pub fn examine(sieved: &Sieved, robot: Option<&Robot>) -> Result<Report> {
+    let mut together = examine_together(&[sieved], robot)?;
+    Ok(together.reports.remove(0))
+}
+
+/// Examines several logs of one arm, whose description is judged on all of them together. Where they contradict each other,
+/// each is judged by itself.
+///
+/// # Errors
+/// Those of [`examine`].
+pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Together> {
+    let (mut reports, mut torques) = (Vec::new(), Vec::new());
+    for sieved in logs {
+        let (report, usable) = examine_alone(sieved, robot)?;
+        reports.push(report);
+        torques.push(usable);
+    }
+    let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
+    let views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
+    let all: Vec<&View> = views.iter().collect();
+    let verdict = descriptions::judge(&all, robot);
+    for (&log, view) in with_torque.iter().zip(&views) {
+        let own = match verdict {
+            None if views.len() > 1 => descriptions::judge(&[view], robot),
+            _ => verdict.clone(),
+        };
+        if let Some(own) = own {
+            reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
+            reports[log].description = Some(own);
+            reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        }
+    }
+    // Where something else is wrong, that must be corrected first.
+    let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
+    if sound && descriptions::is_modelled(&all, robot) {
+        let text = "the torques are those of a rigid-body model without friction: they come from the controller's own model or a \
+                    simulation and are no measurement; identification gives that model back";
+        for &log in &with_torque {
+            reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
+        }
+    }
+    Ok(Together { reports, verdict })
+}
+
+/// Examines all of a log but its description, and returns it at even steps without long gaps where torques can be compared
+/// with motion.
+fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Option<Recording>)> {
+    let recording = &sieved.recording;
+    let clock = Clock::new(recording);
+    let mut findings = clock::findings(sieved, &clock);
+    let mut summaries = Vec::new();
+    let mut condition_number = None;
+    let mut comparable = None;
+    let mut units = UnitChanges::default();
+    if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
+        let known = with_all_torques(recording);
+        let recording: &Recording = &known;
+        let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
+        let view = View::new(&even, robot)?;
+        summaries = motion::summaries(&view, robot);
+        findings.extend(channels::findings(&view, &sieved.recording));
+        let mut about_motion = motion::findings(&view, &summaries, robot);
+        // A joint that went on turning may be whole turns outside its limits.
+        let turned = |finding: &Finding| sieved.unwrapped.iter().any(|&joint| finding.place == view.place("q", joint));
+        about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
+        let positions_doubtful = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
+        findings.extend(about_motion);
+        // Derivatives across a long gap are those of no motion.
+        let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
+        let view = longest.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
+        let (about_velocity, factor) = velocity::findings(&view);
+        findings.extend(about_velocity);
+        units.time_factor = factor;
+        units.degrees = positions_doubtful && motion::in_degrees(&summaries, robot);
+        let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
+        if moves && !positions_doubtful {
+            let (found, condition) = torque::findings(&view, &mut summaries, robot);
+            // Nothing is known of times where the clock is wrong.
+            let clock_is_wrong = findings.iter().any(|finding| finding.kind == Kind::ClockFactor);
+            findings.extend(found.into_iter().filter(|finding| finding.kind != Kind::DeadTime || !clock_is_wrong));
+            condition_number = condition;
+            let unsigned = channels::without_sign(&view, &findings);
+            let mut log = longest.unwrap_or(even);
+            unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
+            comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
+        }
+    }
+    findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    let report = Report {
+        rows: recording.samples(),
+        rejected: sieved.rejected.clone(),
+        duration_s: recording.duration(),
+        clock,
+        joints: summaries,
+        condition_number,
+        description: None,
+        units,
+        usable: findings.iter().all(|finding| finding.severity != Severity::Fatal),
+        findings,
+    };
+    Ok((report, comparable))
+}
+
+/// The log with zeros where a joint has no torque, which the checks of motion do not look at.
+fn with_all_torques(recording: &Recording) -> Cow<'_, Recording> {
+    let without: Vec<usize> = (0..recording.joints()).filter(|joint| !recording.has_torque(*joint)).collect();
+    if without.is_empty() {
+        return Cow::Borrowed(recording);
+    }
+    let mut log = recording.clone();
+    without.into_iter().for_each(|joint| log.tau.channel_mut(joint).fill(0.0));
+    Cow::Owned(log)
+}

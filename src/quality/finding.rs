@@ -1,0 +1,76 @@
+//! A finding: what kind of fault, where, how bad, and what to do.
+
+/// How bad a finding is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// Results will be wrong or poor unless something is done.
+    Warning,
+    /// The log cannot be used.
+    Fatal,
+}
+
+/// What kind of fault it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs, reason = "the names say it; the text of a finding explains")]
+pub enum Kind {
+    TooShort,
+    CutOff,
+    BadRows,
+    DuplicateTime,
+    BackwardTime,
+    Jitter,
+    Gap,
+    NoMotion,
+    NoTorque,
+    Frozen,
+    HeldSamples,
+    Clipped,
+    Spike,
+    Wrapped,
+    UnsignedTorque,
+    TorqueSign,
+    TorqueUnit,
+    VelocitySign,
+    VelocityUnit,
+    VelocityMismatch,
+    VelocityDelay,
+    PositionUnit,
+    OutsideLimits,
+    Swapped,
+    DeadTime,
+    HardlyMoves,
+    PoorExcitation,
+    TwoSources,
+    Mended,
+    UnusedColumns,
+    PositionSign,
+    Mounting,
+    GravityCompensated,
+    ClockFactor,
+    MotorOff,
+    ModelTorque,
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Finding {
+    /// What kind of fault.
+    pub kind: Kind,
+    /// The column, joint, line or time.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// How bad.
+    pub severity: Severity,
+    /// What is wrong and what to do.
+    pub text: String,
+}
+
+impl Finding {
+    pub(super) fn new(kind: Kind, severity: Severity, place: impl Into<String>, text: impl Into<String>) -> Self {
+        Finding { kind, place: place.into(), severity, text: text.into() }
+    }
+}

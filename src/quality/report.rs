@@ -1,0 +1,59 @@
+//! What is reported of a log, and of several logs of one arm.
+
+use super::descriptions::Verdict;
+use super::finding::{Finding, Severity};
+use super::motion::JointSummary;
+use crate::recording::lenient::Rejected;
+use crate::recording::resample::Clock;
+
+/// Units of a log that are not those of its description.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct UnitChanges {
+    /// True seconds per second of the clock.
+    pub time_factor: Option<f64>,
+    /// Whether positions are in degrees.
+    pub degrees: bool,
+}
+
+/// Everything found in a log.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// Rows that can be used.
+    pub rows: usize,
+    /// Rows that were left out.
+    pub rejected: Vec<Rejected>,
+    /// Time from the first to the last sample, s.
+    pub duration_s: f64,
+    /// Rate and jitter.
+    pub clock: Clock,
+    /// Range, speed and torque of every joint.
+    pub joints: Vec<JointSummary>,
+    /// Condition number of the base parameters' regressor with columns of equal length; with a URDF only.
+    pub condition_number: Option<f64>,
+    /// What is wrong with the description of the log.
+    #[serde(skip)]
+    pub description: Option<Verdict>,
+    /// Units that are not those of the description.
+    #[serde(skip)]
+    pub units: UnitChanges,
+    /// What is wrong, the worst first.
+    pub findings: Vec<Finding>,
+    /// Whether the log can be used at all.
+    pub usable: bool,
+}
+
+impl Report {
+    /// The first reason why the log cannot be used.
+    pub fn fatal(&self) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.severity == Severity::Fatal)
+    }
+}
+
+/// What was found in several logs of one arm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Together {
+    /// One report per log.
+    pub reports: Vec<Report>,
+    /// What is wrong with the description of all of them.
+    pub verdict: Option<Verdict>,
+}

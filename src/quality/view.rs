@@ -1,0 +1,77 @@
+//! A log at even steps with its smoothed signals, as all checks see it.
+
+use super::statistics::size_quantile;
+use crate::channels::Channels;
+use crate::error::Result;
+use crate::recording::Recording;
+use crate::robot::{JointKind, Robot};
+use crate::signal::{Edge, NoiseGains, SavitzkyGolay, Slow, moves_enough};
+
+/// Time over which positions are smoothed for the checks, s.
+const SMOOTHING_S: f64 = 0.08;
+
+/// A log at even steps with what all checks need of it.
+pub struct View<'a> {
+    /// The log.
+    pub log: &'a Recording,
+    /// Time between two samples, s.
+    pub period: f64,
+    /// Positions, by Savitzky-Golay.
+    pub q: Channels,
+    /// Their velocities.
+    pub qd: Channels,
+    /// Their accelerations.
+    pub qdd: Channels,
+    /// Torques, by Savitzky-Golay.
+    pub tau: Channels,
+    /// Speed above which each joint surely moves, rad/s or m/s; none reaches it where the joint hardly moves at all.
+    pub band: Vec<f64>,
+}
+
+impl<'a> View<'a> {
+    /// Smooths a log; `robot` says which joints slide.
+    ///
+    /// # Errors
+    /// Those of the filters: the log is too short.
+    pub fn new(log: &'a Recording, robot: Option<&Robot>) -> Result<Self> {
+        let period = 1.0 / log.rate_hz();
+        let window = ((SMOOTHING_S / period).round() as usize | 1).clamp(7, 101).min((log.samples() - 1) | 1);
+        let smooth = |signals: &Channels, degree| -> Result<Channels> {
+            let smoother = SavitzkyGolay::new(window, 4, degree, period, Edge::Polynomial)?;
+            let mut out = Channels::zeros(signals.channels(), signals.samples());
+            for joint in 0..signals.channels() {
+                smoother.apply(signals.channel(joint), out.channel_mut(joint))?;
+            }
+            Ok(out)
+        };
+        let (q, qd) = (smooth(&log.q, 0)?, smooth(&log.q, 1)?);
+        let gains = NoiseGains::new(log.samples(), |impulse| {
+            let impulse = Channels::from_vectors(&[impulse.to_vec()]);
+            Ok([smooth(&impulse, 0)?, smooth(&impulse, 1)?].map(|passed| passed.channel(0).to_vec()))
+        })?;
+        let band = (0..log.joints()).map(|joint| {
+            let (own, velocity) = (log.q.channel(joint), qd.channel(joint));
+            match moves(own, velocity, robot.map(|robot| robot.joints[joint].kind)) {
+                true => Slow::new(velocity, gains.velocity_noise(own, q.channel(joint))).sure,
+                false => f64::INFINITY,
+            }
+        });
+        Ok(View { log, period, band: band.collect(), q, qd, qdd: smooth(&log.q, 2)?, tau: smooth(&log.tau, 0)? })
+    }
+
+    /// Number of joints.
+    pub fn dof(&self) -> usize {
+        self.log.joints()
+    }
+
+    /// A column as the file may call it, with the joint.
+    pub fn place(&self, quantity: &str, joint: usize) -> String {
+        format!("{quantity}{} ({})", joint + 1, self.log.joints[joint])
+    }
+}
+
+/// Whether a joint moves enough, from its positions and velocities.
+pub fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> bool {
+    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    moves_enough(high - low, size_quantile(qd.iter().copied(), 1.0), kind == Some(JointKind::Prismatic))
+}

@@ -3,6 +3,7 @@
 use super::read::read_all;
 use crate::error::{Error, Result};
 use crate::quality;
+use crate::quality::UnitChanges;
 use crate::quality::descriptions::Description;
 use crate::recording::lenient::Sieved;
 use crate::recording::{Recording, resample};
@@ -21,6 +22,8 @@ pub struct Logs {
     /// The description that the logs were taken by, where the given one is wrong beyond doubt; the arm's gravity is then the
     /// one in it.
     pub correction: Option<Description>,
+    /// Units of the logs that were not those of their description, and were converted.
+    pub units: UnitChanges,
 }
 
 /// A log without a description made ready: rows that cannot be used left out, clock made even, faults noted.
@@ -41,9 +44,11 @@ pub fn plain(path: &Path, robot: &Robot, notes: &mut Vec<String>) -> Result<Vec<
 pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Result<Logs> {
     let mut logs = Logs::default();
     let trained = train.len();
-    let all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
-    let sieved: Vec<&Sieved> = all.iter().map(|(_, sieved)| sieved).collect();
-    let quality::Together { reports, verdict } = quality::examine_together(&sieved, Some(robot))?;
+    let mut all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
+    let mut sieved: Vec<&mut Sieved> = all.iter_mut().map(|(_, sieved)| sieved).collect();
+    let (quality::Together { reports, verdict }, units) = quality::examine_in_own_units(&mut sieved, robot)?;
+    logs.units = units;
+    logs.notes.extend(units.lines().into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
     for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
@@ -69,10 +74,9 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         }
         if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
-    if logs.correction.is_some() {
-        logs.notes.push(
-            "the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into(),
-        );
+    let gravity = if logs.correction.is_some() { "; the arm's gravity is the one given there" } else { "" };
+    if logs.correction.is_some() || !logs.units.is_none() {
+        logs.notes.push(format!("the logs are taken as corrected.toml describes them{gravity}"));
     }
     Ok(logs)
 }

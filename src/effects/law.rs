@@ -1,7 +1,7 @@
 //! What a law does: the trait of all effects, and the state of the arm that it sees.
 
 use super::about::{About, Parameter};
-use super::gears::Gear;
+use super::gear::Gear;
 use super::search::{Derived, DriveParameter, Search};
 use crate::dynamics::Chain;
 use crate::robot::{Pose, Robot};

@@ -24,6 +24,7 @@ mod along;
 mod bodies;
 mod catalogue;
 mod friction;
+mod gear;
 mod gears;
 mod law;
 mod placed;
@@ -41,7 +42,8 @@ pub use friction::{
     CoulombFriction, FrictionAsymmetry, FrictionWarmUp, LoadDependentFriction, NonlinearViscousFriction,
     PositionDependentFriction, PreslidingHysteresis, StribeckFriction, ViscousFriction, drive_friction,
 };
-pub use gears::{Backlash, DAMPING_TIME_S, Gear, JointCoupling, JointElasticity};
+pub use gear::{DAMPING_TIME_S, Gear};
+pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub use law::{Effect, Instant};
 pub use placed::Placed;
 pub use search::{Derived, DriveParameter, Search};

@@ -12,6 +12,7 @@ mod motion;
 mod report;
 mod statistics;
 mod torque;
+mod units;
 mod velocity;
 mod view;
 
@@ -20,6 +21,7 @@ pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity};
 pub use motion::JointSummary;
 pub use report::{Report, Together, UnitChanges};
+pub use units::examine_in_own_units;
 
 #[cfg(test)]
 mod every_kind;

@@ -87,7 +87,7 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>) 
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "t", text)];
     }
     if nothing_moves {
-        let text = "no joint moves by more than 0.02 rad or faster than 0.06 rad/s (2 mm or 6 mm/s where it slides): nothing can be \
+        let text = "no joint moves by more than 0.02 rad at 0.06 rad/s, or by 0.05 rad at any speed (2 mm at 6 mm/s, or 5 mm, where it slides): nothing can be \
                     identified from it";
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "q", text)];
     }

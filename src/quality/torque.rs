@@ -33,6 +33,9 @@ const WEAK: f64 = 3e-5;
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
 
+/// Share of the longest column of the base parameters up to which one is rounding: nothing in the motion depends on its parameter.
+const ROUNDING: f64 = 1e-9;
+
 /// Fewest rows per column.
 const ROWS_PER_COLUMN: usize = 4;
 
@@ -65,7 +68,7 @@ pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robo
     let condition = model.map(|model| condition_number(&model, &columns, rows.len()));
     if let Some(condition) = condition.filter(|c| *c > POOR) {
         let text = format!(
-            "the condition number of the base parameters is {condition:.0}: some of them are not separable on this \
+            "the condition number of the base parameters is {condition:.3e}: some of them are not separable on this \
              motion; move more joints faster and further"
         );
         out.push(Finding::new(Kind::PoorExcitation, Severity::Note, "motion", text));
@@ -162,7 +165,7 @@ fn dead_time(view: &View, lags: &[Lag]) -> Option<Finding> {
     Some(Finding::new(Kind::DeadTime, Severity::Warning, "tau", text))
 }
 
-/// Condition number of all base columns, each of unit length.
+/// Condition number of the base columns on which the motion depends, each of unit length: joints that stand still have others.
 fn condition_number(model: &Model, columns: &[Channels], rows: usize) -> f64 {
     let mut triangle = Triangle::new(model.base().len());
     for (joint, table) in columns.iter().enumerate() {
@@ -172,11 +175,12 @@ fn condition_number(model: &Model, columns: &[Channels], rows: usize) -> f64 {
         }
         triangle.add(&all, rows);
     }
-    let mut unit = triangle.factor();
-    for mut column in unit.column_iter_mut() {
-        let norm = column.norm();
-        column.unscale_mut(norm.max(f64::MIN_POSITIVE));
-    }
+    let factor = triangle.factor();
+    let norms: Vec<f64> = factor.column_iter().map(|column| column.norm()).collect();
+    let longest = norms.iter().fold(0.0f64, |most, norm| most.max(*norm));
+    let moved: Vec<usize> = (0..norms.len()).filter(|&column| norms[column] > ROUNDING * longest).collect();
+    let mut unit = factor.select_columns(&moved);
+    unit.column_iter_mut().zip(&moved).for_each(|(mut column, &from)| column.unscale_mut(norms[from]));
     let singular = unit.singular_values();
-    singular.max() / singular.min().max(f64::MIN_POSITIVE)
+    singular.max() / singular.min().max(f64::EPSILON * singular.max())
 }

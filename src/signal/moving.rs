@@ -33,6 +33,9 @@ const LEAST_MOTION: [f64; 2] = [0.02, 0.06];
 /// The same of a sliding joint, in m and m/s: links are some tenths of a metre long, so that the others move a held one by so much less.
 const LEAST_SLIDE: [f64; 2] = [0.002, 0.006];
 
+/// Times the least range from which a joint moves at any speed: no held joint sags by three degrees.
+const WIDE: f64 = 2.5;
+
 /// Samples after which the response to an impulse has died away.
 const MOST_RESPONSE: usize = 4096;
 
@@ -121,10 +124,11 @@ impl Slow {
     }
 }
 
-/// Whether a joint with this range (rad or m) and highest speed moves enough for its friction and inertia to show.
+/// Whether a joint with this range (rad or m) and highest speed moves enough for its friction and inertia to show: over a wide range at
+/// any speed, over a small one at a speed that no held joint has.
 pub fn moves_enough(range: f64, speed: f64, slides: bool) -> bool {
     let least = if slides { LEAST_SLIDE } else { LEAST_MOTION };
-    range >= least[0] && speed >= least[1]
+    range >= least[0] && (speed >= least[1] || range >= WIDE * least[0])
 }
 
 #[cfg(test)]
@@ -193,6 +197,12 @@ mod tests {
         assert!(!moves_enough(0.019, 0.061, false) && !moves_enough(0.021, 0.059, false));
         assert!(!moves_enough(0.0019, 0.0061, true) && !moves_enough(0.0021, 0.0059, true));
         assert!(!moves_enough(0.01, 0.012, false) && moves_enough(0.01, 0.012, true));
+    }
+
+    #[test]
+    fn a_joint_that_goes_far_moves_however_slowly() {
+        assert!(moves_enough(0.05, 0.01, false) && !moves_enough(0.049, 0.01, false));
+        assert!(moves_enough(0.005, 1e-3, true) && !moves_enough(0.0049, 1e-3, true));
     }
 
     #[test]

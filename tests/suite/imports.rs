@@ -86,6 +86,36 @@ fn files_of_a_room_import_each_other_without_circles() {
     assert!(described.is_empty(), "files import each other in circles:\n    {}", described.join("\n\n    "));
 }
 
+/// Arrows between the rooms and files right inside each room, drawn by all files within them.
+fn inside_rooms(krate: &Crate) -> BTreeMap<ModulePath, BTreeMap<String, BTreeSet<String>>> {
+    let mut found: BTreeMap<ModulePath, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+    for (from, to) in krate.arrows() {
+        for to in to {
+            let shared = from.iter().zip(&to).take_while(|(own, other)| own == other).count();
+            if let (Some(own), Some(other)) = (from.get(shared), to.get(shared)) {
+                let arrows = found.entry(from[..shared].to_vec()).or_default();
+                arrows.entry(other.clone()).or_default();
+                arrows.entry(own.clone()).or_default().insert(other.clone());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn rooms_inside_a_room_import_each_other_without_circles() {
+    let found = inside_rooms(&Crate::read(&root()));
+    assert!(found.len() > 10, "{:?}", found.keys());
+    let wrong: Vec<String> = found
+        .iter()
+        .filter(|(room, _)| !room.is_empty())
+        .flat_map(|(room, arrows)| {
+            circles(arrows).into_iter().map(move |circle| format!("{}: {circle:?}", room.join("::")))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "rooms import each other in circles:\n    {}", wrong.join("\n    "));
+}
+
 #[test]
 fn circles_are_found_and_chains_are_none() {
     let graph = |arrows: &[(u8, u8)]| {

@@ -11,7 +11,6 @@ use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
-use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::diagnosis as report;
 use crate::report::html::{self, Provenance};
@@ -146,11 +145,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     bar.finish_and_clear();
 
-    if let Some(verdict) = &answer.description {
-        let named = arguments.logs.named(arguments.arm.robot.clone());
-        let units = UnitChanges::default();
-        corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, &verdict.description, units)?;
-    }
+    let named = arguments.logs.named(arguments.arm.robot.clone());
+    let description = answer.description.as_ref().map(|verdict| &verdict.description);
+    corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units)?;
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
     let text = match answer.conclusion() {
         Some(conclusion) => write_conclusion(&folder, &answer, conclusion, scenario.as_ref(), global)?,

@@ -14,7 +14,6 @@ use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
 use crate::identification::smoothing_choice::usual_window;
 use crate::output::ResultFolder;
-use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
@@ -78,7 +77,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     place(&arguments.effect, arm.robot(), None)?;
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let Logs { train, test, mut notes, correction } =
+    let Logs { train, test, mut notes, correction, units } =
         logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
     let mut robot = arm.into_robot();
     notes.extend(robot.notes.clone());
@@ -87,10 +86,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     let preparation = preparation(arguments, setup.as_ref(), &train[0])?;
     let folder = ResultFolder::create(global.folder(&format!("identify_{}", robot.name)))?;
-    if let Some(description) = &correction {
-        let named = arguments.logs.named(arguments.arm.robot.clone());
-        corrected::write(&folder, dataset.as_ref(), &named, &robot, description, UnitChanges::default())?;
-    }
+    let named = arguments.logs.named(arguments.arm.robot.clone());
+    corrected::write(&folder, dataset.as_ref(), &named, &robot, correction.as_ref(), units)?;
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let logs = fit::Logs { train: &train, test: &test };
     let observed = equations::observed(&robot, logs, preparation, arguments.trust)?;

@@ -5,7 +5,6 @@ use crate::dataset::{self, Dataset, Named};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
-use crate::quality::descriptions::Description;
 use crate::quality::{self, Together, UnitChanges};
 use crate::recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
@@ -97,16 +96,11 @@ fn correct(
 ) -> Result<Option<PathBuf>> {
     let verdict = together.verdict.as_ref();
     // One recorder made all logs: a fault that one shows and another does not is not corrected for all.
-    let units = together.reports[0].units;
-    let shared = together.reports.iter().all(|report| {
-        report.units.degrees == units.degrees && report.units.time_factor.is_some() == units.time_factor.is_some()
-    });
-    let units = if shared { units } else { UnitChanges::default() };
-    if verdict.is_none() && units == UnitChanges::default() {
+    let units = UnitChanges::shared(&together.reports);
+    if verdict.is_none() && units.is_none() {
         return Ok(None);
     }
-    let as_given = Description::as_given(robot.dof(), robot.gravity);
-    let description = verdict.map_or(&as_given, |verdict| &verdict.description);
+    let description = verdict.map(|verdict| &verdict.description);
     let name = arguments.log[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
     let named = Named { robot: arguments.arm.robot.clone(), train: arguments.log.clone(), test: Vec::new() };

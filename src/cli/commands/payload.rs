@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let mut arm = arguments.arm.open(&file, Trust::Structure, dataset, &files)?;
     let mut logs = [before.read(&arm.robot)?, after.read(&arm.robot)?];
     arm.settle(dataset, &mut logs)?;
-    let Logs { train, test, mut notes, correction } = dataset::ready(logs, &arm.robot)?;
+    let Logs { train, test, mut notes, correction, .. } = dataset::ready(logs, &arm.robot)?;
     let mut robot = arm.robot;
     notes.extend(robot.notes.clone());
     if let Some(correction) = &correction {

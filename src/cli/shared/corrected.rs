@@ -10,7 +10,8 @@ use crate::robot::Robot;
 /// Its name in the folder of results.
 pub const FILE: &str = "corrected.toml";
 
-/// Writes it, and returns whether it could: `dataset`, or a new one of the files `named`, with what `description` and `units` change.
+/// Writes it where there is a change, and returns whether it is written: `dataset`, or a new one of the files `named`, with what
+/// `description` and `units` change.
 ///
 /// # Errors
 /// Those of [`corrected`] and of writing.
@@ -19,9 +20,14 @@ pub fn write(
     dataset: Option<&Dataset>,
     named: &Named,
     robot: &Robot,
-    description: &Description,
+    description: Option<&Description>,
     units: UnitChanges,
 ) -> Result<bool> {
+    if description.is_none() && units.is_none() {
+        return Ok(false);
+    }
+    let as_given = Description::as_given(robot.dof(), robot.gravity);
+    let description = description.unwrap_or(&as_given);
     if dataset.is_some_and(Dataset::is_coupled) {
         tracing::warn!("{FILE} is not written: the motors are coupled, so apply the change to the columns by hand");
         return Ok(false);

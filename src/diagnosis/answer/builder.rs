@@ -7,12 +7,13 @@ use super::outcome::{Answer, Outcome};
 use crate::diagnosis::Options;
 use crate::diagnosis::logs::{
     CleanLogs, Consequence, GivenLog, Screened, all_faults, check_held_out, check_length, correct, refuse_twice,
-    screen_all, shared_verdict, still_joints,
+    screen_all, screen_in_own_units, shared_verdict, still_joints,
 };
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
+use crate::quality::UnitChanges;
 use crate::robot::Robot;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -191,10 +192,16 @@ impl<'a> DiagnosisBuilder<'a> {
                 logs.into_iter().enumerate().map(named).collect::<Vec<_>>()
             });
         // Logs of one time are screened together.
-        let screened = |logs| screen_all(logs, self.robot)?.into_iter().collect::<Result<Vec<Screened>>>();
-        let mut reference = screened(reference)?;
+        let screened = |logs| -> Result<(Vec<Screened>, UnitChanges)> {
+            let (screened, units) = match self.corrects {
+                true => screen_in_own_units(logs, self.robot)?,
+                false => (screen_all(logs, self.robot)?, UnitChanges::default()),
+            };
+            Ok((screened.into_iter().collect::<Result<_>>()?, units))
+        };
+        let (mut reference, _) = screened(reference)?;
         let trained = train.len();
-        let mut train = screened(train.into_iter().chain(test).collect())?;
+        let (mut train, units) = screened(train.into_iter().chain(test).collect())?;
         let mut test = train.split_off(trained);
         if train.is_empty() {
             return Err(Error::request(&*labels[0], "are missing; give at least one log to identify from"));
@@ -218,7 +225,7 @@ impl<'a> DiagnosisBuilder<'a> {
         let logs = CleanLogs { train, test, reference };
         let alpha = options.alpha;
         if stops {
-            return Ok(Answer { robot, alpha, logs, faults, description, outcome: Outcome::Stopped });
+            return Ok(Answer { robot, alpha, logs, faults, description, units, outcome: Outcome::Stopped });
         }
         let input = logs.input(present);
         let Observed { model, left_out } = observed(&robot, &input, &still)?;
@@ -226,6 +233,6 @@ impl<'a> DiagnosisBuilder<'a> {
         watch.tell(Progress::Screened);
         let concluded = conclude(&model, &input, &options, &mut watch)?;
         let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));
-        Ok(Answer { robot, alpha, logs, faults, description, outcome })
+        Ok(Answer { robot, alpha, logs, faults, description, units, outcome })
     }
 }

@@ -9,7 +9,7 @@ use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
-use crate::diagnosis::lack_of_fit::{disagreement, mapped};
+use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{Arm, DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -231,10 +231,14 @@ fn answer<'a>(
     let followed =
         mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
     unexplained.extend(followed);
+    let extended_test_rms = rms(&test.valid, &extended);
+    if unfinished {
+        let open = above_noise(&extended_test_rms, &noise_floor, &unexplained, &options.criteria.structure);
+        unexplained.extend(open);
+    }
     let residuals = Residuals { before: &baseline, after: &extended, valid: &test.valid, noise: &noise_floor };
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
-    let extended_test_rms = rms(&test.valid, &extended);
     let simulation_test_rms = rms(&test.valid, &simulation);
     let criteria = &options.criteria.verdict;
     withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, criteria);

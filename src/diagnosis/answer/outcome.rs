@@ -7,7 +7,7 @@ use super::resimulation::{Replay, Resimulation};
 use crate::diagnosis::logs::{CleanLogs, Consequence, DataFault};
 use crate::diagnosis::search::Verdict;
 use crate::error::{Error, Result};
-use crate::quality::descriptions;
+use crate::quality::{UnitChanges, descriptions};
 use crate::robot::Robot;
 use crate::scenario::Measured;
 use crate::simulation::engine::EngineKind;
@@ -25,6 +25,8 @@ pub struct Answer {
     pub faults: Vec<DataFault>,
     /// What is wrong with the description of all logs alike. It was corrected where it is beyond doubt.
     pub description: Option<descriptions::Verdict>,
+    /// Units of training and held-out logs that were not those of their description, and were converted.
+    pub units: UnitChanges,
     /// What came of it.
     pub outcome: Outcome,
 }

@@ -3,12 +3,14 @@
 //! In: residuals of the extended model. Out: per joint what the residual still follows (generic functions of the state,
 //! spectral lines, disagreement of the logs), with size and p-value.
 
+mod above_noise;
 mod disagreement;
 mod harmonics;
 mod mapped;
 mod structure;
 mod unexplained;
 
+pub use above_noise::above_noise;
 pub use disagreement::{LOGS_DISAGREE, disagreement};
 pub use mapped::mapped;
 pub use structure::Unexplained;

@@ -20,5 +20,6 @@ pub use log::Log;
 pub use low_pass::LowPass;
 pub use rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
 pub use screening::{
-    Consequence, DataFault, Screened, all_faults, correct, screen, screen_all, shared_verdict, still_joints,
+    Consequence, DataFault, Screened, all_faults, correct, screen, screen_all, screen_in_own_units, shared_verdict,
+    still_joints,
 };

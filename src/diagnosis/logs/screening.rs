@@ -6,7 +6,7 @@
 
 use crate::error::{Error, Result};
 use crate::quality::descriptions::{self, Verdict};
-use crate::quality::{self, Kind, Severity};
+use crate::quality::{self, Kind, Severity, UnitChanges};
 use crate::recording::lenient::Sieved;
 use crate::recording::{Recording, resample};
 use crate::robot::Robot;
@@ -73,6 +73,33 @@ pub fn screen_all(logs: Vec<(String, Sieved)>, robot: &Robot) -> Result<Vec<Resu
     let reports = quality::examine_together(&sieved, Some(robot))?.reports;
     let ready = |((name, sieved), report): ((String, Sieved), quality::Report)| ready(name, sieved, report);
     Ok(logs.into_iter().zip(reports).map(ready).collect())
+}
+
+/// The same in the units that all logs show, where these are beyond doubt.
+///
+/// # Errors
+/// Those of [`screen_all`].
+pub fn screen_in_own_units(
+    mut logs: Vec<(String, Sieved)>,
+    robot: &Robot,
+) -> Result<(Vec<Result<Screened>>, UnitChanges)> {
+    let mut sieved: Vec<&mut Sieved> = logs.iter_mut().map(|(_, sieved)| sieved).collect();
+    let (together, units) = quality::examine_in_own_units(&mut sieved, robot)?;
+    let corrected = |screened: &mut Screened| {
+        screened.faults.extend(units.lines().into_iter().map(|(kind, place, text)| DataFault {
+            kind,
+            log: screened.name.clone(),
+            place: place.to_owned(),
+            text,
+            consequence: Consequence::Corrected,
+        }));
+    };
+    let screened = logs.into_iter().zip(together.reports).map(|((name, sieved), report)| {
+        let mut screened = ready(name, sieved, report)?;
+        corrected(&mut screened);
+        Ok(screened)
+    });
+    Ok((screened.collect(), units))
 }
 
 fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screened> {

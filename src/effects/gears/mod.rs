@@ -1,11 +1,9 @@
 //! What lies between motor and link: play, compliance, couplings between joints.
 
 mod backlash;
-mod gear;
 mod joint_coupling;
 mod joint_elasticity;
 
 pub use backlash::Backlash;
-pub use gear::{DAMPING_TIME_S, Gear};
 pub use joint_coupling::JointCoupling;
 pub use joint_elasticity::JointElasticity;

@@ -73,18 +73,19 @@ impl Resolver<'_> {
         let may_lack = self.lenient && count.is_some() && !found.is_empty();
         let count = count.or(named).unwrap_or(highest);
         let robot = || format!("the robot has {} joints ({})", self.names.len(), self.names.join(", "));
-        if let Some((_, &column)) = found.range(count + 1..).next() {
+        let gap = (1..=count.max(1)).find(|number| !found.contains_key(number));
+        // Beyond a hole, the numbers of the file are not those of the joints.
+        if let Some((_, &column)) = found.range(count + 1..).next().filter(|_| gap.is_none()) {
             let known = if self.fixed { robot() } else { format!("there are positions of {count} joints") };
             let problem = format!("a {name} too many: {known}");
             return Err(Error::input(self.path, self.line, &self.header[column], problem));
         }
-        let gap = (1..=count.max(1)).find(|number| !found.contains_key(number));
         let Some(gap) = gap else { return Ok(found.values().copied().collect()) };
         if may_lack {
             return Ok((1..=count).map(|number| found.get(&number).copied().unwrap_or(ABSENT)).collect());
         }
         let column = format!("{}{gap}", prefixes[0]);
-        let accepted = match self.names.get(gap - 1) {
+        let accepted = match self.names.get(gap - 1).filter(|_| highest <= count) {
             Some(joint) => format!("{column}, {}_{joint} or {joint}{}", prefixes[0], suffixes[0]),
             None => column.clone(),
         };

@@ -148,7 +148,9 @@ fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'st
     } else if text.starts_with('{')
         || text.strip_prefix('[').is_some_and(|rest| rest.trim_start().starts_with(['{', '[']))
     {
-        let code = format!("import pandas; pandas.read_json('{name}').to_csv('{stem}.csv', index=False)");
+        // One object a line.
+        let lines = if text.lines().filter(|line| line.starts_with('{')).count() > 1 { ", lines=True" } else { "" };
+        let code = format!("import pandas; pandas.read_json('{name}'{lines}).to_csv('{stem}.csv', index=False)");
         ("JSON", python(code))
     } else if text.starts_with("header:") {
         ("the text of ros2 topic echo", "record it with ros2 bag record, or echo it with --csv".to_owned())
@@ -185,6 +187,7 @@ mod tests {
             ("a.xlsx", b"PK\x03\x04\0\0", ["a spreadsheet", "convert-to csv a.xlsx"]),
             ("a.csv", b"PK\x03\x04\0\0", ["a ZIP archive", "unzip a.csv"]),
             ("a.json", b" {\"t\": [0]}", ["JSON", "read_json('a.json')"]),
+            ("a.jsonl", b"{\"t\": 0}\n{\"t\": 1}\n", ["JSON", "read_json('a.jsonl', lines=True)"]),
             ("a.csv.gz", b"\x1F\x8B\x08\0", ["gzip", "gunzip a.csv.gz"]),
             ("a.csv", b"<?xml?><robot name=\"r\">", ["URDF", "--robot"]),
             ("a.csv", b"<mujoco model=\"r\">", ["MuJoCo", "--robot"]),

@@ -5,11 +5,12 @@ use crate::channels::Channels;
 use crate::error::Result;
 use crate::excitation::encoding::{FourierEncoding, random_point};
 use crate::excitation::random_sequence::FreudensteinEncoding;
-use crate::excitation::{Encoding, Motion, Reference};
+use crate::excitation::{Encoding, JointLimits, Motion, Reference};
 use crate::random;
 use crate::recording::Recording;
 use crate::scenario::Setup;
 use rand::RngExt;
+use std::f64::consts::PI;
 
 /// Motions of a run that are identified from; the other is held out.
 pub(crate) const TRAIN: usize = 2;
@@ -29,21 +30,30 @@ const HARMONICS: std::ops::RangeInclusive<usize> = 5..=10;
 /// If the limits allow none.
 pub(crate) fn motions(case: &Case, setup: &Setup) -> Result<Vec<Motion>> {
     let duration = if case.cut { DURATION_S + 2.0 * CUT_S } else { DURATION_S };
+    let limits: Vec<JointLimits> = setup.limits.iter().map(finite).collect();
     (0..MOTIONS as u64)
         .map(|index| {
             let encoding: Box<dyn Encoding> = match case.motion {
                 MotionKind::Freudenstein => {
                     let moves = (duration / MOVE_S).round() as usize;
-                    Box::new(FreudensteinEncoding::new(&setup.limits, moves, duration)?)
+                    Box::new(FreudensteinEncoding::new(&limits, moves, duration)?)
                 }
                 MotionKind::Fourier => {
                     let harmonics = random::stream(case.seed, "blind harmonics", index).random_range(HARMONICS);
-                    Box::new(FourierEncoding::new(&setup.limits, harmonics, duration, 1)?)
+                    Box::new(FourierEncoding::new(&limits, harmonics, duration, 1)?)
                 }
             };
             Ok(encoding.decode(&random_point(encoding.as_ref(), case.seed, "blind motion", index)))
         })
         .collect()
+}
+
+/// Limits to scale a motion to: where a joint has none, half a turn to either side, and the speed that it reaches halfway.
+fn finite(limits: &JointLimits) -> JointLimits {
+    let or = |value: f64, other: f64| if value.is_finite() { value } else { other };
+    let (lower, upper) = (or(limits.lower, -PI), or(limits.upper, PI));
+    let velocity = or(limits.velocity, (limits.acceleration * (upper - lower)).sqrt());
+    JointLimits { lower, upper, velocity, ..*limits }
 }
 
 /// The part of a log of a motion that is kept; times stay as they are.
@@ -66,4 +76,25 @@ pub(crate) fn reference_log(case: &Case, setup: &Setup, motion: &Motion) -> Reco
     }
     let tau = Channels::zeros(dof, samples);
     kept(case, &Recording { joints: setup.known.joint_names(), time, q, tau, ..Default::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_that_turns_without_end_moves_within_a_turn() {
+        let endless = JointLimits {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            velocity: f64::INFINITY,
+            acceleration: 8.0 / PI,
+        };
+        let bounded = finite(&endless);
+        assert_eq!([bounded.lower, bounded.upper, bounded.acceleration], [-PI, PI, 8.0 / PI]);
+        assert!((bounded.velocity - 4.0).abs() < 1e-12);
+        assert!(FourierEncoding::new(&[bounded], 5, 20.0, 1).is_ok());
+        let own = JointLimits { lower: -1.0, upper: 0.5, velocity: 2.0, acceleration: 3.0 };
+        assert_eq!(finite(&own), own);
+    }
 }

@@ -12,7 +12,6 @@ use crate::identification::fit;
 use crate::identification::model::Model;
 use crate::identification::smoothing_choice;
 use crate::output::ResultFolder;
-use crate::quality::UnitChanges;
 use crate::recording::Recording;
 use crate::report::html::{self, Provenance};
 use crate::report::measured::Compared;
@@ -34,13 +33,13 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let mut logs = dataset.sieved(&arm.robot)?;
     arm.settle(Some(&dataset), &mut logs)?;
     let mut robot = arm.robot;
-    let Logs { train, test, mut notes, correction } = dataset::ready(logs, &robot)?;
+    let Logs { train, test, mut notes, correction, units } = dataset::ready(logs, &robot)?;
     notes.extend(robot.notes.clone());
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
     if let Some(description) = &correction {
         robot.gravity = description.gravity;
-        corrected::write(&folder, Some(&dataset), &Named::default(), &robot, description, UnitChanges::default())?;
     }
+    corrected::write(&folder, Some(&dataset), &Named::default(), &robot, correction.as_ref(), units)?;
     let model = Model::new(&robot);
     let usual_preparation = identify::usual_preparation(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());

@@ -64,6 +64,7 @@ fn wrong_headers_are_named() {
         ("t,q1,tau1,tau2", None, ["log.csv:1: tau2:", "too many: there are positions of 1 joints"]),
         ("t,q1,q2,tau1,tau2", Some(six), ["log.csv:1: q3:", "fewer joints than the robot"]),
         ("t,q1,q2,q3,q4,tau1", Some(six), ["log.csv:1: q4:", "the robot has 3 joints (a, b, c)"]),
+        ("t,q1,q3,q4,tau1", Some(six), ["log.csv:1: q2:", "a hole in the numbering: q3 is there, but no q2"]),
         ("t,q_x,tau_x", Some(six), ["log.csv:1: q1:", "(q1, q_a or a_position)"]),
         ("t,q_a,q_b,tau_a", None, ["log.csv:1: tau2:", "tau_b"]),
         ("t,q1,tau1", Some(&[]), ["log.csv:1: q1:", "the robot has 0 joints"]),

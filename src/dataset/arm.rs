@@ -135,17 +135,6 @@ impl LoggedArm {
         Ok(())
     }
 
-    /// Places the joints not under study where all logs say that they stand; those under study stay so.
-    ///
-    /// # Errors
-    /// Those of [`LoggedArm::open`].
-    pub fn place(&mut self, dataset: Option<&Dataset>, logs: &[PathBuf]) -> Result<()> {
-        let (hold, notes) = self.elsewhere(dataset, &logs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-        self.hold(dataset, hold, self.robot.joint_names())?;
-        self.robot.notes.extend(notes);
-        Ok(())
-    }
-
     /// Makes the arm again with joints held, the joints `moving` under study; false where there are none to hold.
     fn hold(&mut self, dataset: Option<&Dataset>, hold: Vec<(String, f64)>, moving: Vec<String>) -> Result<bool> {
         if hold.is_empty() {

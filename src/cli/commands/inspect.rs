@@ -34,19 +34,15 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let file = arguments.arm.file(dataset.as_ref());
-    let open = |file: PathBuf| {
-        let mut arm = arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log)?;
-        arm.place(dataset.as_ref(), &arguments.log)?;
-        Ok(arm.robot)
-    };
-    let robot = file.map(open).transpose()?;
+    let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);
+    let mut arm = file.map(open).transpose()?;
     let [first, others @ ..] = &arguments.log[..] else { return Err(Error::request("LOG", "give a log")) };
     if arguments.convert.is_some() && !others.is_empty() {
         return Err(Error::request("--convert", "takes one log; give the logs one by one"));
     }
     let mut stages = progress::Stages::new(global, &[1, 1]);
     stages.begin("reading the log");
-    let read = |log: &PathBuf| match (&dataset, &robot) {
+    let read = |log: &PathBuf| match (&dataset, arm.as_ref().map(|arm| &arm.robot)) {
         (None, Some(robot)) => dataset::read(log, robot),
         (None, None) => lenient::load(log, None, &ColumnMap::default()),
         (Some(dataset), Some(robot)) => dataset.read(log, robot),
@@ -55,10 +51,18 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
             Err(Error::request("--robot", problem))
         }
     };
-    let sieved = arguments.log.iter().map(read).collect::<Result<Vec<Sieved>>>()?;
+    let read = |log: &PathBuf| Ok((log.clone(), read(log)?));
+    let mut logs = [arguments.log.iter().map(read).collect::<Result<Vec<(PathBuf, Sieved)>>>()?];
+    // A converted log keeps the joints that stand still.
+    let converted = arguments.convert.as_ref().map(|path| convert(path, first, &logs[0][0].1)).transpose()?;
+    if let Some(arm) = &mut arm {
+        arm.settle(dataset.as_ref(), &mut logs)?;
+    }
+    let robot = arm.map(|arm| arm.robot);
+    let [logs] = logs;
+    let sieved: Vec<Sieved> = logs.into_iter().map(|(_, sieved)| sieved).collect();
     stages.begin("examining the log");
     let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
-    let converted = arguments.convert.as_ref().map(|path| convert(path, first, &sieved[0])).transpose()?;
     let corrected = match &robot {
         Some(robot) => correct(arguments, global, dataset.as_ref(), robot, &together)?,
         None => None,

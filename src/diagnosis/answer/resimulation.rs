@@ -64,6 +64,7 @@ impl Replay {
     /// # Errors
     /// If the baseline or the extended model cannot be simulated.
     pub(super) fn run(&self, diagnosis: &Diagnosis, engine: EngineKind) -> Result<Resimulation> {
+        let engine = engine.of(&self.described.robot);
         let [baseline, extended] = [&self.baseline, &self.extended].map(|model| model.as_ref().map_err(Error::clone));
         let fitted = resimulate(engine, &[baseline?, extended?], &self.rows)?;
         let (baseline, extended) = (&fitted[0], &fitted[1]);

@@ -45,6 +45,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     let sieved: Vec<&Sieved> = all.iter().map(|(_, sieved)| sieved).collect();
     let quality::Together { reports, verdict } = quality::examine_together(&sieved, Some(robot))?;
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
+    let mut findings = Vec::new();
     for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
             let problem = format!("the log cannot be used: {}", finding.text);
@@ -59,7 +60,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         let told = report.findings.iter().filter(|finding| {
             finding.severity == quality::Severity::Warning || finding.kind == quality::Kind::ModelTorque
         });
-        logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
+        findings
+            .extend(told.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
         let mut pieces = resample::pieces(sieved.recording);
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
@@ -69,6 +71,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         }
         if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
+    let findings = quality::with_logs(findings);
+    logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
     if logs.correction.is_some() {
         logs.notes.push(
             "the logs are taken as corrected.toml describes them; the arm's gravity is the one given there".into(),

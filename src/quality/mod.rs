@@ -17,7 +17,7 @@ mod view;
 
 pub use channels::{clipping, motor_off};
 pub use examination::{examine, examine_together, inspect};
-pub use finding::{Finding, Kind, Severity};
+pub use finding::{Finding, Kind, Severity, with_logs};
 pub use motion::JointSummary;
 pub use report::{Report, Together, UnitChanges};
 

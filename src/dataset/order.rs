@@ -10,7 +10,8 @@ pub(super) fn select(sieved: &mut Sieved, names: &[String], wanted: &[String]) {
         let place = |name: &String| names.iter().position(|own| own == name);
         let order: Vec<usize> = wanted.iter().filter_map(place).collect();
         reorder(&mut sieved.recording, &order);
-        sieved.unwrapped = (0..order.len()).filter(|joint| sieved.unwrapped.contains(&order[*joint])).collect();
+        let turn = |own: usize| sieved.unwrapped.iter().find(|(joint, _)| *joint == own).map(|(_, turn)| *turn);
+        sieved.unwrapped = (0..order.len()).filter_map(|joint| Some((joint, turn(order[joint])?))).collect();
     }
 }
 

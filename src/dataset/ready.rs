@@ -50,6 +50,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     logs.units = units;
     logs.notes.extend(units.lines().into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
+    let mut findings = Vec::new();
     for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
             let problem = format!("the log cannot be used: {}", finding.text);
@@ -64,7 +65,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         let told = report.findings.iter().filter(|finding| {
             finding.severity == quality::Severity::Warning || finding.kind == quality::Kind::ModelTorque
         });
-        logs.notes.extend(told.map(|finding| format!("{}: {}: {}", path.display(), finding.place, finding.text)));
+        findings
+            .extend(told.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
         let mut pieces = resample::pieces(sieved.recording);
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
@@ -74,6 +76,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         }
         if place < trained { &mut logs.train } else { &mut logs.test }.extend(pieces);
     }
+    let findings = quality::with_logs(findings);
+    logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
     let gravity = if logs.correction.is_some() { "; the arm's gravity is the one given there" } else { "" };
     if logs.correction.is_some() || !logs.units.is_none() {
         logs.notes.push(format!("the logs are taken as corrected.toml describes them{gravity}"));

@@ -5,7 +5,7 @@ use super::statistics::size_quantile;
 use super::view::View;
 use crate::channels::Channels;
 use crate::recording::Recording;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
@@ -57,7 +57,11 @@ pub fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         }
         out.extend(unsigned(view, joint, own));
     }
-    out.extend(all_unsigned(view, &logged.tau, &out));
+    if let Some(all) = all_unsigned(view, &logged.tau, &out) {
+        // One cause: the joints are not told one by one.
+        out.retain(|finding| finding.kind != Kind::UnsignedTorque);
+        out.push(all);
+    }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         let zero = logged.tau.as_slice().iter().all(|value| *value == 0.0 || value.is_nan());
         let text = match zero {
@@ -100,10 +104,30 @@ fn path(signal: &[f64]) -> f64 {
     signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
 }
 
+/// The first of the samples before which a position jumps by half a turn, again and again: it was wrapped at half a turn, or
+/// comes from a function that knows no more of an angle.
+pub fn half_turn(q: &[f64]) -> Option<usize> {
+    let jumps = |x: &[f64]| {
+        let calm = (x[1] - x[0]).abs().max((x[3] - x[2]).abs());
+        calm < 0.1 * PI && ((x[2] - x[1]).abs() - PI).abs() < 0.05 * PI
+    };
+    let mut places = q.windows(4).enumerate().filter(|(_, x)| jumps(x)).map(|(at, _)| at + 1);
+    // One jump may be anything.
+    let first = places.next()?;
+    places.next().map(|_| first)
+}
+
 fn wrapped(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let jumps = |pair: &[f64]| ((pair[1] - pair[0]).abs() - TAU).abs() < 0.05 * TAU;
-    let at = q.windows(2).position(jumps)?;
-    let text = "the position jumps by a whole turn between two samples; unwrap it before use";
+    let whole = q.windows(2).position(jumps);
+    let at = whole.or_else(|| half_turn(q))?;
+    let text = match whole {
+        Some(_) => "the position jumps by a whole turn between two samples; unwrap it before use",
+        None => {
+            "the position jumps by half a turn between two samples, again and again: it was wrapped at half a turn; undo that, or log \
+             the angle itself"
+        }
+    };
     let place = format!("{} at {:.4} s", view.place("q", joint), view.log.time[at]);
     Some(Finding::new(Kind::Wrapped, Severity::Warning, place, text))
 }
@@ -275,19 +299,20 @@ fn all_torques(view: &View) -> String {
     format!("tau1 .. tau{}", view.dof())
 }
 
-/// Torques of few digits, none of which is ever negative (or positive) although each comes to zero again and again: one joint
-/// may be loaded so, all of them are not.
+/// Torques none of which is ever negative (or positive), although two come to zero and turn back, or, of few digits, each comes to
+/// zero again and again: one joint may be loaded so, all of them are not.
 fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Finding> {
     let changing: Vec<&[f64]> = logged.iter().filter(|tau| tau.iter().any(|v| *v != tau[0])).collect();
     let visits = |tau: &[f64]| runs(tau).filter(|&(start, _)| tau[start] == 0.0).count();
     let one_sided = |tau: &&[f64]| {
         let (low, high) = extremes(tau);
-        (low >= 0.0 || high <= 0.0) && visits(tau) >= MANY
+        low >= 0.0 || high <= 0.0
     };
-    let known = found.iter().any(|finding| finding.kind == Kind::UnsignedTorque);
-    (changing.len() > 1 && !known && changing.iter().all(one_sided)).then(|| {
-        let text = "no torque ever changes its sign, although each comes to zero again and again: the signs were lost (a \
-                    load without direction, or an absolute value); log the torques with their signs";
+    let turned_back = found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque).count() > 1;
+    let visited = || changing.iter().all(|tau| visits(tau) >= MANY);
+    (changing.len() > 1 && changing.iter().all(one_sided) && (turned_back || visited())).then(|| {
+        let text = "no torque ever changes its sign, although they come to zero again and again: the signs were lost (a load \
+                    without direction, or an absolute value); log the torques with their signs";
         Finding::new(Kind::UnsignedTorque, Severity::Warning, all_torques(view), text)
     })
 }

@@ -61,8 +61,9 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
     // Where something else is wrong, that must be corrected first.
     let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
     if sound && descriptions::is_modelled(&all, robot) {
-        let text = "the torques are those of a rigid-body model without friction: they come from the controller's own model or a \
-                    simulation and are no measurement; identification gives that model back";
+        let text = "the torques are those of a rigid-body model, and no joint has any friction in them: they come from the \
+                    controller's own model or a simulation and are no measurement, so that identification gives that model back; or \
+                    from sensors behind the gears, which do not see friction";
         for &log in &with_torque {
             reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
         }
@@ -87,11 +88,15 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let view = View::new(&even, robot)?;
         summaries = motion::summaries(&view, robot);
         findings.extend(channels::findings(&view, &sieved.recording));
-        let mut about_motion = motion::findings(&view, &summaries, robot);
+        let endless = motion::endless(&sieved.unwrapped, robot, view.dof());
+        let mut about_motion = motion::findings(&view, &summaries, robot, &endless);
         // A joint that went on turning may be whole turns outside its limits.
-        let turned = |finding: &Finding| sieved.unwrapped.iter().any(|&joint| finding.place == view.place("q", joint));
+        let turned =
+            |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
         about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
-        let positions_doubtful = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
+        // Torques are not compared with positions in another unit, or half a turn from where the joint is.
+        let other_unit = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
+        let positions_doubtful = other_unit || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
         // Derivatives across a long gap are those of no motion.
         let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
@@ -99,7 +104,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let (about_velocity, factor) = velocity::findings(&view);
         findings.extend(about_velocity);
         units.time_factor = factor;
-        units.degrees = positions_doubtful && motion::in_degrees(&summaries, robot);
+        units.degrees = other_unit && motion::in_degrees(&summaries, robot, &endless);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {
             let (found, condition) = torque::findings(&view, &mut summaries, robot);

@@ -74,3 +74,27 @@ impl Finding {
         Finding { kind, place: place.into(), severity, text: text.into() }
     }
 }
+
+/// What was found in logs, each item once, with the logs that have it.
+pub fn with_logs<L: PartialEq, T: PartialEq>(found: impl IntoIterator<Item = (L, T)>) -> Vec<(Vec<L>, T)> {
+    let mut out: Vec<(Vec<L>, T)> = Vec::new();
+    for (log, item) in found {
+        match out.iter_mut().find(|(_, known)| *known == item) {
+            Some((logs, _)) if logs.contains(&log) => {}
+            Some((logs, _)) => logs.push(log),
+            None => out.push((vec![log], item)),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_several_logs_have_is_there_once() {
+        let found = [("a", 1), ("a", 2), ("b", 1), ("a", 1), ("b", 3)];
+        assert_eq!(with_logs(found), [(vec!["a", "b"], 1), (vec!["a"], 2), (vec!["b"], 3)]);
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::console::{significant, table};
 use crate::quality::descriptions::{Alternative, Change, Verdict, words};
-use crate::quality::{Finding, JointSummary, Report, Severity};
+use crate::quality::{Finding, JointSummary, Report, Severity, with_logs};
 use crate::recording::lenient::Rejected;
 use crate::robot::Robot;
 use serde::Serialize;
@@ -117,8 +117,34 @@ pub(crate) fn result<'a>(path: &Path, robot: Option<&'a Robot>, report: &'a Repo
     }
 }
 
-/// The same for people.
-pub(crate) fn text(path: &Path, robot: Option<&Robot>, report: &Report) -> String {
+/// The same for people: each log, and then what was found in several of them.
+pub(crate) fn texts(logs: &[(&Path, &Report)], robot: Option<&Robot>) -> String {
+    let each = logs.iter().flat_map(|(path, report)| report.findings.iter().map(move |finding| (*path, finding)));
+    let each = with_logs(each);
+    let (shared, own): (Vec<_>, Vec<_>) = each.into_iter().partition(|(paths, _)| paths.len() > 1);
+    let mut parts: Vec<String> = logs
+        .iter()
+        .map(|(path, report)| {
+            let own = own.iter().filter(|(paths, _)| paths.contains(path)).map(|(_, finding)| *finding);
+            text(path, robot, report, &own.collect::<Vec<_>>())
+        })
+        .collect();
+    let mut of: Vec<Vec<&Path>> = Vec::new();
+    for (paths, _) in &shared {
+        if !of.contains(paths) {
+            of.push(paths.clone());
+        }
+    }
+    for paths in of {
+        let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+        let findings = shared.iter().filter(|(own, _)| *own == paths).map(|(_, finding)| line(finding));
+        parts.push(format!("{}:\n{}", names.join(", "), findings.collect::<Vec<_>>().join("\n")));
+    }
+    parts.join("\n\n")
+}
+
+/// One log; `own` are the findings that no other log has.
+fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -> String {
     let mut text = format!(
         "{}: {} rows over {:.3} s at {} Hz, jitter {} ms, {} gaps, {} rows left out",
         path.display(),
@@ -167,14 +193,17 @@ pub(crate) fn text(path: &Path, robot: Option<&Robot>, report: &Report) -> Strin
     if report.findings.is_empty() {
         return text + "\n\nNothing is wrong with it.";
     }
-    text += "\n";
-    for finding in &report.findings {
-        let severity = match finding.severity {
-            Severity::Fatal => "fatal",
-            Severity::Warning => "warning",
-            Severity::Note => "note",
-        };
-        text += &format!("\n{severity}: {}: {}", finding.place, finding.text);
+    if !own.is_empty() {
+        text += &format!("\n\n{}", own.iter().map(|finding| line(finding)).collect::<Vec<_>>().join("\n"));
     }
     text
+}
+
+fn line(finding: &Finding) -> String {
+    let severity = match finding.severity {
+        Severity::Fatal => "fatal",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+    };
+    format!("{severity}: {}: {}", finding.place, finding.text)
 }

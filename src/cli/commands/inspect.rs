@@ -72,14 +72,14 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         arguments.log.iter().map(PathBuf::as_path).zip(&together.reports).collect();
     let result = report::together(each[0], &each[1..], robot.as_ref());
     print::result(global, report::SCHEMA, &result, || {
-        let texts: Vec<String> = each.iter().map(|(log, found)| report::text(log, robot.as_ref(), found)).collect();
+        let texts = report::texts(&each, robot.as_ref());
         let notes: String =
             robot.iter().flat_map(|robot| &robot.notes).map(|note| format!("\nNote: {note}.")).collect();
         let notes = if notes.is_empty() { notes } else { format!("\n{notes}") };
         let converted = converted.map_or(String::new(), |line| format!("\n\n{line}"));
         let corrected =
             corrected.map_or(String::new(), |path| format!("\n\nA corrected description is in {}", path.display()));
-        texts.join("\n\n") + &notes + &converted + &corrected
+        texts + &notes + &converted + &corrected
     })?;
     match each.iter().find_map(|(log, found)| Some((log, found.fatal()?))) {
         Some((log, finding)) => {

@@ -1,6 +1,6 @@
 //! Whether one description is clearly better than another: a paired comparison over blocks of time.
 
-use super::fit::Evaluation;
+use super::fitting::Evaluation;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Probability with which a search accuses right logs, over all descriptions that it tries.
@@ -9,6 +9,10 @@ pub const ALPHA: f64 = 0.01;
 /// The held-out residual of at least one torque must fall by this factor. A wrong description costs more; smaller gains are
 /// those of friction, elasticity or a payload that the models do not hold.
 const FALLS: f64 = 1.3;
+
+/// By this factor the residual of one torque must fall, and the product of the factors of all torques for each change of a set. Right
+/// logs reach 1.7 by chance under models that lack something; a wrong sign, exchange or gravity costs several times that.
+const LARGE: f64 = 2.0;
 
 /// No torque's held-out residual may grow by more than this factor: what makes one joint better at the cost of another
 /// explains nothing.
@@ -93,8 +97,32 @@ impl Comparison {
             && self.least_of_logs > -of_rms(GROWS)
     }
 
+    /// Whether the gain is larger than what a model that lacks something allows, for so many changes.
+    pub fn is_large(&self, changes: usize) -> bool {
+        let most = self.channels.iter().flatten().fold(f64::NEG_INFINITY, |most, gain| most.max(*gain));
+        most > 2.0 * LARGE.ln() && self.gain > 2.0 * changes as f64 * LARGE.ln()
+    }
+
     /// Whether the reference is clearly worse than the candidate, from which it must be separable.
     pub fn is_distinct(&self) -> bool {
         self.p < ALPHA && self.gain > 2.0 * DISTINCT.ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gain_is_large_from_a_factor_of_two_for_each_change() {
+        let large = |factors: &[f64], changes: usize| {
+            let gains: Vec<f64> = factors.iter().map(|factor| 2.0 * factor.ln()).collect();
+            let channels = gains.iter().copied().map(Some).collect();
+            Comparison { gain: gains.iter().sum(), p: 0.0, channels, least_of_logs: 1.0 }.is_large(changes)
+        };
+        assert!(large(&[2.1, 1.0], 1) && !large(&[1.9, 1.0], 1));
+        // Two torques of which each gains little; one that gains at the cost of another.
+        assert!(!large(&[1.6, 1.6, 1.6], 1) && !large(&[2.1, 0.9], 1));
+        assert!(large(&[4.1, 1.0], 2) && large(&[2.1, 2.1], 2) && !large(&[3.9, 1.0], 2));
     }
 }

@@ -1,13 +1,13 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
 use super::change::Description;
-use super::fit::Fit;
-use super::physics::Physics;
-use super::rows::Rows;
+use super::fitting::{Fit, Physics, Rows};
+use super::known::Known;
 use super::scale::Scaled;
-use super::search::{Found, Outcome, Tried, search};
+use super::search::{Found, Outcome, search};
+use super::tried::Tried;
 use super::verdict::{Alternative, Verdict};
-use super::{compare, jumps, scale};
+use super::{compare, factors, jumps, scale};
 use crate::quality::view::View;
 use crate::robot::Robot;
 use nalgebra::Vector3;
@@ -16,11 +16,14 @@ use nalgebra::Vector3;
 /// one short motion is one observation, whatever its blocks show.
 const LONG_ENOUGH_S: f64 = 30.0;
 
-/// A torque that a rigid-body model explains to this share, and friction of no more than that: no measured torque is like it.
-const MODELLED: f64 = 0.005;
+/// Torques of a rigid-body model are explained by one to this share: the noise of encoders makes accelerations, and so the model's
+/// torque, uncertain by a few per cent.
+const RIGID: f64 = 0.03;
 
-/// Whether all torques are those of a rigid-body model without friction: a controller's feedforward, or a simulation, and no
-/// measurement.
+/// Friction below this share of a torque is none. Drives have ten times as much, and noise of the allowed size passes for half of it.
+const FRICTIONLESS: f64 = 0.005;
+
+/// Whether all torques are those of a rigid-body model without any friction.
 pub fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
     let modelled = || {
         let robot = robot?;
@@ -29,7 +32,8 @@ pub fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
         let tables = Physics::free(robot).tables(&rows, &start);
         Fit::new(&tables, &rows, &start).residual_and_friction()
     };
-    modelled().is_some_and(|shares| !shares.is_empty() && shares.iter().flatten().all(|share| *share < MODELLED))
+    let rigid = |[left, friction]: &[f64; 2]| *left < RIGID && *friction < FRICTIONLESS;
+    modelled().is_some_and(|shares| !shares.is_empty() && shares.iter().all(rigid))
 }
 
 /// Judges the description of some logs of one arm.
@@ -45,11 +49,12 @@ pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     };
     let with_motion = jumps::with_motion(views);
     let Some(robot) = robot else {
-        let outcome = search(&Physics::Alone, &rows, &with_motion, start)?;
+        let outcome = search(Known::alone(&Physics::Alone), &rows, &with_motion, start)?;
         return verdict(outcome, |_| false);
     };
-    let outcome = search(&Physics::free(robot), &rows, &with_motion, start.clone())?;
-    let bodies = Physics::bodies(robot);
+    let (free, bodies) = (Physics::free(robot), Physics::bodies(robot));
+    let known = Known { physics: &free, other: bodies.as_ref() };
+    let outcome = search(known, &rows, &with_motion, start.clone())?;
     if outcome.found.is_some() {
         let settled = match bodies {
             Some(bodies) => settled(&bodies, &rows, outcome),
@@ -57,20 +62,25 @@ pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         };
         return verdict(settled, replicated);
     }
-    let bodies = bodies?;
-    if let Some(Scaled { before, after, factors }) = scale::judge(&bodies, &rows, &start) {
-        return Some(Verdict {
-            before: before.share(),
-            after: after.share(),
-            each: [before.evaluation.unexplained, after.evaluation.unexplained],
-            alternatives: Vec::new(),
-            next: None,
-            description: after.description,
-            factors,
-            beyond_doubt: false,
-        });
+    let scaled = |before: Tried, after: Tried, factors: Vec<Option<f64>>| Verdict {
+        before: before.share(),
+        after: after.share(),
+        each: [before.evaluation.unexplained, after.evaluation.unexplained],
+        alternatives: Vec::new(),
+        next: None,
+        description: after.description,
+        factors,
+        beyond_doubt: false,
+    };
+    let of_bodies = bodies.as_ref().and_then(|bodies| scale::judge(bodies, &rows, &start));
+    if let Some(Scaled { before, after, factors }) = of_bodies {
+        return Some(scaled(before, after, factors));
     }
-    let outcome = search(&bodies, &rows, &with_motion, start)?;
+    if let Some((before, after)) = factors::judge(&free, bodies.as_ref(), &rows, &start) {
+        return Some(scaled(before, after, Vec::new()));
+    }
+    let bodies = bodies?;
+    let outcome = search(Known { physics: &bodies, other: Some(&free) }, &rows, &with_motion, start)?;
     let credible = outcome.found.as_ref().is_some_and(|found| found.best.share() < scale::ALIKE);
     if credible { verdict(outcome, replicated) } else { None }
 }

@@ -4,31 +4,31 @@
 //! | question | module |
 //! |---|---|
 //! | what can be wrong, and what it makes of the signals | `change` |
-//! | which rows are compared | `rows` |
-//! | what is known of the arm | `physics` |
-//! | a load that a log may have | `load` |
-//! | residuals under a description | `fit` |
+//! | a description with its residuals | `tried` |
+//! | residuals under a description | `fitting` |
 //! | whether one is clearly better than another | `compare` |
+//! | whether a gain is large, and what the described bodies say to it | `known` |
 //! | which set of changes is the smallest | `search` |
 //! | which way friction acts, without a model | `jumps` |
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
+//! | how large they are beside each other | `factors` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
 mod change;
 mod compare;
+mod factors;
 mod findings;
-mod fit;
+mod fitting;
 mod judgement;
 mod jumps;
-mod load;
-mod physics;
-mod rows;
+mod known;
 mod scale;
 mod search;
 mod tilt;
+mod tried;
 mod verdict;
 
 pub use change::{Change, Description};

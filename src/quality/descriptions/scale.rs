@@ -5,10 +5,8 @@
 
 use super::change::{Change, Description};
 use super::compare::compare;
-use super::fit::Fit;
-use super::physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
-use super::rows::Rows;
-use super::search::Tried;
+use super::fitting::{FRICTION_COLUMNS, Fit, JointTable, Physics, Rows, Tables};
+use super::tried::Tried;
 use nalgebra::{DMatrix, DVector};
 
 /// The bodies' torque counts where the residual of a joint's fit is less than this of its torque ..
@@ -26,6 +24,9 @@ const WIDEST: f64 = 100.0;
 /// Factors that are tried first, evenly spread by their logarithms; between them golden sections, to within one per cent.
 const GRID: usize = 17;
 const SECTIONS: usize = 10;
+
+/// Factors of the joints within this of the one that all share are that one: described bodies are wrong by as much.
+const UNEQUAL: f64 = 2.0;
 
 /// Rounds over the joints, whose factors share the load.
 const ROUNDS: usize = 3;
@@ -75,8 +76,9 @@ pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scale
         let after = Tried::new(bodies, rows, description)?;
         implausible(&factors).map(|_| (after, factors))
     });
-    let differs = |(one, own): (&(Tried, _), &(Tried, _))| {
-        compare(&one.0.evaluation, &own.0.evaluation, &rows.log).is_some_and(|own| own.is_distinct())
+    let differs = |(one, own): (&(Tried, _), &(Tried, Vec<Option<f64>>))| {
+        own.1.iter().flatten().any(|factor| (factor / shared).ln().abs() > UNEQUAL.ln())
+            && compare(&one.0.evaluation, &own.0.evaluation, &rows.log).is_some_and(|own| own.is_distinct())
     };
     let (after, factors) = match (one, differing) {
         (Some(one), Some(own)) => Some(if differs((&one, &own)) { own } else { one }),
@@ -120,7 +122,7 @@ fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
 }
 
 /// The factor around a first one under which `merit` is least.
-fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+pub fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
     let merit = |log: f64| merit(log.exp());
     let step = 2.0 * WIDEST.ln() / (GRID - 1) as f64;
     let at = |place: usize| first.abs().ln() - WIDEST.ln() + step * place as f64;

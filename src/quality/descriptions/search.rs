@@ -6,11 +6,11 @@
 
 use super::change::Description;
 use super::compare::{Comparison, compare};
-use super::fit::{Evaluation, Fit};
+use super::fitting::{Fit, Physics, Rows};
 use super::jumps::contradicts;
-use super::physics::Physics;
-use super::rows::Rows;
+use super::known::Known;
 use super::tilt::free_direction;
+use super::tried::Tried;
 use rayon::prelude::*;
 
 /// Most changes of a set. More at once are no slip of a recorder; the columns should then be looked at one by one.
@@ -32,14 +32,6 @@ const EXPLAINED_ALONE: f64 = 0.5;
 
 /// Where the residual share of every torque is below this, nothing is wrong with the description.
 const CLEAN: f64 = 0.04;
-
-/// A description with its residuals.
-pub struct Tried {
-    /// The description.
-    pub description: Description,
-    /// Residuals of the torques on held-out blocks.
-    pub evaluation: Evaluation,
-}
 
 /// The outcome of a search that found something.
 pub struct Found {
@@ -74,24 +66,10 @@ impl Found {
     }
 }
 
-impl Tried {
-    /// Judges a description; none where nothing can be fitted.
-    pub fn new(physics: &Physics, rows: &Rows, description: Description) -> Option<Tried> {
-        let tables = physics.tables(rows, &description);
-        let evaluation = Fit::new(&tables, rows, &description).evaluate()?;
-        Some(Tried { description, evaluation })
-    }
-
-    /// Geometric mean over the torques of the shares left unexplained.
-    pub fn share(&self) -> f64 {
-        let logs: Vec<f64> = self.evaluation.unexplained.iter().flatten().map(|share| share.max(1e-9).ln()).collect();
-        (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp()
-    }
-}
-
-/// Searches from the description `start`.
+/// Searches from the description `start` under `known`, which is supported or refused by `other`.
 /// `with_motion` are the torques that jump with the motion at reversals.
-pub fn search(physics: &Physics, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
+pub fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
+    let physics = known.physics;
     let start = Tried::new(physics, rows, start)?;
     let explained = |tried: &Tried| tried.evaluation.unexplained.iter().flatten().all(|share| *share < CLEAN);
     let mut found: Option<Found> = None;
@@ -117,8 +95,7 @@ pub fn search(physics: &Physics, rows: &Rows, with_motion: &[bool], start: Descr
         seen.extend(candidates);
         grown = judged.iter().take(GROWN).map(|(tried, _)| tried.description.clone()).collect();
         let promising = judged.first().is_some_and(|(_, gain)| gain.gain > PROMISING);
-        let limit = if matches!(physics, Physics::Alone) { EXPLAINED_ALONE } else { EXPLAINED };
-        let better = chosen(judged, limit, found.as_ref().map_or(&start, |found| &found.best), rows, tried);
+        let better = chosen(judged, &known, found.as_ref().map_or(&start, |found| &found.best), rows, tried);
         match better {
             Some(better) => found = Some(better),
             None if found.is_some() || !promising => break,
@@ -166,12 +143,20 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
 }
 
 /// The best of the judged ones, where it is clearly better than `reference`, with its rivals and the next.
-fn chosen(judged: Vec<(Tried, Comparison)>, limit: f64, reference: &Tried, rows: &Rows, tried: usize) -> Option<Found> {
-    let top = compare(&reference.evaluation, &judged.first()?.0.evaluation, &rows.log)?;
-    let explains = |channel: usize| judged[0].0.evaluation.unexplained[channel].is_some_and(|share| share < limit);
+fn chosen(
+    judged: Vec<(Tried, Comparison)>,
+    known: &Known,
+    reference: &Tried,
+    rows: &Rows,
+    tried: usize,
+) -> Option<Found> {
+    let best = &judged.first()?.0;
+    let top = compare(&reference.evaluation, &best.evaluation, &rows.log)?;
+    let limit = if matches!(known.physics, Physics::Alone) { EXPLAINED_ALONE } else { EXPLAINED };
+    let explains = |channel: usize| best.evaluation.unexplained[channel].is_some_and(|share| share < limit);
     let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
     let most = (0..top.channels.len()).max_by(|&a, &b| gains(a).total_cmp(&gains(b)))?;
-    if !top.is_better(tried) || !explains(most) {
+    if !top.is_better(tried) || !explains(most) || !known.supports(reference, best, &top, rows) {
         return None;
     }
     let mut judged = judged.into_iter();

@@ -245,6 +245,8 @@ fn the_mounting_is_found_and_applying_it_leaves_nothing() {
 }
 
 mod loads;
+mod right_logs;
+mod scales;
 
 #[test]
 fn a_scale_of_the_torque_is_found_and_not_applied() {

@@ -1,9 +1,7 @@
 //! A free direction of gravity: the mounting of an arm on a slope or a rail.
 
 use super::change::{Change, Description};
-use super::fit::Fit;
-use super::physics::Physics;
-use super::rows::Rows;
+use super::fitting::{Fit, Physics, Rows};
 use nalgebra::Vector3;
 
 /// First and last step of the search over directions, degrees.

@@ -13,8 +13,12 @@ const FEW_GAPS: f64 = 0.01;
 /// A torque that lacks more than half of its values would take the rows of the other joints with it.
 const MOST_VALUES: f64 = 0.5;
 
-/// A torque that is the same in fewer rows may be that by chance.
+/// A torque or velocity that is the same in fewer rows may be that by chance.
 const FEWEST_ROWS: usize = 50;
+
+/// A position that covers more than so many of its usual steps goes on: noise about one place, and the last digit of an encoder,
+/// cover a few.
+const GOES_ON: f64 = 10.0;
 
 /// The columns in use of which no row holds a number; none where there is no row, or where it is all that there is of position.
 pub fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
@@ -71,6 +75,40 @@ pub fn constant_torques(log: &mut Recording) -> Vec<String> {
     constant.iter().map(mend).collect()
 }
 
+/// Puts NaN in the place of velocities that are the same in every row although the position goes on: they are not used;
+/// returns a note on it.
+pub fn constant_velocities(log: &mut Recording) -> Vec<String> {
+    let Some(qd) = &mut log.qd else { return Vec::new() };
+    let mut notes = Vec::new();
+    for (joint, name) in log.joints.iter().enumerate() {
+        let own = qd.channel_mut(joint);
+        let constant = own.len() >= FEWEST_ROWS && own[0].is_finite() && own.iter().all(|value| *value == own[0]);
+        if constant && goes_on(log.q.channel(joint)) {
+            notes.push(format!(
+                "the velocity of {name} is {} in every row although the joint moves: it was not measured, and is not used",
+                own[0]
+            ));
+            own.fill(f64::NAN);
+        }
+    }
+    if (0..log.joints()).all(|joint| !log.has_velocity(joint)) {
+        log.qd = None;
+    }
+    notes
+}
+
+/// Whether a position covers more than noise about one place does, in any unit.
+fn goes_on(q: &[f64]) -> bool {
+    let mut steps: Vec<f64> = q.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
+    if steps.is_empty() {
+        return false;
+    }
+    let middle = steps.len() / 2;
+    let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    high - low > GOES_ON * usual
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,5 +124,20 @@ mod tests {
         let mut all = samples::full(2, 60);
         all.tau.as_mut_slice().fill(0.0);
         assert!(constant_torques(&mut all).is_empty() && all.has_torque(0));
+    }
+
+    #[test]
+    fn a_constant_velocity_of_a_joint_that_moves_was_not_measured() {
+        let mut log = samples::full(3, 60);
+        log.qd = Some(log.q.map(|_, q| vec![0.0; q.len()]));
+        let moving: Vec<f64> = (0..60).map(|i| 0.01 * f64::from(i)).collect();
+        log.q.channel_mut(0).copy_from_slice(&moving);
+        log.q.channel_mut(1).fill(0.3);
+        // The last digit of an encoder.
+        let flickers: Vec<f64> = (0..60).map(|i| 0.3 + 1e-4 * f64::from(i % 3)).collect();
+        log.q.channel_mut(2).copy_from_slice(&flickers);
+        let notes = constant_velocities(&mut log);
+        assert!(notes.len() == 1 && notes[0].contains("axis_1 is 0 in every row"), "{notes:?}");
+        assert_eq!([0, 1, 2].map(|joint| log.has_velocity(joint)), [false, true, true]);
     }
 }

@@ -16,8 +16,13 @@ const CALM: f64 = 0.1;
 /// A jump differs from a whole turn by no more than this share of it.
 const TURN_TOLERANCE: f64 = 0.05;
 
-/// Undoes jumps of positions by whole turns, in whatever unit they are; returns the joints and a note.
-pub fn unwrap(log: &mut Recording) -> (Vec<usize>, Option<String>) {
+/// A velocity that was differenced from a wrapped position differs from the jump over the time by less than this share: what
+/// is left of it is the motion, which is calm there.
+const DIFFERENCED: f64 = 0.25;
+
+/// Undoes jumps of positions by whole turns, in whatever unit they are, and what they did to velocities that were differenced
+/// from them; returns the joints, each with its turn, and a note.
+pub fn unwrap(log: &mut Recording) -> (Vec<(usize, f64)>, Option<String>) {
     let mut joints = Vec::new();
     let mut names = Vec::new();
     for joint in 0..log.joints() {
@@ -25,12 +30,20 @@ pub fn unwrap(log: &mut Recording) -> (Vec<usize>, Option<String>) {
         let Some(turn) = wrapped_at(q) else { continue };
         let mut turns = 0.0;
         let mut last = q[0];
-        for value in &mut q[1..] {
-            turns -= ((*value - last) / turn).round();
+        let mut jumps = Vec::new();
+        for (row, value) in q.iter_mut().enumerate().skip(1) {
+            let jump = ((*value - last) / turn).round();
+            if jump != 0.0 {
+                jumps.push((row, jump * turn));
+            }
+            turns -= jump;
             last = *value;
             *value += turns * turn;
         }
-        joints.push(joint);
+        if let Some(qd) = &mut log.qd {
+            without_jumps(qd.channel_mut(joint), &log.time, &jumps);
+        }
+        joints.push((joint, turn));
         names.push(format!("{} (turns of {turn:.6})", log.joints[joint]));
     }
     let note = (!joints.is_empty()).then(|| {
@@ -40,6 +53,19 @@ pub fn unwrap(log: &mut Recording) -> (Vec<usize>, Option<String>) {
         )
     });
     (joints, note)
+}
+
+/// Takes jumps of the position, each with the row behind it, out of a velocity that was differenced from it: over one step, or
+/// over the two on either side of a row.
+fn without_jumps(velocity: &mut [f64], time: &[f64], jumps: &[(usize, f64)]) {
+    for &(row, jump) in jumps {
+        let whole = jump / (time[row] - time[row - 1]);
+        for value in &mut velocity[row - 1..=row] {
+            let spike =
+                [whole, 0.5 * whole].into_iter().find(|spike| (*value - spike).abs() < DIFFERENCED * spike.abs());
+            *value -= spike.unwrap_or(0.0);
+        }
+    }
 }
 
 /// The turn by which a position jumps while its joint hardly moves from one row to the next.
@@ -83,11 +109,34 @@ mod tests {
                 let wrapped: Vec<f64> = truth.iter().map(|v| (v - low).rem_euclid(turn) + low).collect();
                 let mut log = log(wrapped.clone());
                 let (joints, note) = unwrap(&mut log);
-                assert_eq!(joints, [0], "{turn}");
+                assert_eq!(joints, [(0, turn)], "{turn}");
                 assert!(note.unwrap().contains("axis_1"));
                 let shift = log.q.channel(0)[0] - truth[0];
                 let worst = log.q.channel(0).iter().zip(&truth).map(|(a, b)| (a - b - shift).abs()).fold(0.0, f64::max);
                 assert!(worst < 1e-9 * turn, "{turn}: {worst}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_velocity_from_the_wrapped_position_loses_its_spikes_and_another_stays() {
+        let truth: Vec<f64> = (0..400).map(|i| TAU * (0.3 + 0.9 * (0.02 * f64::from(i)).sin())).collect();
+        let wrapped: Vec<f64> = truth.iter().map(|v| v.rem_euclid(TAU)).collect();
+        let difference = |q: &[f64], back: usize, ahead: usize| -> Vec<f64> {
+            let at = |i: usize| (i.saturating_sub(back), (i + ahead).min(q.len() - 1));
+            let of = |(a, b): (usize, usize)| if a == b { 0.0 } else { (q[b] - q[a]) / (0.004 * (b - a) as f64) };
+            (0..q.len()).map(|i| of(at(i))).collect()
+        };
+        for (back, ahead) in [(1, 1), (1, 0), (0, 1)] {
+            let right = difference(&truth, back, ahead);
+            for logged in [difference(&wrapped, back, ahead), right.clone()] {
+                let mut log = log(wrapped.clone());
+                log.time = (0..400).map(|i| 0.004 * f64::from(i)).collect();
+                log.qd = Some(crate::channels::Channels::from_vectors(&[logged]));
+                unwrap(&mut log);
+                let worst =
+                    log.qd.unwrap().channel(0).iter().zip(&right).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(worst < 1e-6, "{back} {ahead}: {worst}");
             }
         }
     }

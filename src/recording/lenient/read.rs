@@ -22,8 +22,9 @@ pub struct Sieved {
     pub notes: Vec<String>,
     /// How the file was understood and what was corrected.
     pub mended: Vec<String>,
-    /// Joints whose position jumped by whole turns, which was undone: they may lie whole turns outside their limits.
-    pub unwrapped: Vec<usize>,
+    /// Joints whose position jumped by whole turns, which was undone, each with the turn in the unit of the file: they may lie
+    /// whole turns outside their limits.
+    pub unwrapped: Vec<(usize, f64)>,
     /// Torques are motor currents by their name.
     pub currents: bool,
     /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
@@ -112,6 +113,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut recording = layout.recording(rows.columns);
     sources[0].describe(&mut recording);
     mended.extend(missing::constant_torques(&mut recording));
+    mended.extend(missing::constant_velocities(&mut recording));
     let (unwrapped, note) = unwrap(&mut recording);
     mended.extend(note);
     let sieved =

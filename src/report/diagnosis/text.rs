@@ -5,6 +5,7 @@ use crate::diagnosis::{
     Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NOT_SIZED,
     NamedParameter, Play, ResidualMap, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
 };
+use crate::quality::with_logs;
 use crate::report::console::{by_joint, significant, table};
 use crate::robot::Robot;
 
@@ -118,21 +119,23 @@ fn headline(diagnosis: &Diagnosis) -> String {
 }
 
 fn fault_lines(faults: &[DataFault]) -> Vec<String> {
-    let mut lines: Vec<String> = faults
+    let each = faults.iter().map(|fault| (&fault.log[..], (fault.consequence, &fault.place[..], &fault.text[..])));
+    let each = with_logs(each);
+    let mut lines: Vec<String> = each
         .iter()
         .take(FAULTS)
-        .map(|fault| {
-            let what = match fault.consequence {
+        .map(|(logs, (consequence, place, text))| {
+            let what = match consequence {
                 Consequence::Stops => "Fault of the data",
                 Consequence::LeftOut => "Left out",
                 Consequence::Told => "Note",
                 Consequence::Corrected => "Corrected",
             };
-            format!("{what}: {}: {}: {}", fault.log, fault.place, fault.text)
+            format!("{what}: {}: {place}: {text}", logs.join(", "))
         })
         .collect();
-    if faults.len() > FAULTS {
-        lines.push(format!("... and {} more faults; diagnosis.json lists all", faults.len() - FAULTS));
+    if each.len() > FAULTS {
+        lines.push(format!("... and {} more faults; diagnosis.json lists all", each.len() - FAULTS));
     }
     lines
 }

@@ -4,6 +4,7 @@ use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
 use crate::diagnosis::notices::remedy;
 use crate::diagnosis::{Consequence, DataFault};
+use crate::quality::with_logs;
 use crate::recording::Recording;
 use crate::report::svg::Color;
 use crate::report::svg::chart::{Chart, Mark, Trace};
@@ -27,14 +28,16 @@ pub(crate) fn page(robot: &Robot, logs: &[&Recording], faults: &[DataFault], pro
 }
 
 fn faulty(faults: &[DataFault]) -> Section {
-    let rows = faults.iter().map(|fault| {
-        let consequence = match fault.consequence {
+    let each =
+        faults.iter().map(|fault| (file_name(&fault.log), (fault.consequence, &fault.place[..], &fault.text[..])));
+    let rows = with_logs(each).into_iter().map(|(logs, (consequence, place, text))| {
+        let consequence = match consequence {
             Consequence::Stops => "stops the diagnosis",
             Consequence::LeftOut => "left out",
             Consequence::Told => "worth knowing",
             Consequence::Corrected => "corrected",
         };
-        vec![file_name(&fault.log), fault.place.clone(), fault.text.clone(), consequence.to_owned()]
+        vec![logs.join(", "), place.to_owned(), text.to_owned(), consequence.to_owned()]
     });
     Section::new("What is wrong", vec![Block::table(["log", "place", "what is wrong", "consequence"], rows.collect())])
 }

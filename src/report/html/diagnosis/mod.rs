@@ -13,6 +13,7 @@ use super::{Block, Page, Provenance, Section, Tone};
 use crate::diagnosis::notices::{extrapolation, mixed_rates, sampling, unfinished};
 use crate::diagnosis::{DataFault, Diagnosis, Found, Resimulation, Verdict};
 use crate::effects::Role;
+use crate::quality::with_logs;
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
@@ -229,7 +230,9 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     if faults.is_empty() {
         blocks.push(Block::text("No fault was found in the logs."));
     } else {
-        let rows = faults.iter().map(|fault| vec![file_name(&fault.log), fault.place.clone(), fault.text.clone()]);
+        let each = faults.iter().map(|fault| (file_name(&fault.log), (&fault.place[..], &fault.text[..])));
+        let row = |(logs, (place, text)): (Vec<String>, (&str, &str))| vec![logs.join(", "), place.into(), text.into()];
+        let rows = with_logs(each).into_iter().map(row);
         blocks.push(Block::table(["log", "place", "what is wrong"], rows.collect()));
     }
     if diagnosis.logs.held_out_from_training {

@@ -1,6 +1,6 @@
 //! The fit of one description: weighted least squares with friction that takes power, judged on blocks of time held out.
 
-use super::change::Description;
+use super::super::change::Description;
 use super::physics::{Bounds, FRICTION_COLUMNS, JointTable, Tables};
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};

@@ -6,7 +6,7 @@
 //!
 //! Each log may have a load of its own at the tip, which all joints share. Free base parameters hold that of the first log.
 
-use super::change::Description;
+use super::super::change::Description;
 use super::load::Load;
 use super::rows::Rows;
 use crate::channels::Channels;

@@ -1,0 +1,17 @@
+//! Models of the torques under a description, and their residuals.
+//!
+//! | question | module |
+//! |---|---|
+//! | which rows are compared | `rows` |
+//! | what is known of the arm | `physics` |
+//! | a load that a log may have | `load` |
+//! | residuals under a description | `fit` |
+
+mod fit;
+mod load;
+mod physics;
+mod rows;
+
+pub use fit::{Evaluation, Fit};
+pub use physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
+pub use rows::Rows;

@@ -1,0 +1,82 @@
+//! What is known of the arm twice: its geometry with free bodies, and its bodies as described. Each is asked where the other alone
+//! does not decide.
+//!
+//! A model that lacks something (play, elasticity, a wrong mass) leaves a residual that is the same in every block, and among
+//! hundreds of changed descriptions one always fits it a little better. No test over blocks sees that. So a change must take much of
+//! a torque's residual away; and described bodies count only where they are right: where they explain the torques as well as free
+//! ones do.
+
+use super::compare::{Comparison, compare};
+use super::fitting::{Physics, Rows};
+use super::scale::ALIKE;
+use super::tried::Tried;
+
+/// Under described bodies a torque may have this many times the residual that it has under free ones. Right bodies come within a few
+/// per cent; bodies that are wrong by half leave two to ten times as much.
+const AS_GOOD: f64 = 1.5;
+
+/// A residual below this share of the torque is as good as any: no drive's torque is known better.
+const GOOD: f64 = 0.02;
+
+/// What is known of an arm.
+#[derive(Clone, Copy)]
+pub struct Known<'a> {
+    /// Under this, descriptions are compared.
+    pub physics: &'a Physics,
+    /// This is asked where it does not decide: the described bodies beside free ones, and free ones beside those described.
+    pub other: Option<&'a Physics>,
+}
+
+impl<'a> Known<'a> {
+    /// The only knowledge.
+    pub fn alone(physics: &'a Physics) -> Known<'a> {
+        Known { physics, other: None }
+    }
+
+    /// Whether a description whose gain over a reference is certain is also much better, and is so for what the arm is.
+    pub fn supports(&self, reference: &Tried, best: &Tried, gain: &Comparison, rows: &Rows) -> bool {
+        let changes = best.description.changes.len().saturating_sub(reference.description.changes.len());
+        let other = |tried: &Tried| Tried::new(self.other?, rows, tried.description.clone());
+        match self.physics {
+            Physics::Alone => true,
+            // Free bodies may make up for much of what is wrong, as for gravity that a torque lacks.
+            Physics::Free(_) => {
+                let described = || {
+                    let (before, after) = (other(reference)?, other(best)?);
+                    let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
+                    Some(after.share() < ALIKE && gain.is_large(changes))
+                };
+                gain.is_large(changes) || described().unwrap_or(false)
+            }
+            Physics::Bodies(_) => gain.is_large(changes) && other(best).is_some_and(|free| as_good(best, &free)),
+        }
+    }
+}
+
+/// Whether the bodies leave no more of any torque than free ones do.
+fn as_good(described: &Tried, free: &Tried) -> bool {
+    let near = |(own, free): (&Option<f64>, &Option<f64>)| match (own, free) {
+        (Some(own), Some(free)) => *own < GOOD || *own < AS_GOOD * free,
+        _ => true,
+    };
+    described.evaluation.unexplained.iter().zip(&free.evaluation.unexplained).all(near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quality::descriptions::Description;
+    use crate::quality::descriptions::fitting::Evaluation;
+
+    #[test]
+    fn described_bodies_count_where_they_explain_every_torque_as_well_as_free_ones() {
+        let tried = |shares: [Option<f64>; 2]| Tried {
+            description: Description::as_given(2, nalgebra::Vector3::zeros()),
+            evaluation: Evaluation { held_out: Vec::new(), unexplained: shares.to_vec() },
+        };
+        let good = |described: [f64; 2], free: [f64; 2]| as_good(&tried(described.map(Some)), &tried(free.map(Some)));
+        assert!(good([0.14, 0.3], [0.1, 0.3]) && !good([0.16, 0.3], [0.1, 0.3]));
+        assert!(good([0.019, 0.019], [0.001, 0.001]) && !good([0.019, 0.021], [0.001, 0.001]));
+        assert!(as_good(&tried([Some(0.01), None]), &tried([Some(0.01), Some(0.1)])));
+    }
+}

@@ -73,11 +73,60 @@ fn a_log_that_cannot_be_used_is_refused_with_the_reason() {
     assert_refusal(&case.tauscope(&["inspect", "log.csv", "--dataset", "s.toml"]), &["s.toml", "unknown field"]);
 }
 
-#[test]
-fn identify_takes_a_dataset() {
-    const ARM: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
+/// One joint with limits at 3 rad and 9 rad/s.
+const ARM: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
 <child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="99" velocity="9"/></joint><link name="l1">
 <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
+
+#[test]
+fn identify_and_diagnose_go_on_with_degrees_and_with_a_clock_that_runs_wrong() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ARM);
+    // 2 kg m2, 1.5 N m s/rad and 3 N m at the joint, without weight; times of the clock and angles in other units.
+    let log = |clock: f64, angle: f64| {
+        let mut log = "t,q1,qd1,tau1\n".to_owned();
+        for i in 0..4000 {
+            let t = 0.004 * f64::from(i);
+            let (q, v, a) = (
+                (1.3 * t).sin() + 0.3 * (3.1 * t).sin(),
+                1.3 * (1.3 * t).cos() + 0.93 * (3.1 * t).cos(),
+                -1.69 * (1.3 * t).sin() - 2.883 * (3.1 * t).sin(),
+            );
+            let torque = 2.0 * a + 1.5 * v + 3.0 * (v / 1e-3).tanh() + 0.02 * (977.0 * t).sin();
+            writeln!(log, "{:.6},{:.9},{:.9},{torque:.6}", clock * t, angle * q, angle * v).unwrap();
+        }
+        log
+    };
+    let identified = |out: &str| -> Vec<f64> {
+        let output = case.tauscope(&["identify", "--robot", "one.urdf", "--train", "log.csv", "--out", out, "--json"]);
+        assert_done(&output);
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let parameters = json["without_effects"]["parameters"].as_array().unwrap();
+        parameters.iter().map(|parameter| parameter["value"].as_f64().unwrap()).collect()
+    };
+    case.write("log.csv", &log(1.0, 1.0));
+    let right = identified("right");
+    let is_corrected = |out: &str| super::names(&case.path(out)).contains(&"corrected.toml".to_owned());
+    assert!(!is_corrected("right"));
+    for (clock, angle, line, written) in [
+        (1.0, 180.0 / std::f64::consts::PI, "positions and velocities are in degrees", "position = \"deg\""),
+        (1.6, 1.0, "true seconds per second of the clock: 0.625", "time_factor = 0.62"),
+    ] {
+        case.write("log.csv", &log(clock, angle));
+        let found = identified("changed");
+        let close = |(found, right): (&f64, &f64)| (found - right).abs() < 2e-3 * (1.0 + right.abs());
+        assert!(found.iter().zip(&right).all(close), "{found:?} {right:?}");
+        assert!(case.read("changed/corrected.toml").contains(written), "{}", case.read("changed/corrected.toml"));
+        let told = case.tauscope(&["diagnose", "--robot", "one.urdf", "--train", "log.csv", "--out", "answer"]);
+        assert_done(&told);
+        let said = text(&told.stdout);
+        assert!(said.contains("Corrected: ") && said.contains(line), "{said}");
+        assert!(is_corrected("answer"));
+    }
+}
+
+#[test]
+fn identify_takes_a_dataset() {
     let case = Case::new(&[]);
     case.write("one.urdf", ARM);
     // 2 kg m2, 1.5 N m s/rad and 3 N m at the joint, without weight; 50 turns of the motor each, 0.1 N m/A, in degrees.

@@ -159,7 +159,7 @@ fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>, endless: bool) 
     let (bound, fastest) = limits.map_or((f64::INFINITY, f64::INFINITY), |(l, u, v)| (l.abs().max(u.abs()), v));
     let fastest = if endless { fastest.min(FASTEST_ENDLESS) } else { fastest };
     // A joint within its limits that is too fast jumps; nothing is said about its unit.
-    let leaves = summary.range[1] - summary.range[0] > TAU.min(bound);
+    let leaves = if bound.is_finite() { largest > bound } else { summary.range[1] - summary.range[0] > TAU };
     let too_fast = summary.speed > 5.0 * fastest && leaves;
     let fits_in_degrees = summary.speed / (180.0 / PI) < 1.5 * fastest;
     // A joint that turns without end may be anywhere: its speed alone shows the unit.
@@ -227,6 +227,6 @@ mod tests {
     #[test]
     fn a_joint_within_its_limits_is_not_in_degrees_however_fast_it_jumps() {
         assert_eq!(degrees([-1.6, 1.3], 103.9, false), None);
-        assert_eq!(degrees([-1.8, 1.3], 103.9, false), Some(true));
+        assert_eq!(degrees([-3.1, 1.3], 103.9, false), Some(true));
     }
 }

@@ -132,11 +132,12 @@ fn inspect_notes_what_is_read_of_the_robot_once() {
     case.write("down.csv", &bent(|_| 0.8));
     let output = case.tauscope(&["inspect", "up.csv", "down.csv", "--robot", "bent.urdf"]);
     let said = text(&output.stdout);
-    assert_eq!(said.matches("Note: ").count(), 1, "{said}");
-    assert!(said.contains("1.5708") && said.find("Note: ") > said.find("down.csv: "), "{said}");
+    // One on the rounded angle, one on the joint that stands still.
+    assert_eq!(said.matches("Note: ").count(), 2, "{said}");
+    assert!(said.contains("stand still") && said.matches("1.5708").count() == 1 && said.contains("1.5708") && said.find("Note: ") > said.find("down.csv: "), "{said}");
     let json = case.tauscope(&["inspect", "up.csv", "down.csv", "--robot", "bent.urdf", "--json"]);
     let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
-    assert_eq!(json["notes"].as_array().unwrap().len(), 1, "{json}");
+    assert_eq!(json["notes"].as_array().unwrap().len(), 2, "{json}");
     assert!(json["others"][0]["notes"].is_null());
     let output = case.tauscope(&["inspect", "up.csv", "--robot", "none.urdf"]);
     assert_refusal(&output, &["none.urdf"]);

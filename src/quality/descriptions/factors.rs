@@ -9,6 +9,7 @@ use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Fit, Physics, Rows, Tables};
 use super::scale::{ALIKE, best};
+use super::search::CLEAN;
 use super::tried::Tried;
 
 /// Some joint must have a factor beyond this: drives, gears and described bodies are up to twice from what files say.
@@ -34,7 +35,8 @@ pub fn judge(free: &Physics, bodies: Option<&Physics>, rows: &Rows, start: &Desc
     let before = Tried::new(free, rows, start.clone())?;
     let takes_part = |joint: &usize| before.evaluation.unexplained[start.torque_of[*joint]].is_some();
     let joints: Vec<usize> = (0..start.dof()).filter(takes_part).collect();
-    if joints.len() < 2 {
+    let clean = before.evaluation.unexplained.iter().flatten().all(|share| *share < CLEAN);
+    if joints.len() < 2 || clean {
         return None;
     }
     let mut factors = relative(&free.tables(rows, start), rows, start, &joints)?;

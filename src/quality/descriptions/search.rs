@@ -31,7 +31,7 @@ const EXPLAINED: f64 = 0.2;
 const EXPLAINED_ALONE: f64 = 0.5;
 
 /// Where the residual share of every torque is below this, nothing is wrong with the description.
-pub const CLEAN: f64 = 0.04;
+const CLEAN: f64 = 0.04;
 
 /// The outcome of a search that found something.
 pub struct Found {

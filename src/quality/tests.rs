@@ -331,7 +331,7 @@ fn a_position_wrapped_at_half_a_turn_is_told_as_that() {
         let mut sieved = log(&irb(), 250.0, 12.0);
         sieved.recording.qd = None;
         let q = sieved.recording.q.channel_mut(5);
-        q.iter_mut().for_each(|q| *q = (*q + half).rem_euclid(2.0 * half) - half);
+        q.iter_mut().for_each(|q| *q = q.rem_euclid(2.0 * half));
         let told = found(&sieved, known);
         assert!(told.len() == 1 && told[0].0 == Kind::Wrapped && told[0].1.starts_with("q6"), "{told:?}");
     }

@@ -30,8 +30,6 @@ pub enum Change {
     Gravity([f64; 3]),
     /// Torques are this many times too small, by a factor that all joints share (another unit, a gear).
     TorqueScale(f64),
-    /// The torque of a joint is this many times too small beside those of the others.
-    JointScale(usize, f64),
 }
 
 impl Change {
@@ -49,7 +47,6 @@ impl Change {
             Change::PositionSign(_) => 7,
             Change::PositionExchange(..) => 8,
             Change::TorqueScale(_) => 9,
-            Change::JointScale(..) => 10,
         }
     }
 }
@@ -115,7 +112,6 @@ impl Description {
             Change::WithoutGravity => out.gravity = Vector3::zeros(),
             Change::Gravity(gravity) => out.gravity = Vector3::from(gravity),
             Change::TorqueScale(factor) => out.torque_scale.iter_mut().for_each(|scale| *scale *= factor),
-            Change::JointScale(joint, factor) => out.torque_scale[joint] *= factor,
         }
         out.changes.push(change);
         out

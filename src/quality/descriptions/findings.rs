@@ -23,13 +23,6 @@ pub fn words(change: Change, joints: &[String]) -> String {
         Change::WithoutGravity => "the torque lacks that of gravity: it is gravity-compensated".into(),
         Change::Gravity(gravity) => format!("gravity is along {} of the base", direction(gravity)),
         Change::TorqueScale(factor) => scale(factor),
-        Change::JointScale(joint, factor) => {
-            let (times, how) = if factor > 1.0 { (factor, "small") } else { (1.0 / factor, "large") };
-            format!(
-                "the torque of {} is about {times:.1} times too {how} beside those of the other joints",
-                name(joint)
-            )
-        }
     }
 }
 
@@ -110,12 +103,6 @@ pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                 (Change::TorqueScale(factor), _) => {
                     format!("{own}: {}; {gain}", origin(factor, &verdict.factors, joints))
                 }
-                (Change::JointScale(..), _) => {
-                    format!(
-                        "{own}: a current, per cent of a rated torque, or the motor side of its gear; give [units] torque, \
-                         [motors] gear_ratio and torque_constant_nm_a in a dataset; {gain}"
-                    )
-                }
                 (_, true) => format!("{own}{also}: {gain}{next}"),
                 (_, false) => format!(
                     "one of these, which the logs do not separate: {own}{also}; or {}: {gain}{next}",
@@ -140,7 +127,6 @@ fn kind(change: Change, joints: &[String]) -> (Kind, String) {
         Change::WithoutGravity => (Kind::GravityCompensated, "tau".into()),
         Change::Gravity(_) => (Kind::Mounting, "gravity".into()),
         Change::TorqueScale(_) => (Kind::TorqueUnit, "tau".into()),
-        Change::JointScale(joint, _) => (Kind::TorqueUnit, column("tau", joint)),
     }
 }
 

@@ -7,7 +7,7 @@ use super::scale::Scaled;
 use super::search::{Found, Outcome, search};
 use super::tried::Tried;
 use super::verdict::{Alternative, Verdict};
-use super::{compare, factors, jumps, scale};
+use super::{compare, jumps, scale};
 use crate::quality::view::View;
 use crate::robot::Robot;
 use nalgebra::Vector3;
@@ -62,24 +62,19 @@ pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         };
         return verdict(settled, replicated);
     }
-    let scaled = |before: Tried, after: Tried, factors: Vec<Option<f64>>| Verdict {
-        before: before.share(),
-        after: after.share(),
-        each: [before.evaluation.unexplained, after.evaluation.unexplained],
-        alternatives: Vec::new(),
-        next: None,
-        description: after.description,
-        factors,
-        beyond_doubt: false,
-    };
-    let of_bodies = bodies.as_ref().and_then(|bodies| scale::judge(bodies, &rows, &start));
-    if let Some(Scaled { before, after, factors }) = of_bodies {
-        return Some(scaled(before, after, factors));
-    }
-    if let Some((before, after)) = factors::judge(&free, bodies.as_ref(), &rows, &start) {
-        return Some(scaled(before, after, Vec::new()));
-    }
     let bodies = bodies?;
+    if let Some(Scaled { before, after, factors }) = scale::judge(&bodies, &rows, &start) {
+        return Some(Verdict {
+            before: before.share(),
+            after: after.share(),
+            each: [before.evaluation.unexplained, after.evaluation.unexplained],
+            alternatives: Vec::new(),
+            next: None,
+            description: after.description,
+            factors,
+            beyond_doubt: false,
+        });
+    }
     let outcome = search(Known { physics: &bodies, other: Some(&free) }, &rows, &with_motion, start)?;
     let credible = outcome.found.as_ref().is_some_and(|found| found.best.share() < scale::ALIKE);
     if credible { verdict(outcome, replicated) } else { None }

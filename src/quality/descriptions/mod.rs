@@ -12,14 +12,12 @@
 //! | which way friction acts, without a model | `jumps` |
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
-//! | how large they are beside each other | `factors` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
 mod change;
 mod compare;
-mod factors;
 mod findings;
 mod fitting;
 mod judgement;

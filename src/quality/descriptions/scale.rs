@@ -122,7 +122,7 @@ fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
 }
 
 /// The factor around a first one under which `merit` is least.
-pub fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
     let merit = |log: f64| merit(log.exp());
     let step = 2.0 * WIDEST.ln() / (GRID - 1) as f64;
     let at = |place: usize| first.abs().ln() - WIDEST.ln() + step * place as f64;

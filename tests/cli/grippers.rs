@@ -134,7 +134,13 @@ fn inspect_notes_what_is_read_of_the_robot_once() {
     let said = text(&output.stdout);
     // One on the rounded angle, one on the joint that stands still.
     assert_eq!(said.matches("Note: ").count(), 2, "{said}");
-    assert!(said.contains("stand still") && said.matches("1.5708").count() == 1 && said.contains("1.5708") && said.find("Note: ") > said.find("down.csv: "), "{said}");
+    assert!(
+        said.contains("stand still")
+            && said.matches("1.5708").count() == 1
+            && said.contains("1.5708")
+            && said.find("Note: ") > said.find("down.csv: "),
+        "{said}"
+    );
     let json = case.tauscope(&["inspect", "up.csv", "down.csv", "--robot", "bent.urdf", "--json"]);
     let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(json["notes"].as_array().unwrap().len(), 2, "{json}");

@@ -40,6 +40,8 @@ impl Again {
         // What acts elsewhere is no other name for what is seen here.
         let here = finding.candidate.joints();
         let mut all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
+        let restricted = Restricted::new(session, &of_others, &noise, finding)?;
+        all.retain(|candidate| restricted.comes_close(candidate, criteria.close));
         loop {
             let scan = Scan::new(session, &all, &noise.whitener, &noise.projection);
             let anyone = |_: &Candidate, _| Standing::MayWin;
@@ -47,7 +49,7 @@ impl Again {
             let own_noise = &mut InOwnNoise::new();
             let comparison = compare(session, &of_others, &contenders, &all, multiplicity, criteria, own_noise)?;
             let winner = &comparison.winner.candidate;
-            if explains_no_less_here(session, &of_others, &noise, finding, winner)? {
+            if restricted.comes_close(winner, 1.0) {
                 return Ok(Some(Again { others, noise, comparison }));
             }
             let family = winner.family();
@@ -56,25 +58,43 @@ impl Again {
     }
 }
 
-/// Whether a winner explains no less than the `finding` on the joints where that acts, `others` in the model. A law that acts on
-/// more joints wins by what it explains on those: that is another finding, and no other name for this one.
-fn explains_no_less_here(
-    session: &Session,
-    others: &[Member],
-    Fit { whitener, projection: fit }: &Fit,
-    finding: &Member,
-    winner: &Candidate,
-) -> Result<bool> {
-    let here = finding.candidate.joints();
-    if winner.joints().iter().all(|joint| here.contains(joint)) {
-        return Ok(true);
+/// What a finding explains on the joints where it acts, the others in the model. A law that acts on more joints may win by what it
+/// explains on those: that is another finding, and no other name for this one.
+struct Restricted<'a> {
+    noise: &'a Fit,
+    /// The joints.
+    here: Vec<usize>,
+    /// Score statistic of the finding.
+    statistic: f64,
+}
+
+impl<'a> Restricted<'a> {
+    /// Of a `finding` with `others` in the model, in the noise under these.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    fn new(session: &Session, others: &[Member], noise: &'a Fit, finding: &Member) -> Result<Self> {
+        let with: Vec<Member> = others.iter().chain([finding]).cloned().collect();
+        let mut columns = session.model.columns(&session.logs.train, &with)?;
+        let own = columns.split_off(columns.len() - finding.places().count());
+        let mut restricted = Restricted { noise, here: finding.candidate.joints(), statistic: 0.0 };
+        restricted.statistic = restricted.statistic_of(&own);
+        Ok(restricted)
     }
-    let with: Vec<Member> = others.iter().chain([finding]).cloned().collect();
-    let mut of_finding = session.model.columns(&session.logs.train, &with)?;
-    let of_finding = of_finding.split_off(of_finding.len() - finding.places().count());
-    let restricted: Vec<Column> = winner.columns.iter().map(|column| column.only(&here)).collect();
-    let log_p = |columns: &[Column]| fit.test(&whitener.apply_all(columns)).map_or(0.0, |test| test.log_p());
-    Ok(log_p(&restricted) <= log_p(&of_finding))
+
+    fn statistic_of(&self, columns: &[Column]) -> f64 {
+        let Fit { whitener, projection } = self.noise;
+        projection.test(&whitener.apply_all(columns)).map_or(0.0, |test| test.statistic)
+    }
+
+    /// Whether a candidate explains at least this share of it there; candidates that act nowhere else do.
+    fn comes_close(&self, candidate: &Candidate, share: f64) -> bool {
+        if candidate.joints().iter().all(|joint| self.here.contains(joint)) {
+            return true;
+        }
+        let columns: Vec<Column> = candidate.columns.iter().map(|column| column.only(&self.here)).collect();
+        self.statistic_of(&columns) >= share * self.statistic
+    }
 }
 
 /// Whether a finding can be selected again: not one that impacts show, nor an event.

@@ -6,7 +6,7 @@
 
 use tauscope::dynamics::{Chain, Motion};
 use tauscope::effects::{
-    About, Along, Effect, Hidden, Instant, Nature, Parameter, Placed, Role, Scope, Search, Site, contribution,
+    About, Along, Effect, Hidden, Instant, Nature, Parameter, Placed, Role, Scope, Site, contribution,
 };
 use tauscope::error::Result;
 use tauscope::identification::effect_model::{Preparation, Trust};
@@ -56,10 +56,6 @@ impl Effect for RubberStop {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
-    }
-
-    fn search(&self, _: usize) -> Search {
-        Search::Bounds
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {

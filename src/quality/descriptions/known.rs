@@ -21,9 +21,10 @@ const GOOD: f64 = 0.02;
 /// What is known of an arm.
 #[derive(Clone, Copy)]
 pub struct Known<'a> {
-    /// Under this, descriptions are compared.
+    /// The model under which descriptions are compared.
     pub physics: &'a Physics,
-    /// This is asked where it does not decide: the described bodies beside free ones, and free ones beside those described.
+    /// The model that must agree where the gain under the first is not enough: the described bodies where that has free ones, and free
+    /// bodies where it has those described.
     pub other: Option<&'a Physics>,
 }
 

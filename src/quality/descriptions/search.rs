@@ -66,7 +66,7 @@ impl Found {
     }
 }
 
-/// Searches from the description `start` under `known`, which is supported or refused by `other`.
+/// Searches from the description `start` under what is `known` of the arm.
 /// `with_motion` are the torques that jump with the motion at reversals.
 pub fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
     let physics = known.physics;

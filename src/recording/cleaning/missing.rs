@@ -58,17 +58,13 @@ pub fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
 
 /// Puts NaN in the place of torques that are the same in every row, unless all are; returns a note on it.
 pub fn constant_torques(log: &mut Recording) -> Vec<String> {
-    let constant = |joint: &usize| {
-        let torque = log.tau.channel(*joint);
-        torque.len() >= FEWEST_ROWS && torque[0].is_finite() && torque.iter().all(|value| *value == torque[0])
-    };
-    let constant: Vec<usize> = (0..log.joints()).filter(constant).collect();
+    let constant = |joint: usize| Some((joint, in_every_row(log.tau.channel(joint))?));
+    let constant: Vec<(usize, f64)> = (0..log.joints()).filter_map(constant).collect();
     let with_torque = (0..log.joints()).filter(|joint| log.has_torque(*joint)).count();
     if constant.len() == with_torque {
         return Vec::new();
     }
-    let mend = |&joint: &usize| {
-        let value = log.tau.channel(joint)[0];
+    let mend = |&(joint, value): &(usize, f64)| {
         log.tau.channel_mut(joint).fill(f64::NAN);
         format!("the torque of {} is {value} in every row: it was not measured, and is not used", log.joints[joint])
     };
@@ -82,11 +78,9 @@ pub fn constant_velocities(log: &mut Recording) -> Vec<String> {
     let mut notes = Vec::new();
     for (joint, name) in log.joints.iter().enumerate() {
         let own = qd.channel_mut(joint);
-        let constant = own.len() >= FEWEST_ROWS && own[0].is_finite() && own.iter().all(|value| *value == own[0]);
-        if constant && goes_on(log.q.channel(joint)) {
+        if let Some(value) = in_every_row(own).filter(|_| goes_on(log.q.channel(joint))) {
             notes.push(format!(
-                "the velocity of {name} is {} in every row although the joint moves: it was not measured, and is not used",
-                own[0]
+                "the velocity of {name} is {value} in every row although the joint moves: it was not measured, and is not used"
             ));
             own.fill(f64::NAN);
         }
@@ -95,6 +89,12 @@ pub fn constant_velocities(log: &mut Recording) -> Vec<String> {
         log.qd = None;
     }
     notes
+}
+
+/// The value of a signal that has the same in every row, if there are rows enough to tell.
+fn in_every_row(signal: &[f64]) -> Option<f64> {
+    let first = signal.first().copied().filter(|first| first.is_finite() && signal.len() >= FEWEST_ROWS)?;
+    signal.iter().all(|value| *value == first).then_some(first)
 }
 
 /// Whether a position covers more than noise about one place does, in any unit.

@@ -16,8 +16,8 @@ const CALM: f64 = 0.1;
 /// A jump differs from a whole turn by no more than this share of it.
 const TURN_TOLERANCE: f64 = 0.05;
 
-/// A velocity that was differenced from a wrapped position differs from the jump over the time by less than this share: what
-/// is left of it is the motion, which is calm there.
+/// A velocity that was differenced from a wrapped position differs from the jump over the time by less than this share: the
+/// rest is the velocity of the motion, which is small there.
 const DIFFERENCED: f64 = 0.25;
 
 /// Undoes jumps of positions by whole turns, in whatever unit they are, and what they did to velocities that were differenced

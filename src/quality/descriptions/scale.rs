@@ -4,7 +4,7 @@
 //! the bodies with it explain the torques clearly better than the bodies with a load, friction, constants and rotors.
 
 use super::change::{Change, Description};
-use super::compare::compare;
+use super::compare::{EXPLAINED, compare};
 use super::fitting::{FRICTION_COLUMNS, Fit, JointTable, Physics, Rows, Tables};
 use super::tried::Tried;
 use nalgebra::{DMatrix, DVector};
@@ -85,7 +85,7 @@ pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scale
         (one, own) => one.or(own),
     }?;
     let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
-    (gain.is_better(TRIED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
+    (gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
 }
 
 /// The median of the factors without a load, where enough joints have one and some are beyond what wrong masses explain: a load

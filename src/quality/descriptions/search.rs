@@ -5,7 +5,7 @@
 //! that are not separable from the best are its rivals.
 
 use super::change::Description;
-use super::compare::{Comparison, compare};
+use super::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
 use super::fitting::{Fit, Physics, Rows};
 use super::jumps::contradicts;
 use super::known::Known;
@@ -24,11 +24,6 @@ const GROWN: usize = 3;
 
 /// Gain over the logs as they are from which a set that is not clearly better is grown all the same.
 const PROMISING: f64 = 0.3;
-
-/// A torque that an accepted description explains has less than this share unexplained: of an arm whose geometry is known, and
-/// of joints by themselves, whose models lack the pull of the others.
-const EXPLAINED: f64 = 0.2;
-const EXPLAINED_ALONE: f64 = 0.5;
 
 /// Where the residual share of every torque is below this, nothing is wrong with the description.
 const CLEAN: f64 = 0.04;
@@ -156,7 +151,7 @@ fn chosen(
     let explains = |channel: usize| best.evaluation.unexplained[channel].is_some_and(|share| share < limit);
     let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
     let most = (0..top.channels.len()).max_by(|&a, &b| gains(a).total_cmp(&gains(b)))?;
-    if !top.is_better(tried) || !explains(most) || !known.supports(reference, best, &top, rows) {
+    if !top.is_better(tried, limit) || !explains(most) || !known.supports(reference, best, &top, rows) {
         return None;
     }
     let mut judged = judged.into_iter();

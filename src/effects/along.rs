@@ -4,7 +4,7 @@ use super::{Instant, Placed};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::robot::{Pose, Robot};
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// A known motion with all that laws may ask about it.
 pub struct Along<'a> {
@@ -19,7 +19,7 @@ pub struct Along<'a> {
     /// Direction of motion of every joint.
     direction: Channels,
     /// Torque on the rigid bodies, worked out when a law asks for it.
-    load: OnceCell<Channels>,
+    load: OnceLock<Channels>,
 }
 
 impl<'a> Along<'a> {
@@ -38,7 +38,7 @@ impl<'a> Along<'a> {
     ) -> Self {
         let turned = |joint: usize, signal: &[f64]| signal.iter().map(|&v| direction(v, widths[joint])).collect();
         let heading = motion.qd.map(turned);
-        Along { robot, chain, time, motion, direction: heading, load: OnceCell::new() }
+        Along { robot, chain, time, motion, direction: heading, load: OnceLock::new() }
     }
 
     /// Number of samples.

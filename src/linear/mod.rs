@@ -1,4 +1,8 @@
-//! Linear algebra that several rooms share: an orthonormal basis of columns in their order.
+//! Linear algebra that several rooms share: an orthonormal basis of columns in their order, products of tall matrices.
+
+mod product;
+
+pub use product::{gram_matrix, product_of, subtract_product, transposed_product};
 
 use faer::linalg::solvers::Qr;
 use faer::{Mat, MatRef};

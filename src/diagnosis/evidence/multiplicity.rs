@@ -7,6 +7,7 @@
 
 use super::judging::Judged;
 use crate::diagnosis::regression::{Column, Projection, Test, log_survival};
+use crate::linear::product_of;
 use crate::random;
 use nalgebra::DMatrix;
 use rand_distr::{Distribution, StandardNormal};
@@ -15,6 +16,9 @@ use std::collections::BTreeMap;
 
 /// Draws of noise from which the level of the best of many tests is found.
 const DRAWS: usize = 200;
+
+/// Groups of columns that noise is sent through at once.
+const AT_ONCE: usize = 24;
 
 /// Probabilities above this hold no information on the tail: one-sided tests have none in half of all draws.
 const TAIL: f64 = 0.5;
@@ -58,10 +62,21 @@ impl Multiplicity {
             })
             .collect();
         let basis = fit.basis();
-        let along_basis = through(&noise, &basis, &vec![1.0; basis.len()]);
+        let along_basis = through(&noise, &basis.iter().collect::<Vec<_>>(), &vec![1.0; basis.len()]);
         let smallest = scanned
-            .par_iter()
-            .map(|one| BTreeMap::from([(one.kind, one.log_p(&noise, &along_basis))]))
+            .par_chunks(AT_ONCE)
+            .flat_map_iter(|groups| {
+                let columns: Vec<&Column> = groups.iter().flat_map(|one| one.columns).collect();
+                let norms: Vec<f64> = groups.iter().flat_map(|one| one.test.norms.iter().copied()).collect();
+                let through = through(&noise, &columns, &norms);
+                let mut first = 0;
+                let along_basis = &along_basis;
+                groups.iter().map(move |one| {
+                    let own = through.rows(first, one.columns.len());
+                    first += one.columns.len();
+                    BTreeMap::from([(one.kind, one.log_p(own.into_owned(), along_basis))])
+                })
+            })
             .reduce(BTreeMap::new, |mut all, other| {
                 for (kind, log_p) in other {
                     let place = all.entry(kind).or_insert_with(|| vec![0.0; DRAWS]);
@@ -108,9 +123,10 @@ impl Multiplicity {
 }
 
 impl Scanned<'_> {
-    /// Logarithm of the probability of the test of each draw of noise.
-    fn log_p(&self, noise: &[DMatrix<f64>], along_basis: &DMatrix<f64>) -> Vec<f64> {
-        let right = through(noise, self.columns, &self.test.norms) - self.test.along.tr_mul(along_basis);
+    /// Logarithm of the probability of the test of each draw of noise, whose inner products with the columns are those of `through`, and
+    /// with the directions of the fit those `along_basis`.
+    fn log_p(&self, through: DMatrix<f64>, along_basis: &DMatrix<f64>) -> Vec<f64> {
+        let right = through - self.test.along.tr_mul(along_basis);
         let scores = self.test.directions.tr_mul(&right);
         let of = |draw: usize| match self.one_sided && right[(0, draw)] < 0.0 {
             true => 0.0,
@@ -121,7 +137,7 @@ impl Scanned<'_> {
 }
 
 /// Inner products of columns over their norms with every draw of noise (`[joint]`, row by draw).
-fn through(noise: &[DMatrix<f64>], columns: &[Column], norms: &[f64]) -> DMatrix<f64> {
+fn through(noise: &[DMatrix<f64>], columns: &[&Column], norms: &[f64]) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(columns.len(), DRAWS);
     for (joint, noise) in noise.iter().enumerate() {
         let parts: Vec<(usize, &[f64])> =
@@ -130,7 +146,7 @@ fn through(noise: &[DMatrix<f64>], columns: &[Column], norms: &[f64]) -> DMatrix
             continue;
         }
         let table: Vec<f64> = parts.iter().flat_map(|(_, part)| part.iter().copied()).collect();
-        let product = DMatrix::from_row_slice(parts.len(), noise.nrows(), &table) * noise;
+        let product = product_of(&table, noise.as_slice(), noise.nrows(), [parts.len(), DRAWS]);
         for (r, (k, _)) in parts.iter().enumerate() {
             for draw in 0..DRAWS {
                 sum[(*k, draw)] += product[(r, draw)] / norms[*k];

@@ -1,18 +1,22 @@
 //! An orthonormal basis of columns, held joint by joint so that inner products are products of matrices.
 
 use super::column::Column;
-use nalgebra::{DMatrix, DMatrixView};
+use crate::linear::{product_of, subtract_product};
+use nalgebra::DMatrix;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
-/// Directions of unit length, orthogonal to each other.
+/// Directions of unit length, orthogonal to each other. Those that were there stay as they are when more come, and are shared by all bases
+/// that have them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Basis {
-    blocks: Vec<Block>,
+    blocks: Vec<Arc<Block>>,
     /// Values of every direction in rows of no joint.
     beforehand: Vec<Vec<f64>>,
 }
 
-/// The directions that act on one joint.
-#[derive(Debug, Clone)]
+/// Directions that came together, on one joint.
+#[derive(Debug)]
 struct Block {
     joint: usize,
     rows: usize,
@@ -20,12 +24,6 @@ struct Block {
     places: Vec<usize>,
     /// Their values, one direction after the other.
     values: Vec<f64>,
-}
-
-impl Block {
-    fn matrix(&self) -> DMatrixView<'_, f64> {
-        DMatrixView::from_slice(&self.values, self.rows, self.places.len())
-    }
 }
 
 impl Basis {
@@ -37,15 +35,17 @@ impl Basis {
     /// Inner products, `[direction][column]`.
     pub fn along(&self, columns: &[Column]) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(self.len(), columns.len());
-        for block in &self.blocks {
-            let (own, values) = on_joint(columns, block.joint);
+        for (joint, blocks) in self.by_joint() {
+            let (own, values) = on_joint(columns, joint);
             if own.is_empty() {
                 continue;
             }
-            let product = block.matrix().tr_mul(&DMatrixView::from_slice(&values, block.rows, own.len()));
-            for (c, &column) in own.iter().enumerate() {
-                for (r, &place) in block.places.iter().enumerate() {
-                    along[(place, column)] += product[(r, c)];
+            for block in blocks {
+                let product = product_of(&block.values, &values, block.rows, [block.places.len(), own.len()]);
+                for (c, &column) in own.iter().enumerate() {
+                    for (r, &place) in block.places.iter().enumerate() {
+                        along[(place, column)] += product[(r, c)];
+                    }
                 }
             }
         }
@@ -59,14 +59,22 @@ impl Basis {
 
     /// Takes from every column its parts `along` the directions.
     pub fn subtract(&self, columns: &mut [Column], along: &DMatrix<f64>) {
-        for block in &self.blocks {
-            let own = along.select_rows(&block.places);
-            let product = block.matrix() * &own;
-            for (c, column) in columns.iter_mut().enumerate() {
-                if own.column(c).iter().any(|&x| x != 0.0) {
-                    let part = column.part_mut(block.joint, block.rows);
-                    part.iter_mut().zip(&product.column(c)).for_each(|(x, y)| *x -= y);
-                }
+        for (joint, blocks) in self.by_joint() {
+            let acts = |column: usize| {
+                blocks.iter().flat_map(|block| &block.places).any(|&place| along[(place, column)] != 0.0)
+            };
+            let touched: Vec<usize> = (0..columns.len()).filter(|&column| acts(column)).collect();
+            let Some(rows) = blocks.first().map(|block| block.rows).filter(|_| !touched.is_empty()) else { continue };
+            let mut parts: Vec<f64> = Vec::with_capacity(rows * touched.len());
+            for &column in &touched {
+                parts.extend_from_slice(columns[column].part_mut(joint, rows));
+            }
+            let along = along.select_columns(&touched);
+            for block in blocks {
+                subtract_product(&mut parts, &block.values, rows, &along.select_rows(&block.places));
+            }
+            for (&column, left) in touched.iter().zip(parts.chunks_exact(rows.max(1))) {
+                columns[column].part_mut(joint, rows).copy_from_slice(left);
             }
         }
         for (place, known) in self.beforehand.iter().enumerate().filter(|(_, known)| !known.is_empty()) {
@@ -77,20 +85,15 @@ impl Basis {
         }
     }
 
-    /// Adds a direction of unit length that is orthogonal to all.
-    pub fn push(&mut self, direction: Column) {
-        let place = self.len();
-        for (joint, values) in direction.parts {
-            let found = self.blocks.iter().position(|block| block.joint == joint);
-            let found = found.unwrap_or_else(|| {
-                let rows = values.len();
-                self.blocks.push(Block { joint, rows, places: Vec::new(), values: Vec::new() });
-                self.blocks.len() - 1
-            });
-            self.blocks[found].places.push(place);
-            self.blocks[found].values.extend(values);
+    /// Adds directions of unit length that are orthogonal to all and to each other.
+    pub fn extend(&mut self, directions: Vec<Column>) {
+        let joints = directions.iter().flat_map(|direction| direction.parts.iter().map(|(joint, _)| *joint));
+        for joint in joints.collect::<BTreeSet<usize>>() {
+            let (own, values) = on_joint(&directions, joint);
+            let (rows, places) = (values.len() / own.len(), own.into_iter().map(|place| self.len() + place).collect());
+            self.blocks.push(Arc::new(Block { joint, rows, places, values }));
         }
-        self.beforehand.push(direction.beforehand);
+        self.beforehand.extend(directions.into_iter().map(|direction| direction.beforehand));
     }
 
     /// The directions as columns.
@@ -104,6 +107,15 @@ impl Basis {
         }
         columns.iter_mut().for_each(|column| column.parts.sort_by_key(|(joint, _)| *joint));
         columns
+    }
+
+    /// The blocks of each joint.
+    fn by_joint(&self) -> BTreeMap<usize, Vec<&Block>> {
+        let mut joints: BTreeMap<usize, Vec<&Block>> = BTreeMap::new();
+        for block in &self.blocks {
+            joints.entry(block.joint).or_default().push(block);
+        }
+        joints
     }
 }
 
@@ -122,8 +134,8 @@ mod tests {
     fn parts_along_the_directions_are_taken() {
         let half = 0.5f64.sqrt();
         let mut basis = Basis::default();
-        basis.push(Column::of(vec![(0, vec![half, 0.0]), (2, vec![half, 0.0])]));
-        basis.push(Column { parts: vec![(2, vec![0.0, half])], beforehand: vec![half] });
+        basis.extend(vec![Column::of(vec![(0, vec![half, 0.0]), (2, vec![half, 0.0])])]);
+        basis.extend(vec![Column { parts: vec![(2, vec![0.0, half])], beforehand: vec![half] }]);
         let mut columns = [
             Column::on(0, vec![2.0, 3.0]),
             Column { parts: vec![(2, vec![0.0, 4.0])], beforehand: vec![0.0, 5.0] },

@@ -11,4 +11,4 @@ mod solution;
 
 pub use column::{Column, combined, rms};
 pub use score::{Projection, Test, fisher, log_survival};
-pub use solution::{Solved, gram, solve, solve_normal};
+pub use solution::{JointEquations, Solved, gram, solve, solve_normal};

@@ -19,7 +19,7 @@ const DETERMINED: f64 = 0.5;
 const INDEPENDENT: f64 = 1e-7;
 
 /// Columns that are made orthogonal to a basis at once.
-const AT_ONCE: usize = 16;
+const AT_ONCE: usize = 8;
 
 /// A least-squares fit on whitened rows.
 #[derive(Debug, Clone)]
@@ -81,7 +81,7 @@ impl Projection {
                     new.push(rest);
                 }
             }
-            new.into_iter().for_each(|direction| self.basis.push(direction));
+            self.basis.extend(new);
         }
     }
 

@@ -2,7 +2,9 @@
 
 use super::basis::on_joint;
 use super::column::Column;
+use crate::linear::gram_matrix;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
@@ -92,6 +94,62 @@ impl Solved {
     }
 }
 
+/// Normal equations of a fit joint by joint, so that each joint's rows can be weighed anew without going through them again.
+#[derive(Debug)]
+pub struct JointEquations {
+    joints: Vec<OfJoint>,
+    columns: usize,
+}
+
+/// Those of one joint.
+#[derive(Debug)]
+struct OfJoint {
+    joint: usize,
+    /// Columns that act on it.
+    places: Vec<usize>,
+    /// Their inner products, those with the torque, and that of the torque with itself.
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+}
+
+impl JointEquations {
+    /// Of a fit of whitened `torque` by whitened `columns`.
+    pub fn new(columns: &[Column], torque: &Column) -> Self {
+        let of_joint = |(joint, torque): &(usize, Vec<f64>)| {
+            let (places, values) = on_joint(columns, *joint);
+            let torque = DVector::from_column_slice(torque);
+            let matrix = DMatrix::from_vec(torque.len(), places.len(), values);
+            let (gram, right) = (gram_matrix(&matrix), matrix.tr_mul(&torque));
+            OfJoint { joint: *joint, places, gram, right, square: torque.norm_squared() }
+        };
+        JointEquations { joints: torque.parts.par_iter().map(of_joint).collect(), columns: columns.len() }
+    }
+
+    /// Sum of squares that the fit leaves of each joint, where its noise is `factors` times stronger, in units of that noise.
+    pub fn squared_residuals(&self, factors: &[f64]) -> Vec<f64> {
+        let mut normal = DMatrix::zeros(self.columns, self.columns);
+        let mut right = DVector::zeros(self.columns);
+        for OfJoint { joint, places, gram, right: own, .. } in &self.joints {
+            let weight = factors[*joint].powi(-2);
+            for (c, &column) in places.iter().enumerate() {
+                right[column] += weight * own[c];
+                for (r, &row) in places.iter().enumerate() {
+                    normal[(row, column)] += weight * gram[(r, c)];
+                }
+            }
+        }
+        let values = solve_normal(normal, right).values;
+        let mut squares = vec![0.0; factors.len()];
+        for OfJoint { joint, places, gram, right, square } in &self.joints {
+            let own = DVector::from_iterator(places.len(), places.iter().map(|&place| values[place]));
+            let left = square - 2.0 * own.dot(right) + own.dot(&(gram * &own));
+            squares[*joint] = left.max(0.0) * factors[*joint].powi(-2);
+        }
+        squares
+    }
+}
+
 /// Inner products of all columns.
 pub fn gram(columns: &[Column]) -> DMatrix<f64> {
     let count = columns.len();
@@ -102,7 +160,7 @@ pub fn gram(columns: &[Column]) -> DMatrix<f64> {
     for joint in joints {
         let (places, values) = on_joint(columns, joint);
         let matrix = DMatrix::from_vec(values.len() / places.len(), places.len(), values);
-        let own = matrix.tr_mul(&matrix);
+        let own = gram_matrix(&matrix);
         for (r, &row) in places.iter().enumerate() {
             for (c, &column) in places.iter().enumerate() {
                 gram[(row, column)] += own[(r, c)];
@@ -154,5 +212,21 @@ mod tests {
         // Independent of the first: 3 * 0.5 and 4 * 1 together.
         assert!((solved.deviation(&[(0, 3.0), (1, 4.0), (2, 4.0)]) - 1.5f64.hypot(4.0)).abs() < 1e-12);
         assert_eq!(solved.deviation(&[(1, 1.0), (2, -1.0)]), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_joint_of_stronger_noise_weighs_less() {
+        // One factor of both joints: 1 by the first, whose four rows scatter by 1, and 3 by the second.
+        let columns = [Column::of(vec![(0, vec![1.0; 4]), (1, vec![1.0; 2])])];
+        let torque = Column::of(vec![(0, vec![0.0, 2.0, 0.0, 2.0]), (1, vec![3.0, 3.0])]);
+        let equations = JointEquations::new(&columns, &torque);
+        let close = |factors: [f64; 2], expected: [f64; 2]| {
+            let left = equations.squared_residuals(&factors);
+            assert!(left.iter().zip(expected).all(|(left, expected)| (left - expected).abs() < 1e-9), "{left:?}");
+        };
+        // The mean of all rows is 10/6; weighed by 1 and 1/4 it is 5.5/4.5.
+        let of = |mean: f64, factor: f64| [4.0 + 4.0 * (mean - 1.0).powi(2), 2.0 * ((mean - 3.0) / factor).powi(2)];
+        close([1.0, 1.0], of(10.0 / 6.0, 1.0));
+        close([1.0, 2.0], of(5.5 / 4.5, 2.0));
     }
 }

@@ -3,6 +3,7 @@
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
+use crate::linear::gram_matrix;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::collections::BTreeMap;
 
@@ -61,7 +62,7 @@ impl BlockProducts {
                 let end = start + places[start..].iter().take_while(|&&place| block_of[place] == block).count();
                 let matrix = DMatrix::from_fn(end - start, own.len(), |row, k| own[k].1[start + row] / norms[own[k].0]);
                 let torque = DVector::from_column_slice(&measured[start..end]);
-                let (gram, right) = (matrix.tr_mul(&matrix), matrix.tr_mul(&torque));
+                let (gram, right) = (gram_matrix(&matrix), matrix.tr_mul(&torque));
                 let products = blocks.entry(block).or_insert_with(empty);
                 for (r, &(row, _)) in own.iter().enumerate() {
                     products.right[row] += right[r];

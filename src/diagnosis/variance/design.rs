@@ -3,7 +3,7 @@
 use super::kinds::{Kind, Signals};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
-use crate::linear::OrthonormalBasis;
+use crate::linear::{OrthonormalBasis, gram_matrix, transposed_product};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -193,7 +193,7 @@ impl Raw {
     pub fn design(&self, rho: f64) -> Design {
         let x = self.whitened(&self.x, rho);
         let basis = basis(&x);
-        let complement = |columns: DMatrix<f64>| &columns - &basis * basis.tr_mul(&columns);
+        let complement = |columns: DMatrix<f64>| &columns - &basis * transposed_product(&basis, &columns);
         let y = complement(self.whitened(&DMatrix::from_columns(std::slice::from_ref(&self.y)), rho));
         let mut z = complement(self.whitened(&self.z, rho));
         let offset = z.columns(self.kinds[0].1.start, self.kinds[0].1.len()).normalize();
@@ -220,7 +220,7 @@ impl Raw {
         }
         let y = y.column(0).into_owned();
         Design {
-            gram: z.tr_mul(&z),
+            gram: gram_matrix(&z),
             right: z.tr_mul(&y),
             y,
             z,

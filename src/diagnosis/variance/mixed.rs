@@ -1,6 +1,7 @@
 //! Restricted maximum likelihood of the strengths of random effects.
 
 use super::design::Design;
+use crate::linear::transposed_product;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Most rounds of the fixed point, and the change of every strength, over itself and the noise, at which it has settled.
@@ -60,7 +61,7 @@ impl Posterior {
     /// What is outside the reach of the random effects, shrunk as they are: `(I - Z A^-1 Z' / noise) columns`.
     pub fn residual_of(&self, design: &Design, columns: &DMatrix<f64>, noise: f64) -> DMatrix<f64> {
         let z = design.z.select_columns(&self.columns);
-        columns - &z * self.factor.solve(&(z.tr_mul(columns) / noise))
+        columns - &z * self.factor.solve(&(transposed_product(&z, columns) / noise))
     }
 
     /// Logarithm of the determinant of A.

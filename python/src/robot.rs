@@ -137,6 +137,11 @@ impl Arm {
         robot::to_urdf(&self.robot)
     }
 
+    /// The same as a MuJoCo model.
+    fn to_mjcf(&self) -> String {
+        robot::to_mjcf(&self.robot)
+    }
+
     /// Joint torques, joints x samples.
     #[pyo3(signature = (q, qd, qdd, inertial=None, drives=false))]
     fn inverse_dynamics<'py>(

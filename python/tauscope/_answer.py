@@ -15,7 +15,8 @@ from ._log import Log
 from ._tauscope import TauscopeError
 
 URDFS = ("extended.urdf", "identified.urdf", "robot.urdf")
-"""Robots that commands write, the most telling first."""
+MODELS = ("extended.xml", "identified.xml")
+"""Robots that commands write, as URDF and for MuJoCo, the most telling first."""
 
 PAGE = "report.html"
 
@@ -109,9 +110,16 @@ class Answer(Node):
 
     def to_urdf(self) -> str:
         """The robot that the command writes: identified, extended by what was found, or as simulated."""
-        written = [name for name in URDFS if name in self.files]
+        return self._robot("to_urdf", URDFS)
+
+    def to_mjcf(self) -> str:
+        """The same as a MuJoCo model, with rotors, friction, gravity and couplings."""
+        return self._robot("to_mjcf", MODELS)
+
+    def _robot(self, asked: str, names: tuple[str, ...]) -> str:
+        written = [name for name in names if name in self.files]
         if not written:
-            raise TauscopeError(f"to_urdf: `{self._command}` writes no robot here")
+            raise TauscopeError(f"{asked}: `{self._command}` writes no robot here")
         return self.file(written[0]).read_text(encoding="utf-8")
 
     def to_html(self) -> str | None:

@@ -152,6 +152,10 @@ class Robot:
         """The joints under study as a URDF: held joints are fixed, links that move as one are merged."""
         return self._arm.to_urdf()
 
+    def to_mjcf(self) -> str:
+        """The same as a MuJoCo model, with rotors, friction, gravity and couplings."""
+        return self._arm.to_mjcf()
+
     def describe(self) -> Any:
         """What the file holds, as the command ``tauscope robot`` says it."""
         from ._commands import robot

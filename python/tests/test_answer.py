@@ -34,10 +34,11 @@ def test_nodes_are_plain_values():
 
 
 def test_files_can_be_saved(answer, tmp_path):
-    assert set(answer.files) == {"identified.urdf", "identification.json"}
+    assert set(answer.files) == {"identified.urdf", "identified.xml", "identification.json"}
     answer.save(tmp_path / "kept")
     assert (tmp_path / "kept" / "identified.urdf").read_text() == answer.to_urdf()
     assert tauscope.Robot(answer.to_urdf()).dof == 6
+    assert tauscope.Robot(answer.to_mjcf()).dof == 6
     with pytest.raises(tauscope.TauscopeError, match="file: there is no `x`; there are identif"):
         answer.file("x")
 

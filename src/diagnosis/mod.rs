@@ -32,9 +32,9 @@ mod variance;
 mod watch;
 
 pub use answer::{
-    Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_SCENARIO, EXTENDED_URDF,
-    Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome, ResidualStructure,
-    Resimulation, Scope, Share, torque,
+    Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_MJCF, EXTENDED_SCENARIO,
+    EXTENDED_URDF, Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome,
+    ResidualStructure, Resimulation, Scope, Share, torque,
 };
 pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;

@@ -2,7 +2,7 @@
 //!
 //! In: a URDF or a MuJoCo model. Out: a [`description`], the tree of links and joints as the file has it, and from it a [`Robot`] whose
 //! joints under study have a coordinate ([`Choice`]); [`visuals`] for viewers. Identified parameters go back into a URDF
-//! ([`with_parameters`], [`to_urdf`]).
+//! ([`with_parameters`], [`to_urdf`], [`to_mjcf`]).
 
 mod assembly;
 pub mod description;
@@ -11,7 +11,7 @@ mod model;
 pub mod visuals;
 
 pub use assembly::{Choice, InertiaCheck, load};
-pub use file::{to_urdf, with_parameters};
+pub use file::{to_mjcf, to_urdf, with_parameters};
 pub use model::{
     Coupling, Drive, Follower, GRAVITY, Inertia, Joint, JointKind, LARGEST, Limits, LinearMap, PARAMETERS, Pose, Robot,
     SYMBOLS, Tree, UNITS,

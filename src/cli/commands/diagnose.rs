@@ -4,8 +4,8 @@ use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, in
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
-    Answer, Conclusion, Criteria, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_SCENARIO, EXTENDED_URDF, Options, Outcome,
-    Progress,
+    Answer, Conclusion, Criteria, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF,
+    Options, Outcome, Progress,
 };
 use crate::effects::Placed;
 use crate::error::{Error, Result};
@@ -206,6 +206,7 @@ fn write_conclusion(
     let written =
         Scenario::of(&extended.robot, EXTENDED_URDF.as_ref(), &extended.effects, scenario, measured, seed).to_toml()?;
     folder.write_text(EXTENDED_URDF, &robot::with_parameters(&extended.robot)?)?;
+    folder.write_text(EXTENDED_MJCF, &robot::to_mjcf(&extended.robot))?;
     folder.write_text(EXTENDED_SCENARIO, &format!("{EXTENDED_NOTE}{written}"))?;
     let lines = report::lines(robot, diagnosis, resimulation, faults);
     let held_out = answer.logs.held_out();

@@ -113,6 +113,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
     };
     folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
+    folder.write_text("identified.xml", &robot::to_mjcf(&identified))?;
     let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;

@@ -136,7 +136,7 @@ fn identified<'a>(
 fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
     let mut all = session.over_all_logs();
     let noise = all.noise_under(&all.logs.train.baseline);
-    all.settle(&mut [], &noise.whitener)?;
+    all.settle(&mut [], &noise)?;
     map_on(&all, &all.logs.train, &[], options)
 }
 

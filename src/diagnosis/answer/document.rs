@@ -21,6 +21,8 @@ pub const DIAGNOSIS_SCHEMA: &str = "tauscope.diagnosis/1";
 pub const EXTENDED_SCENARIO: &str = "extended.toml";
 /// The URDF that [`EXTENDED_SCENARIO`] refers to.
 pub const EXTENDED_URDF: &str = "extended.urdf";
+/// The same as a MuJoCo model.
+pub const EXTENDED_MJCF: &str = "extended.xml";
 
 /// The content of `diagnosis.json`, without its schema.
 #[derive(Debug, Default, Serialize)]
@@ -163,6 +165,7 @@ struct Extended {
     structure: Vec<Structure>,
     model: &'static str,
     urdf: &'static str,
+    mjcf: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     resimulated_test_rms_nm: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -295,6 +298,7 @@ impl Document {
                 structure: structure(&diagnosis.errors.structure[1]),
                 model: EXTENDED_SCENARIO,
                 urdf: EXTENDED_URDF,
+                mjcf: EXTENDED_MJCF,
                 resimulated_test_rms_nm: resimulation.map(|run| known(&run.extended_rms)),
                 resimulation: resimulation.map(|run| Resimulated {
                     engine: run.engine,

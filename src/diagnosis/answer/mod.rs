@@ -20,7 +20,7 @@ mod searched;
 
 pub use builder::DiagnosisBuilder;
 pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope, predicts_worse};
-pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_SCENARIO, EXTENDED_URDF};
+pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF};
 pub use extended::{ExtendedModel, torque};
 pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};
 pub use inertias::Gain;

@@ -1,7 +1,7 @@
 //! Files of robots: URDF and MuJoCo's MJCF.
 //!
 //! In: a file, whose content decides what it is. Out: its [`Description`](super::description::Description), with notes on units other
-//! than SI, rounded angles and whatever else was read otherwise than it is written. Robots are written as URDF.
+//! than SI, rounded angles and whatever else was read otherwise than it is written. Robots are written as either.
 
 mod kind;
 mod mjcf;
@@ -10,4 +10,5 @@ mod urdf;
 mod xml;
 
 pub use kind::{parse, read};
+pub use mjcf::to_mjcf;
 pub use urdf::{looks, pose_of, to_urdf, with_parameters};

@@ -161,6 +161,11 @@ pub(super) fn line(node: &Node) -> usize {
     line_at(node.document().input_text(), node.range().start)
 }
 
+/// A value as it is written in an attribute.
+pub fn escaped(value: &str) -> String {
+    value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

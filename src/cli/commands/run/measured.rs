@@ -62,6 +62,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let identification = fit_report::result(&robot, Trust::Structure, found, &notes);
     folder.write_json("identification.json", fit_report::SCHEMA, &identification)?;
     folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
+    folder.write_text("identified.xml", &robot::to_mjcf(&identified))?;
     let scores = report::result(&robot, ways, &notes);
     folder.write_json("score.json", report::SCHEMA, &scores)?;
     let page = html::measured::page(&robot, logs, ways, &notes, Provenance::here(global.seed));

@@ -1,7 +1,7 @@
 //! MuJoCo's MJCF.
 //!
 //! In: the text of a model, with the files it includes and the models it attaches. Out: its description ([`read`]): bodies, joints,
-//! inertials or solid shapes, drives, linear equalities of joints.
+//! inertials or solid shapes, drives, linear equalities of joints. A robot is written as one ([`to_mjcf`]).
 
 mod bodies;
 mod compiler;
@@ -16,5 +16,7 @@ mod replicate;
 mod shapes;
 #[cfg(test)]
 mod tests;
+mod write;
 
 pub use reader::read;
+pub use write::to_mjcf;

@@ -1,8 +1,8 @@
 //! A URDF with nothing in it but what is read: the URDF crate refuses files for what is only looks, for extensions and for
 //! what URDF lets out.
 
-use super::super::xml::{attribute, child, children, is, words};
-use super::elements::{escaped, joint_type};
+use super::super::xml::{attribute, child, children, escaped, is, words};
+use super::elements::joint_type;
 use roxmltree::{Document, Node};
 use std::fmt::Write;
 

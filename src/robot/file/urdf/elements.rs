@@ -47,8 +47,3 @@ pub fn dynamics(drive: &Drive) -> String {
     let Drive { viscous, coulomb, armature } = drive;
     format!("<dynamics damping=\"{viscous:?}\" friction=\"{coulomb:?}\" armature=\"{armature:?}\"/>")
 }
-
-/// A value as it is written in an attribute.
-pub fn escaped(value: &str) -> String {
-    value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}

@@ -1,6 +1,7 @@
 //! The URDF of a robot that did not come from one.
 
-use super::elements::{dynamics, escaped, inertial, origin};
+use super::super::xml::escaped;
+use super::elements::{dynamics, inertial, origin};
 use crate::robot::model::{Joint, JointKind, Robot};
 
 /// Names of the link that the first joint is mounted on, and of the link at the flange, unless they are taken.

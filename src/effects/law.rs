@@ -122,7 +122,8 @@ pub trait Effect: Sync {
         true
     }
 
-    /// Largest share of its joint's torque, in root mean square, that it can have, if there is one.
+    /// Largest share that it can have, in root mean square, of its joint's torque, which where the drive idles is taken for a share of the
+    /// drive's limit; None where there is no such share.
     fn largest_share(&self) -> Option<f64> {
         None
     }

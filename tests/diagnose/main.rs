@@ -7,6 +7,7 @@ mod extended;
 mod faults;
 mod forms;
 mod map;
+mod parsimony;
 mod relevance;
 #[path = "../schema/mod.rs"]
 mod schema;

@@ -73,6 +73,8 @@ pub enum Gate {
     /// Its family-wise p-value on the training logs, in the noise that is estimated with it and adjusted for errors in variables: at most
     /// its share of alpha.
     FamilyWise,
+    /// None of its shapes is best at a bound of its law: what the statistic of the test loses inside it.
+    AtBound,
     /// Torque is flat where the model exceeds the saturation limit: slope of the measured torque over the model's.
     Flat,
     /// Its p-value without the most influential blocks.
@@ -104,6 +106,7 @@ impl Gate {
     pub fn reason(self) -> &'static str {
         match self {
             Gate::FamilyWise => "is not significant",
+            Gate::AtBound => "is best at a bound of its law, where it is not that law any more",
             Gate::Flat => "is not flat where the model exceeds the limit",
             Gate::Influence => "rests on a moment or two",
             Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",

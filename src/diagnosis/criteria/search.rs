@@ -33,6 +33,9 @@ pub struct SearchCriteria {
     /// Largest share of alpha after an earlier finding (delays, which sampling brings, do not count): what is not quite right with that
     /// one remains in the residual.
     pub later: f64,
+    /// Most that the statistic may lose where a shape at a bound of its law is moved inside: chi-square of one degree of freedom at 1 %. A
+    /// law that is better at its bound than inside is not the law that acts; one that the logs do not determine loses nothing.
+    pub at_bound: f64,
     /// Highest p-value without the blocks that show a candidate best; on the training logs alone, and where held-out logs confirm it.
     pub influence_p: [f64; 2],
     /// Highest p-value of the held-out logs at which a candidate shows there again.
@@ -67,6 +70,7 @@ impl Default for SearchCriteria {
             second_form: 1e-5,
             hidden: 1e-3,
             later: 0.02,
+            at_bound: 6.63,
             influence_p: [0.01, 0.05],
             again_p: 0.05,
             beyond_chance: 1e-6,

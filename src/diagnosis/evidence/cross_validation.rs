@@ -86,7 +86,7 @@ mod tests {
         assert_eq!(rows.torque[4][last.clone()], apart.logs.test.rows.torque[4]);
         assert_eq!(rows.valid[4][last.clone()], apart.logs.test.rows.valid[4]);
 
-        let whitener = session.noise_under(&session.logs.train.baseline).whitener;
+        let whitener = session.noise_under(&session.logs.train.baseline);
         let before = cross_validated_residual(&session, &[], &whitener).unwrap();
         // More friction on joint 2 in the last log alone.
         let push: Vec<f64> = rows.means(|log| log.motion.qd.channel(1).to_vec());

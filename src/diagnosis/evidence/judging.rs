@@ -25,6 +25,9 @@ const SIZE_FACTOR: f64 = 2.0;
 /// Standard deviations by which an estimate may lie beyond a bound.
 const BEYOND_BOUND: f64 = 3.0;
 
+/// Share of a drive's effort limit that every joint is taken to work with: what can be of its torque is no less where it idles.
+const SHARE_OF_DRIVE: f64 = 0.1;
+
 /// By how much the logarithm of the p-value of a form of a law that is not the usual one must be lower.
 const UNUSUAL: f64 = 3.0;
 
@@ -126,7 +129,10 @@ impl Session<'_> {
         let joint = candidate.placed.joint;
         let of_effect = rms(valid, &combined(&candidate.columns, &test.values))[joint];
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
-        of_effect <= share * rms(valid, &all)[joint]
+        // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more.
+        let limit = self.model.base.robot().joints[joint].limits.effort;
+        let of_drive = if limit.is_finite() { SHARE_OF_DRIVE * limit } else { 0.0 };
+        of_effect <= share * rms(valid, &all)[joint].max(of_drive)
     }
 
     /// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.

@@ -5,6 +5,7 @@
 
 mod adjusted;
 mod blocks;
+mod bounds;
 mod cross_validation;
 mod generic;
 mod held_out;

@@ -3,7 +3,7 @@
 
 use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
-use crate::diagnosis::model::{DataSet, Fit, Member, Nuisances, PreparedLogs, Session};
+use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, fisher, solve};
 use crate::diagnosis::search::{Selection, members};
@@ -213,7 +213,7 @@ impl<'a> Fitted<'a> {
     /// The noise with a block in the model, and the fit of the model without it in that.
     fn noise_with(&self, joint: usize, block: &Block) -> Under {
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
-        let Fit { whitener, .. } = self.session.noise_with_more_on(joint, &self.under.whitener, &with);
+        let whitener = self.session.noise_with_more_on(joint, &self.under.whitener, &with);
         let fit = whitener.fit(&self.columns, &self.session.logs.train.torque);
         Under::new(self.session, whitener, fit, &self.errors)
     }

@@ -269,13 +269,22 @@ impl Arm {
     /// If a log is too short to differentiate.
     pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows, moved: Moved) -> Result<Vec<Column>> {
         let absent = |log: &Log| vec![Channels::zeros(rows.dof(), log.time.len()); BATCH];
+        // What a law may ask about a motion is worked out once for all batches.
+        let sites = rows.logs.iter().map(|log| {
+            [Site::Joint, Site::Integrator].map(|site| {
+                // What rapier's step gets wrong depends on where each mass really is.
+                let robot = if site == Site::Integrator { &self.known } else { &self.found };
+                (site, Along::turning_over(robot, &self.chain, &log.time, &log.motion, &self.sign_widths))
+            })
+        });
+        let sites: Vec<[(Site, Along); 2]> = sites.collect();
         let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
         let batches: Vec<Vec<Column>> = jobs
             .into_par_iter()
             .map(|batch| {
-                let logs = rows.logs.iter().enumerate();
-                let logs = logs.map(|(k, log)| match acting.contains(&k) {
-                    true => self.added_to(batch, log, moved),
+                let logs = rows.logs.iter().zip(&sites).enumerate();
+                let logs = logs.map(|(k, (log, sites))| match acting.contains(&k) {
+                    true => self.added_to(batch, log, sites, moved),
                     false => Ok(absent(log)),
                 });
                 let logs: Vec<Vec<Channels>> = logs.collect::<Result<_>>()?;
@@ -290,23 +299,20 @@ impl Arm {
         Ok(batches.into_iter().flatten().collect())
     }
 
-    fn added_to(&self, batch: &[Placed], log: &Log, moved: Moved) -> Result<Vec<Channels>> {
+    fn added_to(&self, batch: &[Placed], log: &Log, sites: &[(Site, Along)], moved: Moved) -> Result<Vec<Channels>> {
         let mut out: Vec<Option<Channels>> = vec![None; batch.len()];
-        for site in [Site::Joint, Site::Integrator] {
+        for (site, along) in sites {
             let of_site: Vec<usize> = (0..batch.len())
                 .filter(|&k| match batch[k].effect.about().site {
-                    Site::Body => site == Site::Joint,
-                    own => own == site,
+                    Site::Body => *site == Site::Joint,
+                    own => own == *site,
                 })
                 .collect();
             if of_site.is_empty() {
                 continue;
             }
-            // What rapier's step gets wrong depends on where each mass really is.
-            let robot = if site == Site::Integrator { &self.known } else { &self.found };
-            let along = Along::turning_over(robot, &self.chain, &log.time, &log.motion, &self.sign_widths);
             let placed: Vec<Placed> = of_site.iter().map(|&k| batch[k].clone()).collect();
-            for (k, torque) in of_site.into_iter().zip(contributions(&placed, &along)) {
+            for (k, torque) in of_site.into_iter().zip(contributions(&placed, along)) {
                 out[k] = Some(torque);
             }
         }

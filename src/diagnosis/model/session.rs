@@ -9,7 +9,7 @@ use super::member::Member;
 use super::prepared::PreparedLogs;
 use super::roles::{is_level, is_shift, linear, shapes};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection, Solved, solve};
+use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, solve};
 use crate::effects::Placed;
 use crate::error::Result;
 
@@ -70,36 +70,35 @@ impl<'a> Session<'a> {
 
     /// The noise under the columns of a model, each joint's scaled up to its residual where that is more: a joint
     /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
-    pub fn noise_under(&self, present: &[Column]) -> Fit {
-        self.grown(Whitener::new(&self.logs.train.rows, &self.logs.train.torque, present), present)
+    pub fn noise_under(&self, present: &[Column]) -> Whitener {
+        self.scaled(Whitener::new(&self.logs.train.rows, &self.logs.train.torque, present), present)
     }
 
     /// The same where more was added on one joint alone to what `whitener` is the noise under.
-    pub fn noise_with_more_on(&self, joint: usize, whitener: &Whitener, present: &[Column]) -> Fit {
-        self.grown(whitener.anew_on(joint, &self.logs.train.rows, &self.logs.train.torque, present), present)
+    pub fn noise_with_more_on(&self, joint: usize, whitener: &Whitener, present: &[Column]) -> Whitener {
+        self.scaled(whitener.anew_on(joint, &self.logs.train.rows, &self.logs.train.torque, present), present)
+    }
+
+    /// The columns of a model fitted to the training logs, in units of the noise under them.
+    pub fn fit_under(&self, present: &[Column]) -> Fit {
+        let whitener = self.noise_under(present);
+        Fit { projection: whitener.fit(present, &self.logs.train.torque), whitener }
     }
 
     /// A noise scaled up to the residual.
-    fn grown(&self, mut whitener: Whitener, present: &[Column]) -> Fit {
-        let mut fit = whitener.fit(present, &self.logs.train.torque);
+    fn scaled(&self, whitener: Whitener, present: &[Column]) -> Whitener {
+        let equations = JointEquations::new(&whitener.apply_all(present), &whitener.apply(&self.logs.train.torque));
+        let counts = whitener.rows();
+        let mut factors = vec![1.0; counts.len()];
         for _ in 0..MISFIT_ROUNDS {
-            let excess: Vec<f64> = whitener
-                .rows()
-                .into_iter()
-                .enumerate()
-                .map(|(joint, count)| {
-                    let left: f64 = fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
-                    left / count.max(1) as f64
-                })
-                .collect();
+            let left = equations.squared_residuals(&factors);
+            let excess: Vec<f64> = left.iter().zip(&counts).map(|(left, &count)| left / count.max(1) as f64).collect();
             if excess.iter().all(|mean| *mean < MISFIT) {
                 break;
             }
-            let factors: Vec<f64> = excess.iter().map(|mean| mean.max(1.0).sqrt()).collect();
-            whitener = whitener.with_misfit(&factors);
-            fit = whitener.fit(present, &self.logs.train.torque);
+            factors.iter_mut().zip(excess).for_each(|(factor, mean)| *factor *= mean.max(1.0).sqrt());
         }
-        Fit { whitener, projection: fit }
+        whitener.with_misfit(&factors)
     }
 
     /// All parameters of the model with `members`, fitted at once to the training rows, in the order of

@@ -79,7 +79,7 @@ impl<'a> Session<'a> {
 
     /// Fits the arm without any effect; the noise is that under it.
     fn settle_baseline(&mut self) -> Result<Fit> {
-        let noise = self.noise_under(&self.logs.train.baseline);
+        let noise = self.fit_under(&self.logs.train.baseline);
         self.settle(&mut [], &noise.whitener)?;
         Ok(noise)
     }

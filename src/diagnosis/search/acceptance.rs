@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Candidate, FLAT, Fit, Member, Session, is_level, slope_beyond};
+use crate::diagnosis::model::{Candidate, FLAT, Member, Session, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::effects::{Hidden, Nature, Placed, Site};
@@ -104,7 +104,7 @@ impl Trial<'_> {
         let limit = if confirmable { self.level_at(self.criteria.pooled) } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
-        let Fit { whitener, .. } = session.noise_under(&session.model.columns(&session.logs.train, &with)?);
+        let whitener = session.noise_under(&session.model.columns(&session.logs.train, &with)?);
         let joints = winner.candidate.joints();
         let much_left = whitener.much_is_left(&joints);
         let left = |members: &[Member]| cross_validated_residual(session, members, &whitener);
@@ -152,6 +152,11 @@ impl Trial<'_> {
         tracing::debug!(level, adjusted, "adjusted for slow noise and errors of the smoothing");
         if level > highest {
             return refused(Judgement::at_most(Gate::FamilyWise, level, highest), !is_level(*effect));
+        }
+        let lost = self.session.lost_inside_bounds(winner, self.whitener, self.fit)?;
+        let inside = Judgement::at_most(Gate::AtBound, lost, self.criteria.at_bound);
+        if !inside.passed {
+            return refused(inside, false);
         }
         let elsewhere = if is_level(*effect) {
             let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
@@ -248,7 +253,7 @@ impl Trial<'_> {
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let whitener = match under {
             Some(whitener) => whitener,
-            None => session.noise_under(&session.model.columns(&session.logs.train, &with)?).whitener,
+            None => session.noise_under(&session.model.columns(&session.logs.train, &with)?),
         };
         let before = session.held_out_residual(members, &whitener)?;
         let after = session.held_out_residual(&with, &whitener)?;

@@ -4,7 +4,7 @@ use super::eligible::Contenders;
 use super::found::Alternative;
 use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Fit, Member, Session, Slot, shapes};
+use crate::diagnosis::model::{Candidate, Member, Session, Slot, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Projection, Test, log_survival};
 use crate::error::Result;
@@ -45,7 +45,7 @@ pub(super) fn compare(
     let present = session.model.columns(&session.logs.train, members)?;
     let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
         let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
-        let whitener = session.noise_under(&with).whitener;
+        let whitener = session.noise_under(&with);
         let fit = whitener.fit(&present, &session.logs.train.torque);
         let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { return Ok(None) };
         let own = session.refined(own, &whitener, &fit)?;
@@ -63,7 +63,7 @@ pub(super) fn compare(
 
     // From here on all are seen in the same whitening, that under the leader.
     let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
-    let whitener = session.noise_under(&with).whitener;
+    let whitener = session.noise_under(&with);
     let fit = whitener.fit(&present, &session.logs.train.torque);
     // What acts elsewhere is no other name for what is seen here.
     let here = leader.joints();
@@ -135,7 +135,7 @@ pub(super) fn better_held_out(
     }
     let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
     let first = with(&winner);
-    let Fit { whitener, .. } = session.noise_under(&session.model.columns(&session.logs.train, &first)?);
+    let whitener = session.noise_under(&session.model.columns(&session.logs.train, &first)?);
     let on_held_out = whitener.on(&session.logs.test.rows);
     let before = session.held_out_residual(&first, &whitener)?;
     let rivals: Vec<&Judged> = close.iter().filter(|rival| rival.candidate.log.is_none()).collect();
@@ -166,12 +166,17 @@ fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
 }
 
 /// The fit with a candidate and the derivatives to its shapes.
-fn with_tangents(session: &Session, judged: &Judged, whitener: &Whitener, fit: &Projection) -> Result<Projection> {
+pub(super) fn with_tangents(
+    session: &Session,
+    judged: &Judged,
+    whitener: &Whitener,
+    fit: &Projection,
+) -> Result<Projection> {
     let tangents = session.model.tangents(&session.logs.train, &judged.candidate, &judged.test.values)?;
     Ok(fit.with(&judged.whitened).with(&whitener.apply_all(&tangents)))
 }
 
-fn parameters(judged: &Judged) -> usize {
+pub(super) fn parameters(judged: &Judged) -> usize {
     judged.test.freedom + shapes(judged.candidate.placed.effect).len()
 }
 

@@ -8,6 +8,7 @@ mod all_logs;
 mod comparison;
 mod eligible;
 mod found;
+mod parsimony;
 mod play;
 mod reselection;
 mod round;

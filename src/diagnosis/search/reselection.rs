@@ -2,9 +2,10 @@
 //! the model.
 
 use super::acceptance::{Outcome, Trial, is_confirmable};
-use super::comparison::{Chosen, Comparison, InOwnNoise, better_held_out, compare};
+use super::comparison::{Chosen, Comparison, InOwnNoise, compare};
 use super::eligible::{Contenders, Standing};
 use super::found::{Alternative, Found, explained_by_play, members};
+use super::parsimony::chosen;
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::ComparisonCriteria;
@@ -35,7 +36,7 @@ impl Again {
         let others: Vec<Found> =
             found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
         let of_others = members(&others);
-        let noise = session.noise_under(&session.model.columns(&session.logs.train, &of_others)?);
+        let noise = session.fit_under(&session.model.columns(&session.logs.train, &of_others)?);
         let finding = &found[index].member;
         // What acts elsewhere is no other name for what is seen here.
         let here = finding.candidate.joints();
@@ -132,8 +133,7 @@ pub(super) fn rename(
             continue;
         };
         let of_others = members(&others);
-        let Chosen { winner, alternatives, whitener: under } =
-            better_held_out(session, &of_others, comparison, comparing)?;
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, comparison, comparing)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "name beside the others");

@@ -3,7 +3,7 @@
 use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
-use crate::diagnosis::model::{ArmModel, Candidate, Fit, PreparedLogs, Session, all_candidates, carried_on, renewed};
+use crate::diagnosis::model::{ArmModel, Candidate, PreparedLogs, Session, all_candidates, carried_on, renewed};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
 use crate::error::Result;
@@ -86,7 +86,7 @@ impl Round {
 pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whitener, Projection)> {
     let mut members = members(found);
     let present = session.model.columns(&session.logs.train, &members)?;
-    let Fit { whitener, .. } = session.noise_under(&present);
+    let whitener = session.noise_under(&present);
     session.settle(&mut members, &whitener)?;
     found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
     let columns = session.model.columns(&session.logs.train, &members)?;

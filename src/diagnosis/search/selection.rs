@@ -3,15 +3,16 @@
 
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable, strictness};
 use super::all_logs;
-use super::comparison::{Chosen, InOwnNoise, better_held_out, compare};
+use super::comparison::{Chosen, InOwnNoise, compare};
 use super::eligible::{Contenders, Refused, Standing};
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
+use super::parsimony::chosen;
 use super::play::rattling_gears;
 use super::reselection::rename;
 use super::round::{Round, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
-use crate::diagnosis::model::{Candidate, Family, Fit, Member, Session};
+use crate::diagnosis::model::{Candidate, Family, Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::watch::{Progress, Watch};
@@ -94,8 +95,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
         let compared =
             compare(session, &members, &contenders, &round.all, &multiplicity, comparison, &mut in_own_noise)?;
         watch.tell(Progress::Found(found.len()));
-        let Chosen { winner, alternatives, whitener: under } =
-            better_held_out(session, &members, compared, comparison)?;
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, compared, comparison)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
         let Round { whitener, fit, .. } = &round;
         let trial = Trial {
@@ -171,7 +171,7 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>, dropped_p: f64) -
     let mut dropped = false;
     while found.len() > 1 {
         let all = members(found);
-        let Fit { whitener, .. } = session.noise_under(&session.model.columns(&session.logs.train, &all)?);
+        let whitener = session.noise_under(&session.model.columns(&session.logs.train, &all)?);
         let mut least = (f64::NEG_INFINITY, 0);
         for index in (0..all.len()).filter(|&index| !all[index].held) {
             let others: Vec<Member> =

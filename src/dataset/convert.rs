@@ -49,8 +49,7 @@ impl Dataset {
 
         let clock = self.time_factor()?;
         log.time.iter_mut().for_each(|t| *t *= clock);
-        let moved =
-            |unit: Vec<f64>| -> Vec<f64> { (0..dof).map(|j| unit[j] * sign[j] / motion_gear[j]).collect() };
+        let moved = |unit: Vec<f64>| -> Vec<f64> { (0..dof).map(|j| unit[j] * sign[j] / motion_gear[j]).collect() };
         let position = self.units("units.position", &units.position, PositionUnit::factor, dof)?;
         let velocity = self.units("units.velocity", &units.velocity, VelocityUnit::factor, dof)?;
         let acceleration = self.units("units.acceleration", &units.acceleration, AccelerationUnit::factor, dof)?;

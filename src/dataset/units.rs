@@ -3,9 +3,9 @@
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::marker::PhantomData;
-use std::f64::consts::{PI, TAU};
 
 /// A unit for all joints, or one each.
 #[derive(Debug, Clone, PartialEq)]

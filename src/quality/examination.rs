@@ -91,6 +91,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings.extend(channels::findings(&view, &sieved.recording));
         let endless = motion::endless(&sieved.unwrapped, robot, view.dof());
         let mut about_motion = motion::findings(&view, &summaries, robot, &endless);
+        // A joint that stands and has no torque either is one matter.
+        let stands = |place: String| about_motion.iter().any(|f| f.kind == Kind::HardlyMoves && f.place == place);
+        let standing: Vec<String> = (0..view.dof())
+            .filter(|&joint| stands(view.place("q", joint)))
+            .map(|joint| view.place("tau", joint))
+            .collect();
+        findings.retain(|finding| finding.kind != Kind::NoTorque || !standing.contains(&finding.place));
         // A joint that went on turning may be whole turns outside its limits.
         let turned =
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));

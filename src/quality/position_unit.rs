@@ -99,12 +99,7 @@ pub fn other_unit(
 
 /// Whether positions are in degrees, or in mm, on half of the joints of this `kind` or more: one recorder gives all of them one unit,
 /// and small motions do not show it.
-pub fn are_in_other(
-    kind: JointKind,
-    summaries: &[JointSummary],
-    robot: Option<&Robot>,
-    endless: &[bool],
-) -> bool {
+pub fn are_in_other(kind: JointKind, summaries: &[JointSummary], robot: Option<&Robot>, endless: &[bool]) -> bool {
     let of_kind = |joint: &usize| robot.map_or(JointKind::Revolute, |robot| robot.joints[*joint].kind) == kind;
     let joints: Vec<usize> = (0..summaries.len()).filter(of_kind).collect();
     let shows = |joint: &&usize| {
@@ -167,11 +162,17 @@ mod tests {
     #[test]
     fn a_joint_that_slides_is_in_mm_far_beyond_its_limits_and_within_them_as_mm() {
         let rail = Some(limits(0.5, 1.0));
-        assert_eq!([1.9, 2.1, 524.0, 526.0].map(|q| millimetres(q, 1.0, rail)), [None, Some(true), Some(true), Some(false)]);
+        assert_eq!(
+            [1.9, 2.1, 524.0, 526.0].map(|q| millimetres(q, 1.0, rail)),
+            [None, Some(true), Some(true), Some(false)]
+        );
         // A joint that leaves its limits a little is too fast for m/s from five times its speed.
         assert_eq!([4.9, 5.1, 1600.0].map(|v| millimetres(0.6, v, rail)), [None, Some(true), None]);
         // Fingers: a limit of 40 mm counts as 100.
-        assert_eq!([0.39, 0.41, 30.0].map(|q| millimetres(q, 0.1, Some(limits(0.04, 1.0)))), [None, Some(true), Some(true)]);
+        assert_eq!(
+            [0.39, 0.41, 30.0].map(|q| millimetres(q, 0.1, Some(limits(0.04, 1.0)))),
+            [None, Some(true), Some(true)]
+        );
         // Without limits.
         assert_eq!([29.0, 31.0, 3.2e4].map(|q| millimetres(q, 1.0, None)), [None, Some(true), Some(false)]);
     }

@@ -181,7 +181,9 @@ mod tests {
         assert_eq!([noisy.uncertain, noisy.standing, noisy.sure], [0.1 * DEVIATIONS; 3]);
         assert_eq!(Slow::new(&[], 0.1), Slow::given(0.0));
         // A joint 1000 times slower counts speeds by as much less, and one that is fast counts them as they are.
-        assert!((band.share - 1.0).abs() < 1e-12 && (of_slow.share / (1e-3 * 0.997 * SURE / SURE_AT) - 1.0).abs() < 0.01);
+        assert!(
+            (band.share - 1.0).abs() < 1e-12 && (of_slow.share / (1e-3 * 0.997 * SURE / SURE_AT) - 1.0).abs() < 0.01
+        );
     }
 
     #[test]

@@ -121,6 +121,15 @@ impl Description {
         out
     }
 
+    /// The description with the direction of gravity, which it changes, refined.
+    pub fn with_gravity(&self, gravity: Vector3<f64>) -> Description {
+        let refined = |&change: &Change| match change {
+            Change::Gravity(_) => Change::Gravity(gravity.into()),
+            other => other,
+        };
+        Description { gravity, changes: self.changes.iter().map(refined).collect(), ..self.clone() }
+    }
+
     /// The description with torques that are larger than they should be by one factor per joint, about `usual` times.
     pub fn with_scales(&self, usual: f64, factors: &[f64]) -> Description {
         let mut out = self.with(Change::TorqueScale(1.0 / usual));
@@ -149,8 +158,10 @@ impl Description {
 
     /// Whether two descriptions differ in the size of factors of torques only.
     pub fn same_but_for_factors(&self, other: &Description) -> bool {
-        let scaled = |description: &Description| description.torque_scale.iter().map(|v| f64::from(*v != 1.0)).collect();
-        let strip = |description: &Description| Description { torque_scale: scaled(description), ..description.clone() };
+        let scaled =
+            |description: &Description| description.torque_scale.iter().map(|v| f64::from(*v != 1.0)).collect();
+        let strip =
+            |description: &Description| Description { torque_scale: scaled(description), ..description.clone() };
         strip(self).same_as(&strip(other))
     }
 

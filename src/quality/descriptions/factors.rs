@@ -73,9 +73,10 @@ fn fitted(
     best(scales[joint], widest, merit)
 }
 
-/// The description with a factor for every torque, and how many times larger the logged torques are, where that is clearly better than
-/// what was `found`: a current or a share of the rated torque has another factor on each joint. The ratios of the factors are those under
-/// free bodies, their common size is that of the described ones.
+/// The description with a factor for every torque, and how many times larger the logged torques are: a current or a share of the rated
+/// torque has another factor on each joint. It takes the place of factors of some that were `found`, where free bodies explain the torques
+/// no worse by it and the described ones clearly better. The ratios of the factors are those under free bodies, their common size
+/// is that of the described ones.
 pub fn of_all_joints(
     free: &Physics,
     bodies: &Physics,
@@ -104,9 +105,9 @@ pub fn of_all_joints(
     let shared = |shared: f64| Fit::new(&described, rows, &with(&of_shared(shared))).merit().unwrap_or(f64::INFINITY);
     let scales = of_shared(best(1.0, NEAR, shared)?);
     // Bodies that are not like the torques know no size.
-    if Tried::new(bodies, rows, with(&scales))?.share() > ALIKE {
-        return None;
-    }
+    let of_bodies = Tried::new(bodies, rows, with(&scales)).filter(|tried| tried.share() < ALIKE)?;
+    let found_by_bodies = Tried::new(bodies, rows, found.description.clone())?;
+    let gain_of_bodies = compare(&found_by_bodies.evaluation, &of_bodies.evaluation, &rows.log)?;
     let mut sizes: Vec<f64> = joints.iter().map(|&joint| scales[joint]).collect();
     sizes.sort_by(f64::total_cmp);
     let factors: Vec<f64> = scales.iter().map(|scale| 1.0 / scale).collect();
@@ -117,6 +118,7 @@ pub fn of_all_joints(
     let over_found = compare(&found.evaluation, &after.evaluation, &rows.log)?;
     let explained = after.evaluation.unexplained.iter().flatten().all(|share| *share < EXPLAINED);
     let known = |joint: usize| joints.contains(&joint).then(|| factors[joint]);
-    (explained && gain.is_better(1, EXPLAINED) && gain.is_large(joints.len() - 1) && over_found.is_distinct())
+    let better = gain.is_better(1, EXPLAINED) && gain.is_large(1) && over_found.gain > 0.0;
+    (explained && better && gain_of_bodies.is_large(joints.len() - 1))
         .then(|| (after, (0..given.dof()).map(known).collect()))
 }

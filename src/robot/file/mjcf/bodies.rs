@@ -81,8 +81,14 @@ impl<'a> Bodies<'a> {
             self.notes.push(format!("springs of joints are not read ({})", self.springs.join(", ")));
         }
         for (bodies, what) in [
-            (&self.overruled, "inertiafromgeom is true: as in MuJoCo, shapes and not the <inertial> give the mass of these bodies"),
-            (&self.kept, "inertiafromgeom is true, but meshes have no mass here: the <inertial> of these bodies is taken"),
+            (
+                &self.overruled,
+                "inertiafromgeom is true: as in MuJoCo, shapes and not the <inertial> give the mass of these bodies",
+            ),
+            (
+                &self.kept,
+                "inertiafromgeom is true, but meshes have no mass here: the <inertial> of these bodies is taken",
+            ),
             (&self.weightless, "meshes have no mass here: these bodies lack theirs; give them an <inertial>"),
         ] {
             if !bodies.is_empty() {

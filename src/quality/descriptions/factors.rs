@@ -7,7 +7,7 @@
 use super::change::{Change, Description};
 use super::compare::{EXPLAINED, compare};
 use super::fitting::{Fit, Physics, Rows, Tables};
-use super::scale::{ALIKE, best};
+use super::scale::{ALIKE, STEP, best, between, spread};
 use super::tried::Tried;
 
 /// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
@@ -18,6 +18,10 @@ const WIDEST: f64 = 2000.0;
 
 /// Factors that are known roughly are looked for within this.
 const NEAR: f64 = 3.0;
+
+/// The factor is determined where it fits all rows better than at both ends of the range, at which the torque has no part in the bodies
+/// of the others: by so much, in the logarithm of the mean squares.
+const DETERMINED: f64 = 0.5;
 
 /// Rounds over several factors, which share the bodies.
 const ROUNDS: usize = 3;
@@ -42,7 +46,7 @@ pub fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> V
             return None;
         }
         let mut scales = from.torque_scale.clone();
-        scales[joint] = fitted(&tables, rows, &with, &scales, joint, WIDEST)?;
+        scales[joint] = determined(merit_of(&tables, rows, &with, &scales, joint))?;
         // The factor changes what those found before are.
         let earlier: Vec<usize> = (0..scales.len()).filter(|&other| from.torque_scale[other] != 1.0).collect();
         for _ in 0..if earlier.is_empty() { 0 } else { ROUNDS } {
@@ -65,12 +69,35 @@ fn fitted(
     joint: usize,
     widest: f64,
 ) -> Option<f64> {
-    let merit = |scale: f64| {
+    best(scales[joint], widest, merit_of(tables, rows, with, scales, joint))
+}
+
+/// How well all rows are fitted with a factor for one torque, the others as they are.
+fn merit_of(
+    tables: &Tables,
+    rows: &Rows,
+    with: &impl Fn(&[f64]) -> Description,
+    scales: &[f64],
+    joint: usize,
+) -> impl Fn(f64) -> f64 {
+    move |scale: f64| {
         let mut scales = scales.to_vec();
         scales[joint] = scale;
         Fit::new(tables, rows, &with(&scales)).merit().unwrap_or(f64::INFINITY)
-    };
-    best(scales[joint], widest, merit)
+    }
+}
+
+/// The factor beyond what is reported under which `merit` is least, where it is determined.
+fn determined(merit: impl Fn(f64) -> f64) -> Option<f64> {
+    let (grid, merits) = spread(1.0, WIDEST, &merit);
+    let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
+    // Ends of the range are no valley, and one around no factor gives none that is reported.
+    if least == 0 || least + 1 == grid.len() || grid[least].ln().abs() < (REPORTED / STEP).ln() {
+        return None;
+    }
+    let factor = between(grid[least] / STEP, grid[least] * STEP, &merit);
+    let decoupled = merits[0].min(merits[merits.len() - 1]);
+    (merit(factor) < decoupled - DETERMINED && factor.ln().abs() > REPORTED.ln()).then_some(factor)
 }
 
 /// The description with a factor for every torque, and how many times larger the logged torques are: a current or a share of the rated
@@ -121,4 +148,27 @@ pub fn of_all_joints(
     let better = gain.is_better(1, EXPLAINED) && gain.is_large(1) && over_found.gain > 0.0;
     (explained && better && gain_of_bodies.is_large(joints.len() - 1))
         .then(|| (after, (0..given.dof()).map(known).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A valley of this depth at a factor, whose walls rise to a plateau.
+    fn valley(at: f64, depth: f64) -> impl Fn(f64) -> f64 {
+        move |factor: f64| depth * ((factor / at).ln().abs() / 2.0).min(1.0)
+    }
+
+    #[test]
+    fn a_factor_is_one_that_fits_better_than_no_coupling_beyond_what_is_reported() {
+        let found = |at: f64, depth: f64| determined(valley(at, depth));
+        for at in [2.2, 80.0, 0.45, 0.01] {
+            let factor = found(at, 1.0).unwrap();
+            assert!((factor / at).ln().abs() < 0.02, "{factor} {at}");
+        }
+        assert_eq!([found(1.9, 1.0), found(0.55, 1.0), found(1.0, 1.0)], [None; 3]);
+        // A shallow valley, and one at the end of the range.
+        assert!(found(80.0, 0.55).is_some() && found(80.0, 0.45).is_none());
+        assert_eq!(found(1e6, 1.0), None);
+    }
 }

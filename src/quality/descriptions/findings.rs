@@ -55,14 +55,24 @@ fn scale(factor: f64) -> String {
 /// How many times too small or too large what must be multiplied by a factor is.
 fn times(factor: f64) -> (String, &'static str) {
     let (times, than) = if factor > 1.0 { (factor, "small") } else { (1.0 / factor, "large") };
-    (if times < 10.0 { format!("{times:.1}") } else { format!("{times:.0}") }, than)
+    (about(times), than)
+}
+
+/// A factor in as many digits as it is known to.
+fn about(factor: f64) -> String {
+    match factor {
+        f if f >= 10.0 => format!("{f:.0}"),
+        f if f >= 1.0 => format!("{f:.1}"),
+        f if f >= 0.1 => format!("{f:.2}"),
+        f => format!("{f:.1e}"),
+    }
 }
 
 /// What a scale may come from; `factors` are those of the joints, one where they share it.
 fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
     if factors.len() > 1 {
         let each = factors.iter().zip(joints).map(|(f, joint)| match f {
-            Some(f) => format!("{joint} {:.3e}", f.abs()),
+            Some(f) => format!("{joint} {}", about(f.abs())),
             None => format!("{joint} not known"),
         });
         let each = each.collect::<Vec<_>>().join(", ");

@@ -22,7 +22,7 @@ const PLAUSIBLE: f64 = 8.0;
 const WIDEST: f64 = 100.0;
 
 /// Ratio of two neighbours of the factors that are tried first, at most; between them golden sections, to within one per cent.
-const STEP: f64 = 1.8;
+pub const STEP: f64 = 1.8;
 const SECTIONS: usize = 10;
 
 /// Factors of the joints within this of the one that all share are that one: described bodies are wrong by as much.
@@ -123,17 +123,26 @@ fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
 
 /// The factor around a first one, up to so many times larger and smaller, under which `merit` is least.
 pub fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
-    let merit = |log: f64| merit(log.exp());
+    let (grid, merits) = spread(first, widest, &merit);
+    let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
+    merits[least].is_finite().then(|| between(grid[least] / STEP, grid[least] * STEP, merit))
+}
+
+/// Factors around a first one, evenly spread by their logarithms, with the merit of each.
+pub fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
     let steps = (2.0 * widest.ln() / STEP.ln()).ceil() as usize;
     let step = 2.0 * widest.ln() / steps as f64;
-    let at = |place: usize| first.abs().ln() - widest.ln() + step * place as f64;
-    let merits: Vec<f64> = (0..=steps).map(|place| merit(at(place))).collect();
-    let least = (0..=steps).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
-    if !merits[least].is_finite() {
-        return None;
-    }
+    let at = |place: usize| (first.abs().ln() - widest.ln() + step * place as f64).exp();
+    let grid: Vec<f64> = (0..=steps).map(at).collect();
+    let merits = grid.iter().map(|factor| merit(*factor)).collect();
+    (grid, merits)
+}
+
+/// The factor between two others under which `merit`, which has one valley there, is least.
+pub fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
+    let merit = |log: f64| merit(log.exp());
     let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (at(least) - step, at(least) + step);
+    let (mut low, mut high) = (low.ln(), high.ln());
     let mut inner = [high - golden * (high - low), low + golden * (high - low)];
     let mut values = inner.map(merit);
     for _ in 0..SECTIONS {
@@ -147,7 +156,7 @@ pub fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> 
             values = [values[1], merit(inner[1])];
         }
     }
-    Some((0.5 * (low + high)).exp())
+    (0.5 * (low + high)).exp()
 }
 
 /// How many times larger the logged torque of a joint is than that of the bodies without a load; none where it is not alike.

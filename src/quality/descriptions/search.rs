@@ -86,8 +86,8 @@ pub fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Descriptio
             let tilted = free_direction(physics, rows, &start.description);
             candidates.extend(tilted.map(|change| start.description.with(change)));
         }
-        let own_factors = grown.par_iter().map(|from| factors::of_single_joints(physics, rows, from));
-        for next in own_factors.collect::<Vec<_>>().concat() {
+        // A factor takes many fits: only the best is grown by one.
+        for next in grown.first().map_or(Vec::new(), |from| factors::of_single_joints(physics, rows, from)) {
             if !seen.iter().chain(&candidates).any(|other| other.same_but_for_factors(&next)) {
                 candidates.push(next);
             }

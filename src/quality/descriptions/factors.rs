@@ -29,14 +29,14 @@ const ROUNDS: usize = 3;
 /// The description with a factor for the torque of one more joint, for each joint that has none yet and to which all rows give one
 /// beyond what is reported.
 pub fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
-    if matches!(physics, Physics::Alone) || from.dof() < 2 {
-        // Nothing joins the torques of joints by themselves.
+    // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
+    // beside another change it explains too much.
+    let other_change = |change: &Change| !matches!(change, Change::JointScale(..));
+    if matches!(physics, Physics::Alone) || from.dof() < 2 || from.changes.iter().any(other_change) {
         return Vec::new();
     }
     let tables = physics.tables(rows, from);
-    let others: Vec<Change> =
-        from.changes.iter().copied().filter(|change| !matches!(change, Change::JointScale(..))).collect();
-    let unscaled = Description { torque_scale: vec![1.0; from.dof()], changes: others, ..from.clone() };
+    let unscaled = Description { torque_scale: vec![1.0; from.dof()], changes: Vec::new(), ..from.clone() };
     let with = |scales: &[f64]| {
         let scaled = scales.iter().enumerate().filter(|(_, scale)| **scale != 1.0);
         scaled.fold(unscaled.clone(), |description, (joint, scale)| description.with(Change::JointScale(joint, *scale)))

@@ -35,7 +35,7 @@ adds sensor noise, identifies the dynamic parameters and scores them against the
 
 Without a command it runs `tauscope run scenarios/irb1600.toml`.
 
-Exit codes: 0 done, 1 a check failed, 2 bad input or usage.";
+Exit codes: 0 done, 1 a check failed, 2 bad input or usage, also logs that forbid a diagnosis.";
 
 const EXAMPLE: &str = "\
 Example:

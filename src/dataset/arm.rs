@@ -7,6 +7,7 @@
 use super::description::Dataset;
 use super::order::select;
 use super::still;
+use super::units::OfJoints;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
@@ -169,7 +170,11 @@ impl LoggedArm {
         let named = paths.iter().map(names).collect::<Result<Vec<_>>>()?;
         let in_all = |(name, _): &(String, JointKind)| named.iter().all(|names| names.contains(name));
         let others: Vec<(String, JointKind)> = others.into_iter().filter(in_all).collect();
-        let factor = dataset.map_or(1.0, |dataset| dataset.spec.units.position.factor());
+        // Lists of units are of the joints under study.
+        let factor = dataset.map_or(1.0, |dataset| match dataset.spec.units.position {
+            OfJoints::All(unit) => unit.factor(),
+            OfJoints::Each(_) => 1.0,
+        });
         let read = |joints: &[String]| -> Option<Vec<Recording>> {
             let of = |path: &&Path| {
                 let Sieved { mut recording, rejected, .. } = lenient::positions(path, joints, &map).ok()?;

@@ -2,6 +2,7 @@
 
 use super::description::Dataset;
 use super::spec::{PerJoint, Side};
+use super::units::{AccelerationUnit, OfJoints, PositionUnit, VelocityUnit};
 use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
@@ -13,7 +14,7 @@ impl Dataset {
     /// Converts a log, whose joints are in the order of the file's columns.
     pub(super) fn convert(&self, sieved: &mut Sieved) -> Result<()> {
         let log = &mut sieved.recording;
-        let (units, motors) = (self.spec.units, &self.spec.motors);
+        let (units, motors) = (&self.spec.units, &self.spec.motors);
         let dof = log.joints();
         let gear = self.list("motors.gear_ratio", &motors.gear_ratio, dof)?;
         let constant = self.list("motors.torque_constant_nm_a", &motors.torque_constant_nm_a, dof)?;
@@ -48,13 +49,16 @@ impl Dataset {
 
         let clock = self.time_factor()?;
         log.time.iter_mut().for_each(|t| *t *= clock);
-        let moved = |unit: f64| -> Vec<f64> { (0..dof).map(|j| unit * sign[j] / motion_gear[j]).collect() };
-        apply(&mut log.q, &moved(units.position.factor()));
+        let moved = |unit: Vec<f64>| -> Vec<f64> { (0..dof).map(|j| unit[j] * sign[j] / motion_gear[j]).collect() };
+        let position = self.units("units.position", &units.position, PositionUnit::factor, dof)?;
+        let velocity = self.units("units.velocity", &units.velocity, VelocityUnit::factor, dof)?;
+        let acceleration = self.units("units.acceleration", &units.acceleration, AccelerationUnit::factor, dof)?;
+        apply(&mut log.q, &moved(position));
         if let Some(qd) = &mut log.qd {
-            apply(qd, &moved(units.velocity.factor()));
+            apply(qd, &moved(velocity));
         }
         if let Some(qdd) = &mut log.qdd {
-            apply(qdd, &moved(units.acceleration.factor()));
+            apply(qdd, &moved(acceleration));
         }
         apply(&mut log.tau, &torque_factor);
         for (joint, offset) in self.offsets(dof)?.into_iter().enumerate() {
@@ -86,6 +90,15 @@ impl Dataset {
         match joints.inverse() {
             Some(motors) => Ok(Some((joints, motors))),
             None => Err(self.error(key, "is singular: some motion of the motors would not move the joints")),
+        }
+    }
+
+    /// The `factor` of the unit of each joint.
+    fn units<T: Copy>(&self, key: &str, given: &OfJoints<T>, factor: fn(T) -> f64, dof: usize) -> Result<Vec<f64>> {
+        match given {
+            OfJoints::All(unit) => Ok(vec![factor(*unit); dof]),
+            OfJoints::Each(units) if units.len() == dof => Ok(units.iter().map(|unit| factor(*unit)).collect()),
+            OfJoints::Each(units) => Err(self.error(key, format!("{} units for {dof} joints", units.len()))),
         }
     }
 

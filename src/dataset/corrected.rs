@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::quality::UnitChanges;
 use crate::quality::descriptions::{Change, Description};
 use crate::recording::memory;
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -100,12 +100,33 @@ pub fn corrected(
         let old = written.get("time_factor").cloned();
         written.insert("time_factor".into(), scaled(old, factor));
     }
-    if units.degrees {
-        written.insert("position".into(), Value::from("deg"));
-        written.insert("velocity".into(), Value::from("deg/s"));
+    // A joint that is held counts as one that turns.
+    let slides = |name: &String| robot.joints.iter().any(|j| j.name == *name && j.kind == JointKind::Prismatic);
+    let slide: Vec<bool> = order.iter().map(slides).collect();
+    if let Some(unit) = units_of(&slide, units, "") {
+        written.insert("position".into(), unit);
+    }
+    if let Some(unit) = units_of(&slide, units, "/s").filter(|_| !units.velocities_are_si) {
+        written.insert("velocity".into(), unit);
     }
     table.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
     Ok(table.to_string())
+}
+
+/// The unit of positions, or with `per` that of velocities: one where all joints share it, else one per joint.
+fn units_of(slide: &[bool], units: UnitChanges, per: &str) -> Option<Value> {
+    if !(units.degrees || units.millimetres) {
+        return None;
+    }
+    let of = |slides: bool| match (slides, units.degrees, units.millimetres) {
+        (false, true, _) => "deg",
+        (false, ..) => "rad",
+        (true, _, true) => "mm",
+        (true, ..) => "m",
+    };
+    let each: Vec<Value> = slide.iter().map(|slides| Value::from(format!("{}{per}", of(*slides)))).collect();
+    let first = each.first()?.clone();
+    Some(if each.iter().all(|unit| *unit == first) { first } else { Value::Array(each) })
 }
 
 /// Names all files from the root.

@@ -23,7 +23,7 @@
 //!
 //! [units]
 //! time = "ms"                   # s, ms, us, ns; recognised from its name and numbers where it is not given
-//! position = "deg"              # rad, deg, mrad, rev, m, mm
+//! position = "deg"              # rad, deg, mrad, rev, m, mm; or a list of one per joint, as for velocity and acceleration
 //! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s
 //! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
 //! torque = "A"                  # Nm, mNm, kNm, A, mA, N

@@ -1,6 +1,6 @@
 //! The keys of `dataset.toml`.
 
-use super::units::{AccelerationUnit, PositionUnit, TimeUnit, TorqueUnit, VelocityUnit};
+use super::units::{AccelerationUnit, OfJoints, PositionUnit, TimeUnit, TorqueUnit, VelocityUnit};
 use crate::recording::lenient::{ColumnMap, Sieved};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -48,13 +48,13 @@ pub(super) struct Part {
 }
 
 /// Units of the columns.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Units {
     pub time: Option<TimeUnit>,
-    pub position: PositionUnit,
-    pub velocity: VelocityUnit,
-    pub acceleration: AccelerationUnit,
+    pub position: OfJoints<PositionUnit>,
+    pub velocity: OfJoints<VelocityUnit>,
+    pub acceleration: OfJoints<AccelerationUnit>,
     pub torque: TorqueUnit,
     pub time_factor: Option<f64>,
 }

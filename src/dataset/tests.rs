@@ -73,6 +73,20 @@ fn motor_currents_in_odd_units_come_to_the_joints() {
 }
 
 #[test]
+fn each_joint_may_have_a_unit_of_its_own() {
+    let units = |units: &str| {
+        let log = "t,q1,q2,qd1,qd2,tau1,tau2\n0,90,250,180,-40,1,2\n1,90,250,180,-40,1,2\n";
+        Case::new(&format!("[[train]]\nfile = \"log.csv\"\n[units]\n{units}\n"), log).read()
+    };
+    let log = units("position = [\"deg\", \"mm\"]\nvelocity = [\"deg/s\", \"mm/s\"]").unwrap();
+    assert_close(&log.q, &[&[PI / 2.0; 2], &[0.25; 2]]);
+    assert_close(&log.qd.unwrap(), &[&[PI; 2], &[-0.04; 2]]);
+    let message = |text: &str| units(text).unwrap_err().to_string();
+    assert!(message("position = [\"deg\"]").contains("1 units for 2 joints"));
+    assert!(message("position = [\"deg\", \"ft\"]").contains("unknown variant `ft`"));
+}
+
+#[test]
 fn coupling_keeps_the_power() {
     let case = Case::new(
         "[[train]]\nfile = \"log.csv\"\n[motors]\ncoupling = [[1.0, 0.0], [0.5, 2.0]]\ntorque_sign = [1, -1]\n",

@@ -1,7 +1,46 @@
 //! Units at the edge of a log's file.
 
-use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use std::f64::consts::{PI, TAU};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A unit for all joints, or one each.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum OfJoints<T> {
+    All(T),
+    Each(Vec<T>),
+}
+
+impl<T: Default> Default for OfJoints<T> {
+    fn default() -> Self {
+        OfJoints::All(T::default())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for OfJoints<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Either<T> {
+            type Value = OfJoints<T>;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+                formatter.write_str("a unit, or a list of one unit per joint")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                T::deserialize(text.into_deserializer()).map(OfJoints::All)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
+                Vec::deserialize(SeqAccessDeserializer::new(list)).map(OfJoints::Each)
+            }
+        }
+        deserializer.deserialize_any(Either(PhantomData))
+    }
+}
 
 /// Unit of time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]

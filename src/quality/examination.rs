@@ -2,6 +2,7 @@
 
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
+use super::position_unit::are_in_other;
 use super::report::{Report, Together, UnitChanges};
 use super::view::View;
 use super::{channels, clock, motion, torque, velocity};
@@ -9,7 +10,7 @@ use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::recording::resample::{self, Clock};
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -90,6 +91,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings.extend(channels::findings(&view, &sieved.recording));
         let endless = motion::endless(&sieved.unwrapped, robot, view.dof());
         let mut about_motion = motion::findings(&view, &summaries, robot, &endless);
+        // A joint that stands and has no torque either is one matter.
+        let stands = |place: String| about_motion.iter().any(|f| f.kind == Kind::HardlyMoves && f.place == place);
+        let standing: Vec<String> = (0..view.dof())
+            .filter(|&joint| stands(view.place("q", joint)))
+            .map(|joint| view.place("tau", joint))
+            .collect();
+        findings.retain(|finding| finding.kind != Kind::NoTorque || !standing.contains(&finding.place));
         // A joint that went on turning may be whole turns outside its limits.
         let turned =
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
@@ -104,7 +112,9 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let (about_velocity, factor) = velocity::findings(&view);
         findings.extend(about_velocity);
         units.time_factor = factor;
-        units.degrees = other_unit && motion::in_degrees(&summaries, robot, &endless);
+        let in_other = |kind| other_unit && are_in_other(kind, &summaries, robot, &endless);
+        (units.degrees, units.millimetres) = (in_other(JointKind::Revolute), in_other(JointKind::Prismatic));
+        units.velocities_are_si = (units.degrees || units.millimetres) && velocity::is_si(&view);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {
             let (found, condition) = torque::findings(&view, &mut summaries, robot);

@@ -1,20 +1,15 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
 use super::finding::{Finding, Kind, Severity};
+use super::position_unit::other_unit;
 use super::statistics::size_quantile;
 use super::view::View;
 use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
 const SLOW_CLOCK: f64 = 0.5;
-
-/// No joint of an arm turns faster, rad/s: taken for the speed limit of one that turns without end, where there is no lower one.
-const FASTEST_ENDLESS: f64 = 5.0;
-
-/// Positions of a joint are in another unit beyond this many times its limits; those of another joint may lie between.
-const BEYOND: f64 = 4.0;
 
 /// Range, speed and torque of a joint.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -111,8 +106,7 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>, 
         let place = view.place("q", joint);
         let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
         let limits = robot.map(|robot| robot.joints[joint].limits);
-        let bounds = limits.map(|l| (l.lower, l.upper, l.velocity));
-        if let Some((text, _)) = unit(summary, bounds, endless[joint]).filter(|_| revolute) {
+        if let Some((text, _)) = other_unit(summary, limits, revolute, endless[joint]) {
             out.push(Finding::new(Kind::PositionUnit, Severity::Warning, place, text));
             continue;
         }
@@ -139,94 +133,4 @@ pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>, 
         }
     }
     out
-}
-
-/// Whether positions are in degrees on half of the joints or more: one recorder gives all joints one unit, and small motions
-/// do not show it.
-pub fn in_degrees(summaries: &[JointSummary], robot: Option<&Robot>, endless: &[bool]) -> bool {
-    let shows = |joint: usize| {
-        let limits = robot.map(|robot| robot.joints[joint].limits);
-        let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
-        let limits = limits.map(|l| (l.lower, l.upper, l.velocity));
-        revolute && unit(&summaries[joint], limits, endless[joint]).is_some_and(|(_, degrees)| degrees)
-    };
-    2 * (0..summaries.len()).filter(|&joint| shows(joint)).count() >= summaries.len().max(1)
-}
-
-/// Why positions do not look like radians, and whether they look like degrees; `limits` are lower, upper and speed.
-fn unit(summary: &JointSummary, limits: Option<(f64, f64, f64)>, endless: bool) -> Option<(String, bool)> {
-    let largest = summary.range[0].abs().max(summary.range[1].abs());
-    let (bound, fastest) = limits.map_or((f64::INFINITY, f64::INFINITY), |(l, u, v)| (l.abs().max(u.abs()), v));
-    let fastest = if endless { fastest.min(FASTEST_ENDLESS) } else { fastest };
-    // A joint within its limits that is too fast jumps; nothing is said about its unit.
-    let leaves = if bound.is_finite() { largest > bound } else { summary.range[1] - summary.range[0] > TAU };
-    let too_fast = summary.speed > 5.0 * fastest && leaves;
-    let fits_in_degrees = summary.speed / (180.0 / PI) < 1.5 * fastest;
-    // A joint that turns without end may be anywhere: its speed alone shows the unit.
-    let (beyond, in_degrees) = match endless {
-        true => (too_fast, fits_in_degrees),
-        // Wrists that turn twice stay below two turns and a half.
-        false => (
-            largest > if bound.is_finite() { BEYOND * bound.max(1.0) } else { 2.5 * TAU },
-            largest / (180.0 / PI) < bound.min(2.5 * TAU) * 1.05,
-        ),
-    };
-    match (beyond, in_degrees, too_fast && fits_in_degrees) {
-        (true, true, _) | (_, true, true) => {
-            let text = format!(
-                "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in rad; are they in \
-                 degrees? Convert them to rad",
-                summary.speed
-            );
-            Some((text, true))
-        }
-        (true, false, _) => {
-            let text = format!(
-                "positions up to {largest:.3e} are neither rad nor deg: encoder counts, or turns of the motor? Convert them \
-                 to rad at the joint"
-            );
-            Some((text, false))
-        }
-        _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Whether a joint between `range` at `speed`, with limits of 3 rad and 3 rad/s, is taken to be in degrees.
-    fn degrees(range: [f64; 2], speed: f64, endless: bool) -> Option<bool> {
-        let (name, range_share, speed_share, unexplained, dead_time_s) = (String::new(), None, None, None, None);
-        let rest = (0, 1.0);
-        let summary = JointSummary {
-            name,
-            range,
-            range_share,
-            speed,
-            speed_share,
-            reversals: rest.0,
-            torque_rms: rest.1,
-            unexplained,
-            dead_time_s,
-        };
-        let limits = if endless { (f64::NEG_INFINITY, f64::INFINITY, 3.0) } else { (-3.0, 3.0, 3.0) };
-        unit(&summary, Some(limits), endless).map(|(_, degrees)| degrees)
-    }
-
-    #[test]
-    fn a_joint_that_turns_without_end_is_judged_by_its_speed() {
-        assert_eq!(degrees([-2.0, 51.2], 5.0, true), None);
-        assert_eq!(degrees([-2.0, 51.2], 5.0, false), Some(true));
-        // Beyond five times its speed, and what fits it in degrees.
-        assert_eq!(degrees([-90.0, 90.0], 14.9, true), None);
-        assert_eq!(degrees([-90.0, 90.0], 15.1, true), Some(true));
-        assert_eq!(degrees([-9e4, 9e4], 1e5, true), Some(false));
-    }
-
-    #[test]
-    fn a_joint_within_its_limits_is_not_in_degrees_however_fast_it_jumps() {
-        assert_eq!(degrees([-1.6, 1.3], 103.9, false), None);
-        assert_eq!(degrees([-3.1, 1.3], 103.9, false), Some(true));
-    }
 }

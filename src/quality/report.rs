@@ -11,8 +11,12 @@ use crate::recording::resample::Clock;
 pub struct UnitChanges {
     /// True seconds per second of the clock.
     pub time_factor: Option<f64>,
-    /// Whether positions are in degrees.
+    /// Whether positions of joints that turn are in degrees.
     pub degrees: bool,
+    /// Whether positions of joints that slide are in mm.
+    pub millimetres: bool,
+    /// Whether the logged velocities are in SI units all the same.
+    pub velocities_are_si: bool,
 }
 
 /// Everything found in a log.

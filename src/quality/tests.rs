@@ -248,6 +248,32 @@ fn a_constant_torque_is_no_exchange() {
     }
 }
 
+/// A joint that stands and has no torque is told once; one that moves without torque, or stands with it, for that.
+#[test]
+fn a_joint_that_stands_without_torque_is_one_matter() {
+    let robot = irb();
+    for (stands, torque, kind) in
+        [(true, false, Kind::HardlyMoves), (false, false, Kind::NoTorque), (true, true, Kind::HardlyMoves)]
+    {
+        let mut sieved = log(&robot, 250.0, 12.0);
+        let recording = &mut sieved.recording;
+        if stands {
+            recording.q.channel_mut(4).fill(0.2);
+            [&mut recording.qd, &mut recording.qdd]
+                .into_iter()
+                .flatten()
+                .for_each(|rate| rate.channel_mut(4).fill(0.0));
+        }
+        if !torque {
+            recording.tau.channel_mut(4).fill(0.0);
+        }
+        let report = examine(&sieved, Some(&robot)).unwrap();
+        let own = |finding: &&Finding| finding.place.contains("joint_5") && finding.severity != Severity::Note;
+        let told: Vec<Kind> = report.findings.iter().filter(own).map(|finding| finding.kind).collect();
+        assert_eq!(told, [kind], "{:?}", report.findings);
+    }
+}
+
 #[test]
 fn rows_that_were_lost_are_no_jitter() {
     let robot = irb();

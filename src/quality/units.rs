@@ -3,18 +3,20 @@
 use super::examination::examine_together;
 use super::finding::Kind;
 use super::report::{Report, Together, UnitChanges};
-use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
 use crate::robot::{JointKind, Robot};
+use std::f64::consts::PI;
 
 impl UnitChanges {
     /// Those that all logs of one recorder show.
     pub fn shared(reports: &[Report]) -> Self {
         let Some(units) = reports.first().map(|report| report.units) else { return Self::default() };
         let alike = |report: &Report| {
-            report.units.degrees == units.degrees && report.units.time_factor.is_some() == units.time_factor.is_some()
+            let without_clock = |units: UnitChanges| UnitChanges { time_factor: None, ..units };
+            without_clock(report.units) == without_clock(units)
+                && report.units.time_factor.is_some() == units.time_factor.is_some()
         };
         if reports.iter().all(alike) { units } else { Self::default() }
     }
@@ -24,12 +26,14 @@ impl UnitChanges {
         *self == Self::default()
     }
 
-    /// Converts a log of `robot`: positions of joints that turn, with their derivatives, to rad, and times to seconds.
+    /// Converts a log of `robot`: positions, with their derivatives, to rad and m, and times to seconds.
     pub fn apply(&self, log: &mut Recording, robot: &Robot) {
         let Recording { time, q, qd, qdd, .. } = log;
-        if self.degrees {
-            for signal in [Some(q), qd.as_mut(), qdd.as_mut()].into_iter().flatten() {
-                to_radians(signal, robot);
+        let derivatives = [qd.as_mut(), qdd.as_mut()].into_iter().filter(|_| !self.velocities_are_si).flatten();
+        for signal in std::iter::once(q).chain(derivatives) {
+            for (joint, spec) in robot.joints.iter().enumerate() {
+                let factor = self.factor(spec.kind);
+                signal.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
             }
         }
         if let Some(factor) = self.time_factor {
@@ -37,23 +41,27 @@ impl UnitChanges {
         }
     }
 
+    /// From the unit of a joint's positions to rad or m.
+    fn factor(&self, kind: JointKind) -> f64 {
+        match kind {
+            JointKind::Revolute if self.degrees => PI / 180.0,
+            JointKind::Prismatic if self.millimetres => 1e-3,
+            _ => 1.0,
+        }
+    }
+
     /// One line on each change: what it is about, and what was done.
     pub fn lines(&self) -> Vec<(Kind, &'static str, String)> {
-        let degrees = self.degrees.then(|| {
-            let text = "positions and velocities are in degrees: they are taken as that".to_owned();
-            (Kind::PositionUnit, "q", text)
+        let what = if self.velocities_are_si { "positions" } else { "positions and velocities" };
+        let units = [(self.degrees, "", "degrees"), (self.millimetres, " of joints that slide", "mm")];
+        let positions = units.into_iter().filter(|(other, ..)| *other).map(|(_, joints, unit)| {
+            (Kind::PositionUnit, "q", format!("{what}{joints} are in {unit}: they are taken as that"))
         });
         let clock = self.time_factor.map(|factor| {
             let text = format!("true seconds per second of the clock: {factor:.3}; times are taken as that");
             (Kind::ClockFactor, "t", text)
         });
-        degrees.into_iter().chain(clock).collect()
-    }
-}
-
-fn to_radians(signal: &mut Channels, robot: &Robot) {
-    for (joint, _) in robot.joints.iter().enumerate().filter(|(_, spec)| spec.kind == JointKind::Revolute) {
-        signal.channel_mut(joint).iter_mut().for_each(|value| *value = value.to_radians());
+        positions.chain(clock).collect()
     }
 }
 

@@ -8,11 +8,12 @@ use crate::linear::root_mean_square;
 use std::f64::consts::PI;
 
 /// Known factors between velocities in other units, with the advice.
-const FACTORS: [(f64, &str); 4] = [
+const FACTORS: [(f64, &str); 5] = [
     (180.0 / PI, "it is in deg/s where the position is in rad: convert one of them"),
     (PI / 180.0, "the position is in deg where the velocity is in rad/s: convert the position"),
     (30.0 / PI, "it is in rpm: convert it to rad/s"),
-    (1e3, "it is in mrad/s: convert it to rad/s"),
+    (1e3, "it is in mrad/s or mm/s: convert it to rad/s or m/s"),
+    (1e-3, "the position is in mm where the velocity is in m/s: convert the position"),
 ];
 
 /// Relative deviation from a known factor.
@@ -77,6 +78,19 @@ pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
         }
     }
     (out, clock)
+}
+
+/// Whether every logged velocity is a derivative in degrees or mm that is given in SI units.
+pub fn is_si(view: &View) -> bool {
+    let Some(logged) = &view.log.qd else { return false };
+    let moving = |&joint: &usize| view.log.has_velocity(joint) && view.band[joint].is_finite();
+    let joints: Vec<usize> = (0..view.dof()).filter(moving).collect();
+    let si = |&joint: &usize| {
+        let (slope, unexplained) = slope(view.qd.channel(joint), logged.channel(joint));
+        let known = [PI / 180.0, 1e-3].iter().any(|known| (slope.abs() / known - 1.0).abs() < TOLERANCE);
+        known && unexplained < UNEXPLAINED
+    };
+    !joints.is_empty() && joints.iter().all(si)
 }
 
 /// Slope and unexplained part of a logged velocity over the change of position.

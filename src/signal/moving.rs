@@ -89,6 +89,9 @@ pub struct Slow {
     pub standing: f64,
     /// It surely moves above, whatever smoothing mixes in from a reversal near by.
     pub sure: f64,
+    /// The joint's own fast speed over that of a fast joint, at most one: speeds that hold for a fast joint count for this one by that
+    /// share.
+    pub share: f64,
 }
 
 impl Slow {
@@ -102,12 +105,13 @@ impl Slow {
         let fast = *speeds.select_nth_unstable_by(place, f64::total_cmp).1;
         let uncertain = DEVIATIONS * noise;
         let standing = uncertain.max(STANDING * fast);
-        Slow { uncertain, standing, sure: uncertain.max(SURE_AT.min(SURE * fast)).max(CREEPS) }
+        let share = (SURE * fast / SURE_AT).min(1.0);
+        Slow { uncertain, standing, sure: uncertain.max(SURE_AT.min(SURE * fast)).max(CREEPS), share }
     }
 
     /// One speed for all.
     pub fn given(speed: f64) -> Self {
-        Slow { uncertain: speed, standing: speed, sure: speed }
+        Slow { uncertain: speed, standing: speed, sure: speed, share: 1.0 }
     }
 
     /// Samples at which the joint surely moves; it stands where it is slow for `length` samples or more.
@@ -176,6 +180,10 @@ mod tests {
         let noisy = Slow::new(&velocity, 0.1);
         assert_eq!([noisy.uncertain, noisy.standing, noisy.sure], [0.1 * DEVIATIONS; 3]);
         assert_eq!(Slow::new(&[], 0.1), Slow::given(0.0));
+        // A joint 1000 times slower counts speeds by as much less, and one that is fast counts them as they are.
+        assert!(
+            (band.share - 1.0).abs() < 1e-12 && (of_slow.share / (1e-3 * 0.997 * SURE / SURE_AT) - 1.0).abs() < 0.01
+        );
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! writes them anew; read the difference before it is committed.
 
 use super::diagnose::{LOGS, changed};
-use super::{Case, assert_done, text};
+use super::{Case, assert_done, assert_stopped, text};
 use std::process::{Command, Output};
 
 /// What a command printed, without what depends on the machine: paths, times, numbers that are rounding, and the widths of columns that
@@ -70,10 +70,11 @@ fn an_identification() {
 
 #[test]
 fn diagnoses() {
-    let diagnose = |train: &str, out: &str, candidates: &str| {
+    let output = |train: &str, out: &str, candidates: &str| {
         let logs = ["--train", train, "--test", "out/held_out.csv", "--candidates", candidates, "--out", out];
-        printed(&LOGS.tauscope(&[&["diagnose", "--robot", "arm.urdf"][..], &logs].concat()))
+        LOGS.tauscope(&[&["diagnose", "--robot", "arm.urdf"][..], &logs].concat())
     };
+    let diagnose = |train: &str, out: &str, candidates: &str| printed(&output(train, out, candidates));
     let named = diagnose("out/recording.csv", "console_named", "stribeck_friction,torque_offset");
     assert_snapshot("diagnose_named", &LOGS, &named);
     let unexplained = diagnose("out/recording.csv", "console_unexplained", "torque_offset");
@@ -82,8 +83,9 @@ fn diagnoses() {
         "tau3" => (-cell.parse::<f64>().unwrap()).to_string(),
         _ => cell.to_owned(),
     });
-    let stopped = diagnose("console_sign.csv", "console_stopped", "torque_offset");
-    assert_snapshot("diagnose_stopped", &LOGS, &stopped);
+    let stopped = output("console_sign.csv", "console_stopped", "torque_offset");
+    assert_stopped(&stopped);
+    assert_snapshot("diagnose_stopped", &LOGS, &text(&stopped.stdout));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `diagnose` from outside: what it writes, how faults of the data stop it, and how it refuses what tells nothing.
 
-use super::{Case, assert_done, assert_refusal, schema, text};
+use super::{Case, assert_done, assert_refusal, assert_stopped, schema, text};
 use serde_json::Value;
 use std::process::Output;
 use std::sync::LazyLock;
@@ -24,6 +24,10 @@ fn diagnose(train: &str, more: &[&str]) -> Output {
 /// What a diagnosis printed, which must follow the schema.
 fn json(output: &Output) -> Value {
     assert_done(output);
+    valid(output)
+}
+
+fn valid(output: &Output) -> Value {
     let told = serde_json::from_slice(&output.stdout).unwrap();
     schema::assert_valid(&told);
     told
@@ -118,7 +122,9 @@ fn wrong_columns_stop_it() {
         ("degrees.csv", "position_unit", "q2"),
         ("still.csv", "hardly_moves", "q4"),
     ] {
-        let told = json(&diagnose(log, &TEST));
+        let output = diagnose(log, &TEST);
+        assert_stopped(&output);
+        let told = valid(&output);
         assert_eq!(told["verdict"], "not_testable", "{log}");
         assert_eq!(told["findings"].as_array().map(Vec::len), Some(0));
         let faults = told["data_quality"].as_array().unwrap();

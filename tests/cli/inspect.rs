@@ -79,11 +79,10 @@ const ARM: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="
 <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
 
 #[test]
-fn identify_and_diagnose_go_on_with_degrees_and_with_a_clock_that_runs_wrong() {
+fn identify_and_diagnose_go_on_with_degrees_millimetres_and_a_clock_that_runs_wrong() {
     let case = Case::new(&[]);
-    case.write("one.urdf", ARM);
-    // 2 kg m2, 1.5 N m s/rad and 3 N m at the joint, without weight; times of the clock and angles in other units.
-    let log = |clock: f64, angle: f64| {
+    // 2 kg m2, 1.5 N m s/rad and 3 N m at the joint, without weight; times of the clock, positions and velocities in other units.
+    let log = |clock: f64, angle: f64, rate: f64| {
         let mut log = "t,q1,qd1,tau1\n".to_owned();
         for i in 0..4000 {
             let t = 0.004 * f64::from(i);
@@ -93,7 +92,7 @@ fn identify_and_diagnose_go_on_with_degrees_and_with_a_clock_that_runs_wrong() {
                 -1.69 * (1.3 * t).sin() - 2.883 * (3.1 * t).sin(),
             );
             let torque = 2.0 * a + 1.5 * v + 3.0 * (v / 1e-3).tanh() + 0.02 * (977.0 * t).sin();
-            writeln!(log, "{:.6},{:.9},{:.9},{torque:.6}", clock * t, angle * q, angle * v).unwrap();
+            writeln!(log, "{:.6},{:.9},{:.9},{torque:.6}", clock * t, angle * q, rate * v).unwrap();
         }
         log
     };
@@ -104,19 +103,39 @@ fn identify_and_diagnose_go_on_with_degrees_and_with_a_clock_that_runs_wrong() {
         let parameters = json["without_effects"]["parameters"].as_array().unwrap();
         parameters.iter().map(|parameter| parameter["value"].as_f64().unwrap()).collect()
     };
-    case.write("log.csv", &log(1.0, 1.0));
-    let right = identified("right");
     let is_corrected = |out: &str| super::names(&case.path(out)).contains(&"corrected.toml".to_owned());
-    assert!(!is_corrected("right"));
-    for (clock, angle, line, written) in [
-        (1.0, 180.0 / std::f64::consts::PI, "positions and velocities are in degrees", "position = \"deg\""),
-        (1.6, 1.0, "true seconds per second of the clock: 0.625", "time_factor = 0.62"),
+    let [turns, slides] = [ARM.to_owned(), ARM.replace("revolute", "prismatic")];
+    let degrees = 180.0 / std::f64::consts::PI;
+    for (urdf, clock, [angle, rate], line, written, other) in [
+        (
+            &turns,
+            1.0,
+            [degrees; 2],
+            "positions and velocities are in degrees",
+            "position = \"deg\"\nvelocity = \"deg/s\"",
+            "mm",
+        ),
+        (&turns, 1.0, [degrees, 1.0], "positions are in degrees", "position = \"deg\"", "velocity"),
+        (
+            &slides,
+            1.0,
+            [1e3; 2],
+            "positions and velocities of joints that slide are in mm",
+            "position = \"mm\"\nvelocity = \"mm/s\"",
+            "deg",
+        ),
+        (&turns, 1.6, [1.0; 2], "true seconds per second of the clock: 0.625", "time_factor = 0.62", "position"),
     ] {
-        case.write("log.csv", &log(clock, angle));
+        case.write("one.urdf", urdf);
+        case.write("log.csv", &log(1.0, 1.0, 1.0));
+        let right = identified("right");
+        assert!(!is_corrected("right"));
+        case.write("log.csv", &log(clock, angle, rate));
         let found = identified("changed");
         let close = |(found, right): (&f64, &f64)| (found - right).abs() < 2e-3 * (1.0 + right.abs());
         assert!(found.iter().zip(&right).all(close), "{found:?} {right:?}");
-        assert!(case.read("changed/corrected.toml").contains(written), "{}", case.read("changed/corrected.toml"));
+        let corrected = case.read("changed/corrected.toml");
+        assert!(corrected.contains(written) && !corrected.contains(other), "{corrected}");
         let told = case.tauscope(&["diagnose", "--robot", "one.urdf", "--train", "log.csv", "--out", "answer"]);
         assert_done(&told);
         let said = text(&told.stdout);

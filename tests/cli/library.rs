@@ -1,7 +1,7 @@
 //! The library's entry and the command give the same answer, byte for byte.
 
-use super::assert_done;
 use super::diagnose::{LOGS, changed};
+use super::{assert_done, assert_stopped};
 use std::sync::Arc;
 use tauscope::cli::{self, Host};
 use tauscope::dataset;
@@ -15,7 +15,12 @@ use tauscope::simulation::engine::EngineKind;
 fn by_command(train: &str, out: &str) -> Vec<u8> {
     let arguments = ["diagnose", "--robot", "arm.urdf", "--train", train, "--test", "out/held_out.csv", "--quiet"];
     let more = ["--candidates", "stribeck_friction,torque_offset", "--seed", "3", "--out", out];
-    assert_done(&LOGS.tauscope(&[&arguments[..], &more].concat()));
+    let output = LOGS.tauscope(&[&arguments[..], &more].concat());
+    if out == "stopped" {
+        assert_stopped(&output)
+    } else {
+        assert_done(&output)
+    }
     LOGS.read_bytes(&format!("{out}/diagnosis.json"))
 }
 

@@ -118,6 +118,12 @@ fn assert_refusal(output: &Output, words: &[&str]) {
     }
 }
 
+/// That logs forbid an answer: it is printed as any, and the exit code reports it.
+fn assert_stopped(output: &Output) {
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
 fn assert_done(output: &Output) {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 }

@@ -1,7 +1,8 @@
 //! The library's entry: what it refuses, and what it does about a wrong description.
 
-use super::{SETUP, answer, logs};
+use super::{SETUP, answer, logs, with};
 use tauscope::diagnosis::{Consequence, Diagnosis, DiagnosisBuilder, Progress, Verdict};
+use tauscope::effects::{Placed, find};
 use tauscope::quality::Kind;
 use tauscope::recording::Recording;
 
@@ -52,4 +53,21 @@ fn a_wrong_sign_in_all_logs_is_corrected_or_stops() {
     let used = corrected.logs.train[0].tau.channel(2).iter();
     assert!(used.zip(flipped[0].tau.channel(2)).all(|(used, given)| *used == -given));
     assert_eq!(progress.first(), Some(&Progress::Screened));
+}
+
+/// A direction of gravity that was corrected in steps of some degrees leaves no tilt of the base to find.
+#[test]
+fn a_mounting_that_is_corrected_is_no_tilt() {
+    let tilt = find("base_tilt").unwrap();
+    let mounted = with(&[Placed { effect: tilt, joint: 0, parameters: vec![0.0, 0.72] }]);
+    let logs = logs(&mounted, 43, 2);
+    let diagnosis = Diagnosis::of(&SETUP.known).train(&logs[..1]).test(&logs[1..]);
+    let answer = answer(diagnosis.candidates(["base_tilt", "torque_offset"]));
+    let off = (answer.robot.gravity - mounted.plant.gravity).norm() / 9.81;
+    assert!(off.to_degrees() < 0.3, "{off} rad: {}", answer.robot.gravity);
+    let told: Vec<&str> = answer.findings().iter().map(|finding| finding.effect).collect();
+    assert!(!told.contains(&"base_tilt"), "{told:?}");
+    let corrected = &answer.description.as_ref().unwrap().description;
+    assert_eq!(corrected.gravity, answer.robot.gravity);
+    assert!(answer.faults.iter().any(|fault| fault.kind == Kind::Mounting), "{:?}", answer.faults);
 }

@@ -1,6 +1,6 @@
 //! `tauscope diagnose`: what the model of an arm misses, from logs. [`Diagnosis::of`] does the work; this file reads and writes.
 
-use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, interrupt, print, progress};
+use crate::cli::shared::{ArmArguments, BAD_INPUT, DONE, Global, LogArguments, corrected, interrupt, print, progress};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
@@ -37,7 +37,11 @@ const LEAST_ROUNDS: usize = 2;
 #[command(
     group = ArgGroup::new("identified from").args(["train", "dataset"]).required(true),
     mut_arg("test", |test| test.help("Held-out log of a different motion. Repeatable. Default: the last 30 % of each training log")),
-    after_help = "Example:\n  tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv --out results/arm"
+    after_help = "\
+Exit codes: 0 an answer, also that nothing is missing; 2 bad input, also logs whose faults forbid an answer (not_testable).
+
+Example:
+  tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv --out results/arm"
 )]
 pub struct Arguments {
     #[command(flatten)]
@@ -160,7 +164,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     };
     let path = folder.finish()?;
     print::result(global, DIAGNOSIS_SCHEMA, &answer, || format!("{text}\nResults in {}", path.display()))?;
-    Ok(DONE)
+    // A script must not take logs that forbid an answer for logs that show nothing.
+    Ok(if answer.conclusion().is_some() { DONE } else { BAD_INPUT })
 }
 
 impl Arguments {

@@ -9,15 +9,21 @@ use crate::diagnosis::logs::{
     CleanLogs, Consequence, GivenLog, Screened, all_faults, check_held_out, check_length, correct, refuse_twice,
     screen_all, screen_in_own_units, shared_verdict, still_joints,
 };
+use crate::diagnosis::search::Found;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
-use crate::quality::UnitChanges;
+use crate::quality::descriptions::{Change, words};
+use crate::quality::{Kind, UnitChanges};
 use crate::robot::Robot;
+use nalgebra::Vector3;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
+
+/// The effect that is another direction of gravity.
+const TILT: &str = "base_tilt";
 
 /// A diagnosis in the making, from [`Diagnosis::of`]. [`DiagnosisBuilder::run`] makes it.
 #[must_use = "nothing is diagnosed before `run`"]
@@ -213,7 +219,7 @@ impl<'a> DiagnosisBuilder<'a> {
         refuse_twice([(of_train, &train), (of_test, &test), (of_reference, &reference)])?;
 
         let mut all: Vec<&mut Screened> = train.iter_mut().chain(&mut test).chain(&mut reference).collect();
-        let description = shared_verdict(&all);
+        let mut description = shared_verdict(&all);
         if self.corrects {
             correct(&mut all, &mut robot);
         }
@@ -231,8 +237,30 @@ impl<'a> DiagnosisBuilder<'a> {
         let Observed { model, left_out } = observed(&robot, &input, &still)?;
         faults.extend(left_out);
         watch.tell(Progress::Screened);
-        let concluded = conclude(&model, &input, &options, &mut watch)?;
+        let mut concluded = conclude(&model, &input, &options, &mut watch)?;
+        let corrected = robot.gravity != self.robot.gravity;
+        let remaining = tilted(&robot, &concluded.diagnosis.found).filter(|_| corrected && !watch.is_over());
+        let refined;
+        if let Some(gravity) = remaining {
+            robot.gravity = gravity;
+            if let Some(verdict) = &mut description {
+                verdict.description = verdict.description.with_gravity(gravity);
+            }
+            let words = format!("; refined by the diagnosis: {}", words(Change::Gravity(gravity.into()), &[]));
+            let mountings = faults.iter_mut().filter(|fault| fault.kind == Kind::Mounting);
+            mountings.for_each(|fault| fault.text.push_str(&words));
+            refined = observed(&robot, &input, &still)?.model;
+            concluded = conclude(&refined, &input, &options, &mut watch)?;
+        }
         let outcome = Outcome::Concluded(Box::new(concluded.into_conclusion(&input.train, &truth)?));
         Ok(Answer { robot, alpha, logs, faults, description, units, outcome })
     }
+}
+
+/// The gravity under a tilt of the base that was found: where the direction of gravity was corrected, what the correction rounded.
+fn tilted(robot: &Robot, found: &[Found]) -> Option<Vector3<f64>> {
+    let tilt = found.iter().map(|found| &found.member.placed).find(|placed| placed.effect.about().name == TILT)?;
+    let mut tilted = robot.clone();
+    tilt.effect.alter(&tilt.parameters, tilt.joint, &mut tilted);
+    Some(tilted.gravity)
 }

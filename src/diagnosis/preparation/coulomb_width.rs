@@ -5,6 +5,7 @@
 //! more by it than by any friction law of speed in the library.
 
 use crate::diagnosis::evidence::Judged;
+use crate::diagnosis::logs::Log;
 use crate::diagnosis::model::{DataSet, Session, all_candidates};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
@@ -12,8 +13,12 @@ use crate::effects::{LIBRARY, Nature};
 use crate::error::Result;
 use rayon::prelude::*;
 
-/// Widths that are tried, rad/s or m/s. Narrower ones end within the rows that are left out.
+/// Widths that are tried, rad/s or m/s, of a fast joint; those of a slow one, which some sliding joints are, are less by the share of
+/// its speed. Narrower ones end within the rows that are left out.
 const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
+
+/// No share is less: so slow a joint creeps.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// Factors on the best of them, in rounds.
 const FINER: [&[f64]; 2] = [&[0.8, 0.9, 1.12, 1.25], &[0.95, 1.05]];
@@ -60,7 +65,9 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
     };
     let tried = |all: Vec<Vec<f64>>| all.into_par_iter().map(gains).collect::<Result<Vec<Widths>>>();
     let mut best: Widths = vec![(0.0, 0.0); model.dof()];
-    better(&mut best, tried(WIDTHS.iter().map(|width| vec![*width; model.dof()]).collect())?);
+    let shares = shares(&session.logs.train.rows.logs, model.dof());
+    let widths = WIDTHS.iter().map(|width| shares.iter().map(|share| share * width).collect());
+    better(&mut best, tried(widths.collect())?);
     for factors in FINER {
         let scaled = |factor: &f64| best.iter().map(|(width, _)| factor * width).collect();
         let finer = tried(factors.iter().map(scaled).collect())?;
@@ -79,13 +86,19 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
         return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { 0.0 }).collect());
     }
     // The others have the median width, if their torque does not contradict it.
-    let mut widths: Vec<f64> =
-        best.iter().zip(&surely).filter(|(_, surely)| **surely).map(|(best, _)| best.0).collect();
+    let of_fast = best.iter().zip(&shares).map(|((width, _), share)| width / share);
+    let mut widths: Vec<f64> = of_fast.zip(&surely).filter(|(_, surely)| **surely).map(|(width, _)| width).collect();
     widths.sort_by(f64::total_cmp);
-    let as_most = gains(vec![widths[widths.len() / 2]; model.dof()])?;
+    let as_most = gains(shares.iter().map(|share| share * widths[widths.len() / 2]).collect())?;
     let as_most = as_most.into_iter().map(|(width, gain)| if gain > 0.0 { width } else { 0.0 });
     let all = best.into_iter().zip(surely).zip(as_most);
     Ok(all.map(|(((width, gain), surely), as_most)| if surely && gain > OWN_WIDTH { width } else { as_most }).collect())
+}
+
+/// Share of each joint's speed in that of a fast joint, from the log in which it is fastest.
+fn shares(logs: &[Log], joints: usize) -> Vec<f64> {
+    let of_joint = |joint: usize| logs.iter().map(|log| log.slow[joint].share).fold(LEAST_SHARE, f64::max);
+    (0..joints).map(of_joint).collect()
 }
 
 /// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the
@@ -125,12 +138,30 @@ fn of_most(mut gains: Vec<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::channels::Channels;
+    use crate::recording::Recording;
 
     #[test]
     fn what_one_or_two_joints_gain_does_not_count() {
         assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5]), 2.5);
         assert_eq!(of_most(vec![5.0, 9.0, 4.0]), 9.0);
         assert_eq!(of_most(vec![7.0]), 7.0);
+    }
+
+    #[test]
+    fn widths_of_a_slow_joint_are_less_by_the_share_of_its_speed() {
+        // Swings of 0.25 Hz at these speeds in two logs.
+        let log = |speeds: [f64; 4]| {
+            let swing = |speed: f64| (0..4000).map(|k| speed / 1.57 * (1.57 * 0.005 * f64::from(k)).sin()).collect();
+            let q = Channels::from_vectors(&speeds.map(swing));
+            let time = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
+            let (joints, tau) = (["a", "b", "c", "d"].map(String::from).to_vec(), Channels::zeros(4, 4000));
+            let recording = Recording { joints, time, q, tau, ..Recording::default() };
+            Log::new(&recording, (&[5.0; 4], 5.0), None).unwrap()
+        };
+        let found = shares(&[log([2.0, 0.29, 0.012, 0.0]), log([0.1, 0.1, 0.003, 0.0])], 4);
+        let wanted = [1.0, 0.29 / 0.3, 0.012 / 0.3, LEAST_SHARE];
+        assert!(found.iter().zip(wanted).all(|(own, wanted)| (own / wanted - 1.0).abs() < 0.02), "{found:?}");
     }
 
     #[test]

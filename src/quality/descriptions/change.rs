@@ -30,6 +30,8 @@ pub enum Change {
     Gravity([f64; 3]),
     /// Torques are this many times too small, by a factor that all joints share (another unit, a gear).
     TorqueScale(f64),
+    /// The torque of one joint is this many times too small: a gear, a current, a share of the rated torque.
+    JointScale(usize, f64),
 }
 
 impl Change {
@@ -47,6 +49,7 @@ impl Change {
             Change::PositionSign(_) => 7,
             Change::PositionExchange(..) => 8,
             Change::TorqueScale(_) => 9,
+            Change::JointScale(..) => 10,
         }
     }
 }
@@ -112,9 +115,19 @@ impl Description {
             Change::WithoutGravity => out.gravity = Vector3::zeros(),
             Change::Gravity(gravity) => out.gravity = Vector3::from(gravity),
             Change::TorqueScale(factor) => out.torque_scale.iter_mut().for_each(|scale| *scale *= factor),
+            Change::JointScale(joint, factor) => out.torque_scale[joint] *= factor,
         }
         out.changes.push(change);
         out
+    }
+
+    /// The description with the direction of gravity, which it changes, refined.
+    pub fn with_gravity(&self, gravity: Vector3<f64>) -> Description {
+        let refined = |&change: &Change| match change {
+            Change::Gravity(_) => Change::Gravity(gravity.into()),
+            other => other,
+        };
+        Description { gravity, changes: self.changes.iter().map(refined).collect(), ..self.clone() }
     }
 
     /// The description with torques that are larger than they should be by one factor per joint, about `usual` times.
@@ -141,6 +154,15 @@ impl Description {
     pub fn same_as(&self, other: &Description) -> bool {
         let strip = |description: &Description| Description { changes: Vec::new(), ..description.clone() };
         strip(self) == strip(other)
+    }
+
+    /// Whether two descriptions differ in the size of factors of torques only.
+    pub fn same_but_for_factors(&self, other: &Description) -> bool {
+        let scaled =
+            |description: &Description| description.torque_scale.iter().map(|v| f64::from(*v != 1.0)).collect();
+        let strip =
+            |description: &Description| Description { torque_scale: scaled(description), ..description.clone() };
+        strip(self).same_as(&strip(other))
     }
 
     /// Whether two descriptions give the model the same motion under the same gravity.

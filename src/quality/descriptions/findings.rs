@@ -7,6 +7,9 @@ use crate::quality::finding::{Finding, Kind, Severity};
 /// Alternatives that are named; more mean only that the logs do not decide.
 const NAMED: usize = 4;
 
+/// What the factor of one torque comes from.
+const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [motors] gear_ratio, torque_constant_nm_a";
+
 /// A change in words; `joints` are the names.
 pub fn words(change: Change, joints: &[String]) -> String {
     let name = |joint: usize| joints[joint].as_str();
@@ -23,6 +26,10 @@ pub fn words(change: Change, joints: &[String]) -> String {
         Change::WithoutGravity => "the torque lacks that of gravity: it is gravity-compensated".into(),
         Change::Gravity(gravity) => format!("gravity is along {} of the base", direction(gravity)),
         Change::TorqueScale(factor) => scale(factor),
+        Change::JointScale(joint, factor) => {
+            let (times, than) = times(factor);
+            format!("the torque of {} is about {times} times too {than}", name(joint))
+        }
     }
 }
 
@@ -40,15 +47,32 @@ fn direction(gravity: [f64; 3]) -> String {
 }
 
 fn scale(factor: f64) -> String {
-    let (times, than) = if factor > 1.0 { (factor, "smaller") } else { (1.0 / factor, "larger") };
-    format!("the torques are about {times:.0} times {than} than the URDF's bodies need")
+    let (times, than) = times(factor);
+    let than = if than == "small" { "smaller" } else { "larger" };
+    format!("the torques are about {times} times {than} than the URDF's bodies need")
+}
+
+/// How many times too small or too large what must be multiplied by a factor is.
+fn times(factor: f64) -> (String, &'static str) {
+    let (times, than) = if factor > 1.0 { (factor, "small") } else { (1.0 / factor, "large") };
+    (about(times), than)
+}
+
+/// A factor in as many digits as it is known to.
+fn about(factor: f64) -> String {
+    match factor {
+        f if f >= 10.0 => format!("{f:.0}"),
+        f if f >= 1.0 => format!("{f:.1}"),
+        f if f >= 0.1 => format!("{f:.2}"),
+        f => format!("{f:.1e}"),
+    }
 }
 
 /// What a scale may come from; `factors` are those of the joints, one where they share it.
 fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
     if factors.len() > 1 {
         let each = factors.iter().zip(joints).map(|(f, joint)| match f {
-            Some(f) => format!("{joint} {:.3e}", f.abs()),
+            Some(f) => format!("{joint} {}", about(f.abs())),
             None => format!("{joint} not known"),
         });
         let each = each.collect::<Vec<_>>().join(", ");
@@ -99,8 +123,16 @@ pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
                 true => String::new(),
                 false => format!(" (together with: {})", all_words(&others, joints)),
             };
+            let own = match change {
+                Change::JointScale(..) => format!("{own} ({FACTOR_OF_ONE})"),
+                _ => own,
+            };
             let text = match (change, rivals.is_empty()) {
                 (Change::TorqueScale(factor), _) => {
+                    let own = match verdict.factors.len() {
+                        0 | 1 => own,
+                        _ => "the torques are not as large as the URDF's bodies need".into(),
+                    };
                     format!("{own}: {}; {gain}", origin(factor, &verdict.factors, joints))
                 }
                 (_, true) => format!("{own}{also}: {gain}{next}"),
@@ -127,6 +159,7 @@ fn kind(change: Change, joints: &[String]) -> (Kind, String) {
         Change::WithoutGravity => (Kind::GravityCompensated, "tau".into()),
         Change::Gravity(_) => (Kind::Mounting, "gravity".into()),
         Change::TorqueScale(_) => (Kind::TorqueUnit, "tau".into()),
+        Change::JointScale(joint, _) => (Kind::TorqueUnit, column("tau", joint)),
     }
 }
 

@@ -7,7 +7,7 @@ use super::scale::Scaled;
 use super::search::{Found, Outcome, search};
 use super::tried::Tried;
 use super::verdict::{Alternative, Verdict};
-use super::{compare, jumps, scale};
+use super::{compare, factors, jumps, scale};
 use crate::quality::view::View;
 use crate::robot::Robot;
 use nalgebra::Vector3;
@@ -55,7 +55,12 @@ pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let (free, bodies) = (Physics::free(robot), Physics::bodies(robot));
     let known = Known { physics: &free, other: bodies.as_ref() };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
-    if outcome.found.is_some() {
+    if let Some(Found { best, .. }) = &outcome.found {
+        let scaled = best.description.torque_scale.iter().filter(|scale| **scale != 1.0).count();
+        let each = |bodies| factors::of_all_joints(&free, bodies, &rows, &outcome.start, best);
+        if let Some((after, factors)) = bodies.as_ref().filter(|_| scaled > 1).and_then(each) {
+            return Some(scaled_verdict(&outcome.start, after, factors));
+        }
         let settled = match bodies {
             Some(bodies) => settled(&bodies, &rows, outcome),
             None => outcome,
@@ -64,20 +69,25 @@ pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     }
     let bodies = bodies?;
     if let Some(Scaled { before, after, factors }) = scale::judge(&bodies, &rows, &start) {
-        return Some(Verdict {
-            before: before.share(),
-            after: after.share(),
-            each: [before.evaluation.unexplained, after.evaluation.unexplained],
-            alternatives: Vec::new(),
-            next: None,
-            description: after.description,
-            factors,
-            beyond_doubt: false,
-        });
+        return Some(scaled_verdict(&before, after, factors));
     }
     let outcome = search(Known { physics: &bodies, other: Some(&free) }, &rows, &with_motion, start)?;
     let credible = outcome.found.as_ref().is_some_and(|found| found.best.share() < scale::ALIKE);
     if credible { verdict(outcome, replicated) } else { None }
+}
+
+/// The verdict on torques of another scale, which the logs do not trace to a cause.
+fn scaled_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> Verdict {
+    Verdict {
+        before: before.share(),
+        after: after.share(),
+        each: [before.evaluation.unexplained.clone(), after.evaluation.unexplained],
+        alternatives: Vec::new(),
+        next: None,
+        description: after.description,
+        factors,
+        beyond_doubt: false,
+    }
 }
 
 /// An outcome whose rivals are compared under the described bodies, where these explain the torques.
@@ -111,7 +121,9 @@ fn settled(bodies: &Physics, rows: &Rows, mut outcome: Outcome) -> Outcome {
 fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verdict> {
     let Outcome { start, found } = outcome;
     let found = found?;
-    let beyond_doubt = found.rivals.is_empty() && replicated(&found);
+    // From what a factor comes the logs cannot show.
+    let scaled = found.best.description.torque_scale.iter().any(|scale| *scale != 1.0);
+    let beyond_doubt = found.rivals.is_empty() && !scaled && replicated(&found);
     let alternative =
         |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {

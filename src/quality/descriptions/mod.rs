@@ -12,12 +12,14 @@
 //! | which way friction acts, without a model | `jumps` |
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
+//! | how large the torque of one joint is | `factors` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
 mod change;
 mod compare;
+mod factors;
 mod findings;
 mod fitting;
 mod judgement;

@@ -21,8 +21,8 @@ const PLAUSIBLE: f64 = 8.0;
 /// Factors up to so many times larger and smaller than the first estimate are tried: a load may have raised that of the wrist.
 const WIDEST: f64 = 100.0;
 
-/// Factors that are tried first, evenly spread by their logarithms; between them golden sections, to within one per cent.
-const GRID: usize = 17;
+/// Ratio of two neighbours of the factors that are tried first, at most; between them golden sections, to within one per cent.
+pub const STEP: f64 = 1.8;
 const SECTIONS: usize = 10;
 
 /// Factors of the joints within this of the one that all share are that one: described bodies are wrong by as much.
@@ -51,7 +51,7 @@ pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scale
     let first = first(&alone)?;
     let before = Tried::new(bodies, rows, start.clone())?;
     let scaled = |factor: f64| start.with(Change::TorqueScale(1.0 / factor));
-    let shared = best(first, |factor| merit(&tables, rows, &scaled(factor)))?;
+    let shared = best(first, WIDEST, |factor| merit(&tables, rows, &scaled(factor)))?;
     // Factors that differ much are far from one that all share: a load that makes up for it is hard to leave.
     let of_each = |factors: &[f64]| merit(&tables, rows, &start.with_scales(shared, factors));
     let without_load: Vec<f64> = alone.iter().map(|factor| factor.map_or(shared, f64::abs)).collect();
@@ -64,7 +64,7 @@ pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scale
                 factors[joint] = factor;
                 of_each(&factors)
             };
-            each[joint] = best(each[joint], with)?;
+            each[joint] = best(each[joint], WIDEST, with)?;
         }
     }
     let known = |joint: usize| alone[joint].map(|_| each[joint]);
@@ -121,18 +121,28 @@ fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
     Fit::new(tables, rows, description).merit().unwrap_or(f64::INFINITY)
 }
 
-/// The factor around a first one under which `merit` is least.
-fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+/// The factor around a first one, up to so many times larger and smaller, under which `merit` is least.
+pub fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+    let (grid, merits) = spread(first, widest, &merit);
+    let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
+    merits[least].is_finite().then(|| between(grid[least] / STEP, grid[least] * STEP, merit))
+}
+
+/// Factors around a first one, evenly spread by their logarithms, with the merit of each.
+pub fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+    let steps = (2.0 * widest.ln() / STEP.ln()).ceil() as usize;
+    let step = 2.0 * widest.ln() / steps as f64;
+    let at = |place: usize| (first.abs().ln() - widest.ln() + step * place as f64).exp();
+    let grid: Vec<f64> = (0..=steps).map(at).collect();
+    let merits = grid.iter().map(|factor| merit(*factor)).collect();
+    (grid, merits)
+}
+
+/// The factor between two others under which `merit`, which has one valley there, is least.
+pub fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
     let merit = |log: f64| merit(log.exp());
-    let step = 2.0 * WIDEST.ln() / (GRID - 1) as f64;
-    let at = |place: usize| first.abs().ln() - WIDEST.ln() + step * place as f64;
-    let merits: Vec<f64> = (0..GRID).map(|place| merit(at(place))).collect();
-    let least = (0..GRID).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
-    if !merits[least].is_finite() {
-        return None;
-    }
     let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (at(least) - step, at(least) + step);
+    let (mut low, mut high) = (low.ln(), high.ln());
     let mut inner = [high - golden * (high - low), low + golden * (high - low)];
     let mut values = inner.map(merit);
     for _ in 0..SECTIONS {
@@ -146,7 +156,7 @@ fn best(first: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
             values = [values[1], merit(inner[1])];
         }
     }
-    Some((0.5 * (low + high)).exp())
+    (0.5 * (low + high)).exp()
 }
 
 /// How many times larger the logged torque of a joint is than that of the bodies without a load; none where it is not alike.
@@ -210,9 +220,9 @@ mod tests {
     fn the_best_factor_is_found_far_from_the_first() {
         let least = |wanted: f64| move |factor: f64| (factor / wanted).ln().powi(2);
         for wanted in [0.013, 1.0, 95.0] {
-            let found = best(1.0, least(wanted)).unwrap();
+            let found = best(1.0, WIDEST, least(wanted)).unwrap();
             assert!((found / wanted - 1.0).abs() < 0.01, "{found} {wanted}");
         }
-        assert_eq!(best(1.0, |_| f64::INFINITY), None);
+        assert_eq!(best(1.0, WIDEST, |_| f64::INFINITY), None);
     }
 }

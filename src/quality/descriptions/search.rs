@@ -6,6 +6,7 @@
 
 use super::change::Description;
 use super::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
+use super::factors;
 use super::fitting::{Fit, Physics, Rows};
 use super::jumps::contradicts;
 use super::known::Known;
@@ -84,6 +85,12 @@ pub fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Descriptio
         if size == 0 && matches!(physics, Physics::Free(_)) {
             let tilted = free_direction(physics, rows, &start.description);
             candidates.extend(tilted.map(|change| start.description.with(change)));
+        }
+        // A factor takes many fits: only the best is grown by one.
+        for next in grown.first().map_or(Vec::new(), |from| factors::of_single_joints(physics, rows, from)) {
+            if !seen.iter().chain(&candidates).any(|other| other.same_but_for_factors(&next)) {
+                candidates.push(next);
+            }
         }
         tried += candidates.len();
         let judged = judged(physics, rows, &candidates, &start);

@@ -33,3 +33,42 @@ fn a_unit_is_one_factor_of_all_joints_though_masses_are_wrong() {
     let said = findings(&verdict, &irb().joint_names());
     assert!(said.len() == 1 && said[0].text.contains("N mm"), "{said:?}");
 }
+
+/// Joints whose torque has a factor of its own, as found, with the factors.
+fn of_single(verdict: &Verdict) -> Vec<(usize, f64)> {
+    let own = |change: &Change| match change {
+        Change::JointScale(joint, factor) => Some((*joint, *factor)),
+        _ => None,
+    };
+    verdict.description.changes.iter().filter_map(own).collect()
+}
+
+#[test]
+fn the_factor_of_one_torque_is_found_from_twice_on_though_masses_are_wrong() {
+    for (joint, factor) in [(1, 1.0 / 80.0), (2, 160.0), (4, 0.2), (1, 1.0 / 3.0), (2, 3.0)] {
+        let mut factors = [1.0; 6];
+        factors[joint] = factor;
+        let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors)).unwrap();
+        let found = of_single(&verdict);
+        let [(own, times)] = found[..] else { panic!("{joint} {factor}: {verdict:?}") };
+        assert!(own == joint && (times * factor).ln().abs() < 0.1 && !verdict.beyond_doubt, "{found:?} {factor}");
+    }
+    for factor in [1.8, 0.55] {
+        let mut factors = [1.0; 6];
+        factors[1] = factor;
+        let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors));
+        assert!(verdict.as_ref().is_none_or(|verdict| of_single(verdict).is_empty()), "{factor}: {verdict:?}");
+    }
+}
+
+#[test]
+fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
+    let factors = [0.1, 0.12, 0.3, 3.0, 3.5, 6.0];
+    let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors)).unwrap();
+    assert_eq!(verdict.factors.len(), 6, "{verdict:?}");
+    // The last joints' torque is mostly friction, and a load makes up for much of the rest: they are known to a factor of two.
+    let near = |(found, factor): (&Option<f64>, &f64)| found.is_some_and(|found| (found / factor).ln().abs() < 0.69);
+    assert!(verdict.factors.iter().zip(&factors).all(near), "{:?}", verdict.factors);
+    let said = findings(&verdict, &irb().joint_names());
+    assert!(said.len() == 1 && said[0].text.contains("differs from joint to joint"), "{said:?}");
+}

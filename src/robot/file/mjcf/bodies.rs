@@ -30,6 +30,12 @@ pub(super) struct Bodies<'a> {
     joint_names: Names,
     springs: Vec<String>,
     lifted: Vec<String>,
+    /// Bodies whose shapes overrule their inertial.
+    overruled: Vec<String>,
+    /// Bodies whose meshes would.
+    kept: Vec<String>,
+    /// Bodies that lack the mass of meshes.
+    weightless: Vec<String>,
 }
 
 /// Where an element stands: the link, and the pose in it of the frame in which the element is given.
@@ -56,6 +62,9 @@ impl<'a> Bodies<'a> {
             joint_names: Names::of(root, "joint"),
             springs: Vec::new(),
             lifted: Vec::new(),
+            overruled: Vec::new(),
+            kept: Vec::new(),
+            weightless: Vec::new(),
         };
         let name = bodies.link_names.unique("world".to_owned());
         bodies.links.push(LinkDescription { name, inertia: Inertia::default(), missing: None, line: None });
@@ -70,6 +79,21 @@ impl<'a> Bodies<'a> {
     fn summarise(&mut self) {
         if !self.springs.is_empty() {
             self.notes.push(format!("springs of joints are not read ({})", self.springs.join(", ")));
+        }
+        for (bodies, what) in [
+            (
+                &self.overruled,
+                "inertiafromgeom is true: as in MuJoCo, shapes and not the <inertial> give the mass of these bodies",
+            ),
+            (
+                &self.kept,
+                "inertiafromgeom is true, but meshes have no mass here: the <inertial> of these bodies is taken",
+            ),
+            (&self.weightless, "meshes have no mass here: these bodies lack theirs; give them an <inertial>"),
+        ] {
+            if !bodies.is_empty() {
+                self.notes.push(format!("{what} ({})", bodies.join(", ")));
+            }
         }
         if !self.lifted.is_empty() {
             let names = self.lifted.join(", ");
@@ -126,7 +150,13 @@ impl<'a> Bodies<'a> {
             (link, frame) = (child, Pose { rotation: Matrix3::identity(), translation: -anchor });
         }
         self.links[link].inertia = body.inertia.seen_from_parent(&frame.rotation, &frame.translation);
-        if body.unknown > 0 {
+        if body.overruled {
+            self.overruled.push(name.clone());
+        }
+        if body.unknown > 0 && element.first("inertial").is_some() {
+            self.kept.push(name);
+        } else if body.unknown > 0 {
+            self.weightless.push(name.clone());
             self.links[link].missing = Some(Missing {
                 line: element.line,
                 field: format!("body `{name}`"),

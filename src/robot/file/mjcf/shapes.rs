@@ -22,9 +22,12 @@ pub(super) struct Body {
     pub inertia: Inertia,
     /// Shapes whose mass needs a file: meshes and height fields.
     pub unknown: usize,
+    /// Whether its `<inertial>` gives way to its shapes.
+    pub overruled: bool,
 }
 
-/// The body of an element: its inertial, or where the compiler wants it, its shapes.
+/// The body of an element: its inertial, or where the compiler wants it, its shapes. As in MuJoCo, an inertial overruled by shapes
+/// that have no mass stays; so it does where the mass of the shapes is not known.
 ///
 /// # Errors
 /// If a number is malformed or a class is not there.
@@ -32,12 +35,18 @@ pub(super) fn body<'a>(element: &'a Element, models: &'a Models, class: Class<'a
     let (given, compiler) = (element.first("inertial"), models.compiler(element));
     match (given, compiler.from_shapes) {
         (Some(given), FromShapes::Auto | FromShapes::No) => {
-            Ok(Body { inertia: inertial(given, compiler)?, unknown: 0 })
+            Ok(Body { inertia: inertial(given, compiler)?, ..Body::default() })
         }
         (None, FromShapes::No) => Ok(Body::default()),
         _ => {
             let mut body = Body::default();
             add(&mut body, element, &Pose::identity(), models, class)?;
+            if let Some(given) = given {
+                body.overruled = body.unknown == 0 && body.inertia.mass() > 0.0;
+                if !body.overruled {
+                    body.inertia = inertial(given, compiler)?;
+                }
+            }
             Ok(body)
         }
     }

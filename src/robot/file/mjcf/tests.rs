@@ -159,12 +159,34 @@ fn what_a_tree_does_not_have_is_noted() {
     assert!(spring.notes[0].contains("springs of joints are not read (j)"), "{:?}", spring.notes);
     let mesh = model("<joint/><geom type=\"mesh\" mesh=\"m\"/>", "");
     assert!(mesh.links[1].missing.as_ref().is_some_and(|missing| missing.problem.contains("<inertial>")));
+    assert!(mesh.notes[0].contains("an <inertial> (b)"), "{:?}", mesh.notes);
     let held = model("<joint name=\"j\"/>", "<equality><joint joint1=\"j\" polycoef=\"0.5\"/></equality>");
     assert!(held.joints[0].motion == Motion::Fixed && held.notes[0].contains("held at 0.5"), "{held:?}");
     let heavy = model("<joint/>", "<compiler settotalmass=\"3\"/>");
     assert!((heavy.links[1].inertia.mass() - 3.0).abs() < 1e-15);
     let still = model("<joint/>", "<option><flag gravity=\"disable\"/></option>");
     assert_eq!(still.gravity, Vector3::zeros());
+}
+
+/// Against MuJoCo: shapes overrule an inertial where they have mass; meshes would too, and their mass is not known.
+#[test]
+fn an_inertial_gives_way_to_shapes_that_have_mass() {
+    let mass = |rule: &str, shape: &str| {
+        let robot = read(&format!(
+            "<mujoco><compiler inertiafromgeom=\"{rule}\"/><worldbody><body name=\"b\"><joint/><inertial pos=\"0 0 0\" mass=\"0.8\" \
+             diaginertia=\"1 1 1\"/>{shape}</body></worldbody></mujoco>"
+        ));
+        let robot = robot.unwrap();
+        (robot.links[1].inertia.mass(), robot.notes.join("\n"), robot.links[1].missing.is_some())
+    };
+    let (ball, air) = ("<geom size=\"0.1\" mass=\"2\"/>", "<geom size=\"0.1\" mass=\"0\"/>");
+    let (own, notes, _) = mass("true", ball);
+    assert!(own == 2.0 && notes.contains("not the <inertial>"), "{own} {notes}");
+    for (rule, shape) in [("true", air), ("true", ""), ("auto", ball), ("false", ball)] {
+        assert_eq!(mass(rule, shape), (0.8, String::new(), false), "{rule} {shape}");
+    }
+    let (own, notes, missing) = mass("true", "<geom type=\"mesh\" mesh=\"m\"/>");
+    assert!(own == 0.8 && !missing && notes.contains("the <inertial> of these bodies is taken (b)"), "{own} {notes}");
 }
 
 /// A gripper in degrees on an arm in radians, each with its own classes.

@@ -4,6 +4,7 @@
 //! spectral lines, disagreement of the logs), with size and p-value.
 
 mod above_noise;
+mod condensed;
 mod disagreement;
 mod harmonics;
 mod mapped;

@@ -1,6 +1,7 @@
 //! Generic functions of a joint as structure of what a model leaves: what training and held-out rows show of them, and which names on
 //! the joint they replace.
 
+use super::condensed::Condensed;
 use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
@@ -44,9 +45,11 @@ pub(super) struct Place {
     pub tests: f64,
     /// Whether a name on the joint may turn out to be structure.
     pub has_names: bool,
+    /// The model in the noise under it, for tests there.
+    pub under: Under,
 }
 
-/// The noise on training and held-out rows, and the fit of the model in it.
+/// The noise on training and held-out rows, and the fit of the model in it, for tests on one joint: the rows of the others are condensed.
 #[derive(Debug, Clone)]
 pub(super) struct Under {
     /// Makes the noise of the training rows white.
@@ -96,11 +99,14 @@ pub(super) struct Fitted<'a> {
     /// Its columns, those of the baseline first, and columns of what errors of the positions put into the torque.
     columns: Vec<Column>,
     errors: Nuisances,
+    /// All of these and last the torque; and their whitened rows, condensed.
+    regression: Vec<Column>,
+    condensed: Condensed,
     /// The same on the held-out rows.
     held_out_columns: Vec<Column>,
     held_out_errors: Nuisances,
     /// The noise under the model.
-    pub under: Under,
+    pub whitener: Whitener,
     /// Residual on the held-out rows.
     pub before: &'a Column,
     /// Level of training and held-out logs together.
@@ -110,11 +116,6 @@ pub(super) struct Fitted<'a> {
 }
 
 impl Under {
-    fn new(session: &Session, whitener: Whitener, fit: Projection, errors: &Nuisances) -> Self {
-        let adjusted_for_errors = errors.adjust(&fit, &whitener);
-        Under { on_held_out: whitener.on(&session.logs.test.rows), whitener, fit, adjusted_for_errors }
-    }
-
     /// The share of a joint's residual that `statistic` is. The fit minimises over all joints, so that it can give more than this
     /// joint has.
     pub fn share(&self, joint: usize, statistic: f64) -> f64 {
@@ -149,9 +150,12 @@ impl<'a> Fitted<'a> {
             errors
         };
         let train_errors = errors(&session.logs.train);
-        let fit = selection.whitener.fit(&columns, &session.logs.train.torque);
+        let torque = session.logs.train.torque.clone();
+        let regression: Vec<Column> = columns.iter().chain(train_errors.columns()).cloned().chain([torque]).collect();
         Ok(Fitted {
-            under: Under::new(session, selection.whitener.clone(), fit, &train_errors),
+            condensed: Condensed::new(&selection.whitener, &regression, session.logs.train.rows.dof()),
+            regression,
+            whitener: selection.whitener.clone(),
             held_out_columns: session.model.columns(&session.logs.test, &members)?,
             held_out_errors: errors(&session.logs.test),
             before: &selection.held_out,
@@ -164,6 +168,16 @@ impl<'a> Fitted<'a> {
             columns,
             errors: train_errors,
         })
+    }
+
+    /// The model in a noise that differs on the other joints from that of the search by its misfit alone, for tests on one joint.
+    pub fn under(&self, joint: usize, whitener: Whitener) -> Under {
+        let mut columns = self.condensed.with_rows_of(joint, &whitener, &self.regression);
+        let torque = columns.pop().unwrap_or_default();
+        let errors = columns.split_off(self.columns.len());
+        let fit = Projection::new(&columns, &torque);
+        let adjusted_for_errors = fit.with_prior(&errors, self.errors.spread());
+        Under { on_held_out: whitener.on(&self.session.logs.test.rows), whitener, fit, adjusted_for_errors }
     }
 
     /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training
@@ -184,13 +198,13 @@ impl<'a> Fitted<'a> {
     }
 
     /// What the training rows show of a block; None where that is no more than chance brings.
-    pub fn seen(&self, place: &Place, block: &Block) -> Option<Seen<'_>> {
+    pub fn seen<'s>(&self, place: &'s Place, block: &Block) -> Option<Seen<'s>> {
         let rows = &self.session.logs.train.rows;
-        let plain = self.under.test(&block.columns)?;
+        let plain = place.under.test(&block.columns)?;
         if plain.1.log_p() > self.criteria.suggested_p.ln() {
             return None;
         }
-        let mut all = vec![(Cow::Borrowed(&self.under), plain)];
+        let mut all = vec![(Cow::Borrowed(&place.under), plain)];
         // What stands out from the motion for moments only is taken for noise where nothing in the model is like it.
         if !block.over_time {
             let own = self.noise_with(place.joint, block);
@@ -213,9 +227,7 @@ impl<'a> Fitted<'a> {
     /// The noise with a block in the model, and the fit of the model without it in that.
     fn noise_with(&self, joint: usize, block: &Block) -> Under {
         let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
-        let whitener = self.session.noise_with_more_on(joint, &self.under.whitener, &with);
-        let fit = whitener.fit(&self.columns, &self.session.logs.train.torque);
-        Under::new(self.session, whitener, fit, &self.errors)
+        self.under(joint, self.session.noise_with_more_on(joint, &self.whitener, &with))
     }
 
     /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding.

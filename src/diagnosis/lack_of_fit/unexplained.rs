@@ -47,6 +47,7 @@ impl Fitted<'_> {
             kinds: kinds.len() as f64,
             tests: train.rows.dof() as f64 * (kinds.len() + OTHER_KINDS) as f64,
             has_names: self.members.iter().any(|member| is_weighed(member, joint)),
+            under: self.under(joint, self.whitener.clone()),
         };
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds {
@@ -75,7 +76,7 @@ impl Fitted<'_> {
     /// is the rows themselves do not determine.
     fn drift(&self, place: &Place) -> Option<Unexplained> {
         let rows = &self.session.logs.train.rows;
-        let Under { whitener, fit, .. } = &self.under;
+        let Under { whitener, fit, .. } = &place.under;
         let cosines = |orders: Range<usize>| whitener.apply_all(&slow_cosines(rows, place.joint, orders));
         let slow = cosines(1..COSINES + 1);
         let test = fit.test(&slow)?;
@@ -85,7 +86,7 @@ impl Fitted<'_> {
         let family_wise_p = place.tests * FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
         (family_wise_p < self.certain).then(|| Unexplained {
             joint: place.joint,
-            share: self.under.share(place.joint, test.statistic),
+            share: place.under.share(place.joint, test.statistic),
             structure: "drifts over time",
             family_wise_p: Some(family_wise_p),
             certain: true,
@@ -96,8 +97,8 @@ impl Fitted<'_> {
     /// A harmonic of the joint's position that comes and goes, seen in the held-out rows too.
     fn wandering_harmonic(&self, place: &Place) -> Option<Unexplained> {
         let PreparedLogs { train, test, .. } = &self.session.logs;
-        let Place { joint, tests, .. } = *place;
-        let Under { whitener, on_held_out, fit, .. } = &self.under;
+        let Place { joint, tests, ref under, .. } = *place;
+        let Under { whitener, on_held_out, fit, .. } = under;
         let found = Spectrum::new(&train.rows, whitener, &fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
         let residual = on_held_out.apply(&self.before.only(&[joint]));

@@ -96,6 +96,11 @@ impl Nuisances {
         &self.columns
     }
 
+    /// Their prior standard deviations.
+    pub fn spread(&self) -> &[f64] {
+        &self.spread
+    }
+
     /// The same on some joints only.
     pub fn only(&self, joints: &[usize]) -> Self {
         let columns = self.columns.iter().map(|column| column.only(joints));

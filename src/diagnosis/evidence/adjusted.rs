@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_there_all_the_time_is_seen_beside_a_push() {
+    fn what_is_there_all_the_time_is_seen_despite_a_push() {
         let seen = (0..20).filter(|&seed| probabilities(seed, 0.7)[1] < 1e-3).count();
         assert!(seen >= 14, "{seen} of 20");
     }

@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_hides_no_gain_beside_constants() {
+    fn an_offset_hides_no_gain_adjusted_for_constants() {
         let time: Vec<f64> = (0..10_000).map(|k| f64::from(k) / 500.0).collect();
         let mut source = random::stream(1, "offset", 0);
         let noise: Vec<f64> = (0..10_000).map(|_| StandardNormal.sample(&mut source)).collect();
@@ -194,10 +194,10 @@ mod tests {
         let mut before = after.clone();
         before.add(1.0, &effect);
         let plain = Gains::new(&on_held_out, &before, &after, &[0], rows.len());
-        let beside = Gains::adjusted_for_constants(&on_held_out, &before, &after, &[0], &rows);
+        let adjusted = Gains::adjusted_for_constants(&on_held_out, &before, &after, &[0], &rows);
         assert!(plain.lower_bound() < 0.0, "{plain:?}");
-        assert!(beside.lower_bound() > 0.5, "{}", beside.lower_bound());
-        assert!(!beside.is_contradicted());
+        assert!(adjusted.lower_bound() > 0.5, "{}", adjusted.lower_bound());
+        assert!(!adjusted.is_contradicted());
         // What predicts what is not there is contradicted, what predicts nothing is not.
         let noise = Column::new(rows.torque.iter().cloned());
         let mut wrong = noise.clone();

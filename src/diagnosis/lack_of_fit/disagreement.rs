@@ -31,7 +31,7 @@ pub fn disagreement(
             .max(criteria.foreign_noise * noise[joint])
             .max(criteria.foreign * prediction_std[joint]);
         let expected = expected.max(criteria.carried_on * averages(test.0, baseline, joint));
-        tracing::debug!(joint, trained, held_out, expected, "held-out rows beside training rows");
+        tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
         (held_out > expected).then(|| Unexplained {
             joint,
             share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),

@@ -247,7 +247,7 @@ impl<'a> Fitted<'a> {
             place.has_names && chance < self.criteria.leans_p && with(place.kinds * p) < self.criteria.not_all_p;
         let share = under.share(joint, test.statistic);
         let weighs = certain || is_not_all;
-        let instead_of = if weighs { self.empty_beside(&under, joint, &whitened, &test) } else { Vec::new() };
+        let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
         let told = (shown && share > self.criteria.share_of_residual) || !instead_of.is_empty();
         told.then_some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of })
@@ -285,7 +285,7 @@ impl<'a> Fitted<'a> {
     }
 
     /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.
-    fn empty_beside(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
+    fn made_superfluous(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
         let more = more.statistic - more.freedom as f64;
         let blocks = self.session.blocks(&self.members).members;
         let mut empty = Vec::new();
@@ -299,9 +299,9 @@ impl<'a> Fitted<'a> {
             let fit = under.whitener.fit(&others, &self.session.logs.train.torque);
             let own = under.whitener.apply_all(&self.columns[own]);
             let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
-            let beside = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
-            tracing::debug!(joint, family = ?member.candidate.family(), alone, beside, "name beside structure");
-            if beside > self.criteria.adds_nothing_p.ln() && more > self.criteria.beyond_finding * alone {
+            let with_block = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
+            tracing::debug!(joint, family = ?member.candidate.family(), alone, with_block, "name in the presence of structure");
+            if with_block > self.criteria.adds_nothing_p.ln() && more > self.criteria.beyond_finding * alone {
                 empty.push(place);
             }
         }

@@ -80,7 +80,7 @@ pub(super) fn compare(
         return Ok(Comparison { winner: best[0].clone(), alternatives: Vec::new(), close: Vec::new() });
     };
     let winner = strong.remove(first);
-    let beside_winner = with_tangents(session, &winner, &whitener, &fit)?;
+    let with_winner = with_tangents(session, &winner, &whitener, &fit)?;
     let here = winner.candidate.joints();
     strong.retain(|rival| rival.candidate.acts_on(&here));
     let mut alternatives = Vec::new();
@@ -89,11 +89,11 @@ pub(super) fn compare(
         if rival.candidate.family() == winner.candidate.family() {
             continue;
         }
-        let beside_rival = with_tangents(session, rival, &whitener, &fit)?;
+        let with_rival = with_tangents(session, rival, &whitener, &fit)?;
         let gap = criterion(rival) + looked_for(rival) - criterion(&winner) - looked_for(&winner);
         let needed = |test: Option<Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
-        let winner_adds = needed(beside_rival.test(&winner.whitened), criteria.encompassed_p);
-        let rival_adds = needed(beside_winner.test(&rival.whitened), criteria.superfluous_p);
+        let winner_adds = needed(with_rival.test(&winner.whitened), criteria.encompassed_p);
+        let rival_adds = needed(with_winner.test(&rival.whitened), criteria.superfluous_p);
         let larger = parameters(rival) > parameters(&winner);
         // What fits better, and was not sure enough to win, is not excluded by what the winner adds to it.
         let explains_as_much =

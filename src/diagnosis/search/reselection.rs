@@ -136,7 +136,7 @@ pub(super) fn rename(
         let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, comparison, comparing)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
-        tracing::debug!(?old, ?new, ?alternatives, "name beside the others");
+        tracing::debug!(?old, ?new, ?alternatives, "comparison with all others in the model");
         if old == new {
             known.set_alternatives(explained_by_play(session, &others, &known.member, alternatives));
             continue;

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn the_level_is_kept_beside_kinds_that_play_no_part() {
+    fn the_level_is_kept_with_kinds_that_play_no_part() {
         let p = |seed| {
             let design = one_kind_of_two(0.0, seed);
             p_values(&design, &fit(&design), seed, 0)

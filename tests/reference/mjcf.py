@@ -1,4 +1,4 @@
-"""What MuJoCo reads from mjcf/arm.xml and mjcf/replicate.xml: bodies, joints, frames and dynamics, for the tests of the reader.
+"""What MuJoCo reads from the models in mjcf/: bodies, joints, frames and dynamics, for the tests of the reader and of the writer.
 
 Run from the repository root: python -P tests/reference/mjcf.py
 """
@@ -82,7 +82,7 @@ def reference(file):
 
 
 def main():
-    for file in ["arm", "replicate"]:
+    for file in ["arm", "replicate", "written"]:
         reference(file)
 
 

@@ -2,6 +2,7 @@
 //! tests/reference), and rapier's forward dynamics against the project's own inverse dynamics.
 
 mod trees;
+mod written;
 
 use serde::Deserialize;
 use tauscope::channels::Channels;

@@ -126,10 +126,11 @@ pub(super) struct Chosen {
 pub(super) fn better_held_out(
     session: &Session,
     members: &[Member],
-    comparison: Comparison,
+    comparison: &Comparison,
     criteria: &ComparisonCriteria,
 ) -> Result<Chosen> {
-    let Comparison { winner, mut alternatives, close } = comparison;
+    let Comparison { winner, alternatives, close } = comparison;
+    let (winner, mut alternatives) = (winner.clone(), alternatives.clone());
     if winner.candidate.log.is_some() {
         return Ok(Chosen { winner, alternatives, whitener: None });
     }

@@ -17,12 +17,11 @@ use crate::error::Result;
 pub(super) fn chosen(
     session: &Session,
     members: &[Member],
-    comparison: Comparison,
+    comparison: &Comparison,
     criteria: &ComparisonCriteria,
 ) -> Result<Chosen> {
-    let close = comparison.close.clone();
     let chosen = better_held_out(session, members, comparison, criteria)?;
-    simplest(session, members, chosen, &close, criteria)
+    simplest(session, members, chosen, &comparison.close, criteria)
 }
 
 /// The simplest of the winner and those `close` to it to which the winner adds nothing; the winner then stays as an alternative.

@@ -133,7 +133,7 @@ pub(super) fn rename(
             continue;
         };
         let of_others = members(&others);
-        let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, comparison, comparing)?;
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, &comparison, comparing)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "comparison with all others in the model");

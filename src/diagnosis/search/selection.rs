@@ -95,7 +95,7 @@ pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Re
         let compared =
             compare(session, &members, &contenders, &round.all, &multiplicity, comparison, &mut in_own_noise)?;
         watch.tell(Progress::Found(found.len()));
-        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, compared, comparison)?;
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, &compared, comparison)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
         let Round { whitener, fit, .. } = &round;
         let trial = Trial {

@@ -2,7 +2,7 @@
 
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
-use super::position_unit::are_in_other;
+use super::motion::are_in_other;
 use super::report::{Report, Together, UnitChanges};
 use super::view::View;
 use super::{channels, clock, motion, torque, velocity};

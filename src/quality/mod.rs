@@ -9,7 +9,7 @@ pub mod descriptions;
 mod examination;
 mod finding;
 mod motion;
-mod position_unit;
+
 mod report;
 mod statistics;
 mod torque;

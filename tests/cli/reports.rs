@@ -1,6 +1,6 @@
 //! `report.html`, the recording for the viewer, and `tauscope view`.
 
-use super::{Case, ROOT, assert_done, assert_refusal, text};
+use super::{Case, ROOT, assert_done, assert_refusal, assert_stopped, text};
 
 /// Elements of HTML that have no end.
 const VOID: [&str; 3] = ["meta", "link", "br"];
@@ -104,7 +104,7 @@ fn a_diagnosis_that_faults_stop_writes_a_report_too() {
         cells.join(",") + "\n"
     });
     case.write("turned.csv", &format!("{header}\n{}", turned.collect::<String>()));
-    assert_done(&case.tauscope(&["diagnose", "--robot", "arm.urdf", "--train", "turned.csv", "--out", "out", "-q"]));
+    assert_stopped(&case.tauscope(&["diagnose", "--robot", "arm.urdf", "--train", "turned.csv", "--out", "out", "-q"]));
     let page = sound(&case, "out/report.html");
     for part in ["The logs cannot be diagnosed", "stops the diagnosis", "Next: ", "turned.csv", "Data quality"] {
         assert!(page.contains(part), "{part}");

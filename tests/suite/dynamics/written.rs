@@ -17,9 +17,12 @@ fn numbers(value: &Value) -> Vec<f64> {
 fn mujoco_moves_the_model_that_is_written_for_it() {
     let robot = robot::load(path("skew7.urdf"), InertiaCheck::Required).unwrap();
     let written = std::fs::read_to_string(path("mjcf/written.xml")).unwrap();
-    assert_eq!(robot::to_mjcf(&robot), written, "mjcf/written.xml is no longer what is written: renew it and run mjcf.py");
-    let reference: Value =
-        serde_json::from_str(&std::fs::read_to_string(path("mjcf/written.json")).unwrap()).unwrap();
+    assert_eq!(
+        robot::to_mjcf(&robot),
+        written,
+        "mjcf/written.xml is no longer what is written: renew it and run mjcf.py"
+    );
+    let reference: Value = serde_json::from_str(&std::fs::read_to_string(path("mjcf/written.json")).unwrap()).unwrap();
     for (joint, own) in reference["joints"].as_array().unwrap().iter().zip(&robot.joints) {
         assert_eq!(joint["name"], own.name.as_str());
         let drive = ["damping", "friction", "armature"].map(|name| joint[name].as_f64().unwrap());

@@ -124,14 +124,15 @@ mod tests {
             assert_eq!((read.joint_names(), read.bodies()), (robot.joint_names(), robot.bodies()), "{file}");
             assert!((read.gravity - robot.gravity).norm() < 1e-12, "{file}");
             let x: Vec<f64> = (0..robot.dof()).map(|k| 0.3 - 0.2 * k as f64).collect();
-            for (new, old) in read.frames(&x).iter().zip(robot.frames(&x)) {
+            // The reader takes no site for a flange.
+            for (new, old) in read.frames(&x).iter().zip(robot.frames(&x)).take(robot.bodies()) {
                 assert!((new.rotation - old.rotation).norm() < 1e-12, "{file}");
                 assert!((new.translation - old.translation).norm() < 1e-12, "{file}");
             }
             for body in 0..robot.bodies() {
                 let (new, old) = (read.body(body), robot.body(body));
                 assert_eq!((new.kind, new.drive, read.coupling(body)), (old.kind, old.drive, robot.coupling(body)));
-                assert_eq!((new.limits.lower, new.limits.effort), (old.limits.lower, old.limits.effort), "{file}");
+                assert_eq!((new.limits.lower, new.limits.upper), (old.limits.lower, old.limits.upper), "{file}");
                 let size = old.inertia.0.iter().fold(1.0f64, |most, value| most.max(value.abs()));
                 assert!(new.inertia.0.iter().zip(old.inertia.0).all(|(a, b)| (a - b).abs() < 1e-12 * size), "{file}");
             }

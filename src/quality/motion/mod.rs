@@ -1,75 +1,19 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
+mod position_unit;
+mod summary;
+
+pub use position_unit::are_in_other;
+pub use summary::{JointSummary, summaries};
+
 use super::finding::{Finding, Kind, Severity};
-use super::position_unit::other_unit;
-use super::statistics::size_quantile;
 use super::view::View;
-use crate::linear::root_mean_square;
 use crate::robot::{JointKind, Robot};
+use position_unit::other_unit;
 use std::f64::consts::TAU;
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
 const SLOW_CLOCK: f64 = 0.5;
-
-/// Range, speed and torque of a joint.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct JointSummary {
-    /// Name of the joint.
-    pub name: String,
-    /// Lowest and highest position, rad or m.
-    pub range: [f64; 2],
-    /// Share of the URDF's range that is used.
-    pub range_share: Option<f64>,
-    /// Highest speed, from positions, rad/s or m/s.
-    pub speed: f64,
-    /// Share of the URDF's speed.
-    pub speed_share: Option<f64>,
-    /// Reversals of the direction of motion.
-    pub reversals: usize,
-    /// Root mean square torque, N m or N.
-    pub torque_rms: f64,
-    /// Part of the torque that the joint's own model leaves unexplained, root mean square over root mean square.
-    pub unexplained: Option<f64>,
-    /// Time by which the torque lags the motion, s, where it can be estimated.
-    pub dead_time_s: Option<f64>,
-}
-
-/// Summaries of all joints.
-pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
-    (0..view.dof())
-        .map(|joint| {
-            let q = view.log.q.channel(joint);
-            let range = q.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
-            let speed = size_quantile(view.qd.channel(joint).iter().copied(), 1.0);
-            let limits = robot.map(|robot| robot.joints[joint].limits);
-            let span = limits.map(|limits| limits.upper - limits.lower).filter(|span| span.is_finite() && *span > 0.0);
-            let fastest = limits.map(|limits| limits.velocity).filter(|v| v.is_finite());
-            JointSummary {
-                name: view.log.joints[joint].clone(),
-                range,
-                range_share: span.map(|span| (range[1] - range[0]) / span),
-                speed,
-                speed_share: fastest.map(|fastest| speed / fastest),
-                reversals: reversals(view.qd.channel(joint), view.band[joint]),
-                torque_rms: root_mean_square(view.log.tau.channel(joint)),
-                unexplained: None,
-                dead_time_s: None,
-            }
-        })
-        .collect()
-}
-
-fn reversals(velocity: &[f64], band: f64) -> usize {
-    let mut direction = 0.0;
-    let mut count = 0;
-    for &v in velocity.iter().filter(|v| v.abs() > band) {
-        if direction * v < 0.0 {
-            count += 1;
-        }
-        direction = v.signum();
-    }
-    count
-}
 
 /// Joints that turn without end, which may be at any number of turns: those without limits, and those of which whole turns in
 /// rad were undone.

@@ -1,6 +1,6 @@
 //! Whether positions are in rad and m, or in degrees and mm.
 
-use super::motion::JointSummary;
+use super::summary::JointSummary;
 use crate::robot::{JointKind, Limits, Robot};
 use std::f64::consts::{PI, TAU};
 

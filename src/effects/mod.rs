@@ -46,6 +46,7 @@ pub use gear::{DAMPING_TIME_S, Gear};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub use law::{Effect, Instant};
 pub use placed::Placed;
+pub(crate) use search::varies_by_factors;
 pub use search::{Derived, DriveParameter, Search};
 pub use signals::{
     EncoderEccentricity, EncoderOffset, IntegrationError, TimeDelay, TorqueGain, TorqueLag, TorqueOffset, TorqueRipple,

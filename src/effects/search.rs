@@ -21,6 +21,14 @@ pub enum Search {
     Compliance,
 }
 
+/// Ratio of the bounds of a parameter from which its logarithm is what varies.
+const WIDE: f64 = 10.0;
+
+/// Whether a parameter between two bounds varies in equal ratios, and not in equal steps.
+pub fn varies_by_factors(low: f64, high: f64) -> bool {
+    low > 0.0 && high / low > WIDE
+}
+
 /// A parameter that every drive has, in the order of a joint's standard parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveParameter {

@@ -9,7 +9,6 @@ pub mod descriptions;
 mod examination;
 mod finding;
 mod motion;
-
 mod report;
 mod statistics;
 mod torque;

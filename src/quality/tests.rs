@@ -248,7 +248,7 @@ fn a_constant_torque_is_no_exchange() {
     }
 }
 
-/// A joint that stands and has no torque is told once; one that moves without torque, or stands with it, for that.
+/// A joint that stands and has no torque gets one finding, that it stands; one that moves without torque gets that of its torque.
 #[test]
 fn a_joint_that_stands_without_torque_is_one_matter() {
     let robot = irb();

@@ -1,15 +1,13 @@
 //! What books write in several forms, and what sampling does, are no second effect.
 
-use super::{SETUP, answer, logs, with};
+use super::{SETUP, logs, with};
 use tauscope::diagnosis::Diagnosis;
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
 use tauscope::scenario::Setup;
 
 fn diagnosed(logs: &[Recording], candidates: &[&str]) -> Diagnosis {
-    let (test, train) = logs.split_last().unwrap();
-    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).candidates(candidates.iter().copied());
-    answer(diagnosis).into_conclusion().unwrap().diagnosis
+    super::diagnosed(&SETUP.known, logs, candidates)
 }
 
 fn families(diagnosis: &Diagnosis) -> Vec<(&'static str, usize)> {

@@ -15,10 +15,11 @@ mod smoothing;
 mod structure;
 
 use std::sync::LazyLock;
-use tauscope::diagnosis::{Answer, DiagnosisBuilder};
+use tauscope::diagnosis::{Answer, Diagnosis, DiagnosisBuilder};
 use tauscope::effects::Placed;
 use tauscope::excitation::random_sequence::random_sequence;
 use tauscope::recording::Recording;
+use tauscope::robot::Robot;
 use tauscope::scenario::{Setup, measure, simulate};
 
 /// Length of the motions, s, and moves of every joint in them.
@@ -34,6 +35,13 @@ fn answer(diagnosis: DiagnosisBuilder) -> Answer {
     let answer = diagnosis.run().unwrap();
     schema::assert_valid(&serde_json::from_str(&answer.to_json()).unwrap());
     answer
+}
+
+/// The diagnosis of `logs`, the last of which is held out, against `robot`; only some effects are looked for.
+fn diagnosed(robot: &Robot, logs: &[Recording], candidates: &[&str]) -> Diagnosis {
+    let (test, train) = logs.split_last().unwrap();
+    let diagnosis = Diagnosis::of(robot).train(train).test([test]).candidates(candidates.iter().copied());
+    answer(diagnosis).into_conclusion().unwrap().diagnosis
 }
 
 /// The same arm with effects at work.

@@ -1,22 +1,11 @@
 //! Of laws that explain the same, the simplest is named, and none is that is best at a bound of itself.
 
-use super::{SETUP, answer, logs, with};
+use super::{SETUP, diagnosed, logs, with};
 use tauscope::diagnosis::Diagnosis;
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
-use tauscope::robot::Robot;
 
 const WRIST: usize = 5;
-
-fn diagnosed(logs: &[Recording], candidates: &[&str]) -> Diagnosis {
-    diagnosed_with(&SETUP.known, logs, candidates)
-}
-
-fn diagnosed_with(robot: &Robot, logs: &[Recording], candidates: &[&str]) -> Diagnosis {
-    let (test, train) = logs.split_last().unwrap();
-    let diagnosis = Diagnosis::of(robot).train(train).test([test]).candidates(candidates.iter().copied());
-    answer(diagnosis).into_conclusion().unwrap().diagnosis
-}
 
 /// Every finding with its alternatives.
 fn names(diagnosis: &Diagnosis) -> Vec<(&'static str, usize, Vec<&'static str>)> {
@@ -46,7 +35,7 @@ fn an_offset_larger_than_the_torque_of_an_idle_wrist_is_an_offset() {
     let of = |effort: f64| {
         let mut robot = SETUP.known.clone();
         robot.joints[WRIST].limits.effort = effort;
-        names(&diagnosed_with(&robot, &logs, &["torque_offset"]))
+        names(&diagnosed(&robot, &logs, &["torque_offset"]))
     };
     // Half of a tenth of the limit, which is a third more or less than the offset.
     let limit = 20.0 * offset;
@@ -59,7 +48,7 @@ fn an_offset_larger_than_the_torque_of_an_idle_wrist_is_an_offset() {
 fn a_law_with_a_parameter_that_adds_nothing_is_an_alternative_to_the_simpler_one() {
     let laws = ["torque_offset", "friction_asymmetry"];
     let of = |viscous: f64, seed: u64| {
-        diagnosed(&logs(&with(&[hidden("friction_asymmetry", 1, &[30.0, viscous])]), seed, 3), &laws)
+        diagnosed(&SETUP.known, &logs(&with(&[hidden("friction_asymmetry", 1, &[30.0, viscous])]), seed, 3), &laws)
     };
     let constant = names(&of(0.0, 42));
     assert!(

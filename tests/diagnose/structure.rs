@@ -1,6 +1,6 @@
 //! Laws that the library does not have, near ones that it has: no firm name, and the structure is told.
 
-use super::{SETUP, answer, logs, with};
+use super::{SETUP, logs, with};
 use tauscope::diagnosis::{Diagnosis, Verdict};
 use tauscope::effects::{Placed, find};
 use tauscope::recording::Recording;
@@ -8,9 +8,7 @@ use tauscope::recording::Recording;
 const JOINT: usize = 1;
 
 fn diagnosed(logs: &[Recording], candidate: &str) -> Diagnosis {
-    let (test, train) = logs.split_last().unwrap();
-    let diagnosis = Diagnosis::of(&SETUP.known).train(train).test([test]).candidates([candidate]);
-    answer(diagnosis).into_conclusion().unwrap().diagnosis
+    super::diagnosed(&SETUP.known, logs, &[candidate])
 }
 
 /// The log with its torque of one joint as a function of that and of the position.

@@ -112,8 +112,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         Some(found) => found.robot(&robot),
         None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
     };
-    folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
-    folder.write_text("identified.xml", &robot::to_mjcf(&identified))?;
+    write_robot(&folder, &identified)?;
     let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
@@ -128,6 +127,15 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         format!("{notes}{}\n\nResults in {}", report::tables(&robot, found), path.display())
     })?;
     Ok(DONE)
+}
+
+/// Writes an identified arm as a URDF and as a MuJoCo model.
+///
+/// # Errors
+/// If a file cannot be written, or that of the robot cannot be read any longer.
+pub fn write_robot(folder: &ResultFolder, identified: &Robot) -> Result<()> {
+    folder.write_text("identified.urdf", &robot::with_parameters(identified)?)?;
+    folder.write_text("identified.xml", &robot::to_mjcf(identified))
 }
 
 /// The arm that is identified.

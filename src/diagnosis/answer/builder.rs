@@ -22,9 +22,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// The effect that is another direction of gravity.
-const TILT: &str = "base_tilt";
-
 /// A diagnosis in the making, from [`Diagnosis::of`]. [`DiagnosisBuilder::run`] makes it.
 #[must_use = "nothing is diagnosed before `run`"]
 pub struct DiagnosisBuilder<'a> {
@@ -259,8 +256,11 @@ impl<'a> DiagnosisBuilder<'a> {
 
 /// The gravity under a tilt of the base that was found: where the direction of gravity was corrected, what the correction rounded.
 fn tilted(robot: &Robot, found: &[Found]) -> Option<Vector3<f64>> {
-    let tilt = found.iter().map(|found| &found.member.placed).find(|placed| placed.effect.about().name == TILT)?;
-    let mut tilted = robot.clone();
-    tilt.effect.alter(&tilt.parameters, tilt.joint, &mut tilted);
-    Some(tilted.gravity)
+    let under = |found: &Found| {
+        let Placed { effect, joint, parameters } = &found.member.placed;
+        let mut altered = robot.clone();
+        effect.alter(parameters, *joint, &mut altered);
+        altered.gravity
+    };
+    found.iter().map(under).find(|gravity| *gravity != robot.gravity)
 }

@@ -7,10 +7,9 @@ use super::judging::Judged;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Candidate, Session, is_level};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection, Test, combined};
+use crate::diagnosis::regression::{Column, Projection, Test, combined, joints_of};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use std::collections::BTreeSet;
 
 /// Cosines over each log that span slow noise: one hertz over twenty seconds.
 const SLOW: usize = 40;
@@ -112,11 +111,9 @@ pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, co
     let with = fit.with(columns);
     let (mut excess, mut certainty) = (0.0, 0.0);
     // What the fit takes back on other joints is small.
-    let acts_on: BTreeSet<usize> =
-        columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
-    for joint in &acts_on {
-        let own = predicted.only(&[*joint]);
-        let cosines = whitener.apply_all(&slow_cosines(rows, *joint, 1..SLOW + 1));
+    for joint in joints_of(columns) {
+        let own = predicted.only(&[joint]);
+        let cosines = whitener.apply_all(&slow_cosines(rows, joint, 1..SLOW + 1));
         let slow = 1.0 - Projection::new(&cosines, &own).left() / own.dot(&own).max(f64::MIN_POSITIVE);
         let share = slow.clamp(0.0, 1.0) * own.dot(&own) / all;
         let Some(strength) = with.test_of_what_is_mostly_left(&cosines) else { continue };

@@ -4,16 +4,13 @@ use super::judging::Judged;
 use crate::diagnosis::model::{Candidate, Moved, Session, columns_in, prior, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
-use crate::effects::{Parameter, Placed};
+use crate::effects::{Parameter, Placed, varies_by_factors};
 use crate::error::Result;
 use std::f64::consts::TAU;
 
 /// Distance to a bound over the range of a shape, or over that of its logarithm, within which it lies there; and by which it is moved inside.
 const AT_BOUND: f64 = 1e-3;
 const INSIDE: f64 = 0.1;
-
-/// Range of a shape from which its logarithm is what varies.
-const BY_FACTORS: f64 = 10.0;
 
 impl Session<'_> {
     /// What the statistic of the test loses where a shape that lies at a bound of its law is moved inside; the most that any shape does.
@@ -43,7 +40,7 @@ fn moved_inside(placed: &Placed, index: usize) -> Option<Placed> {
     if !(lower.is_finite() && upper.is_finite()) || upper - lower >= TAU * (1.0 - AT_BOUND) && lower == -upper {
         return None;
     }
-    let by_factors = lower > 0.0 && upper / lower > BY_FACTORS;
+    let by_factors = varies_by_factors(lower, upper);
     let scale = |value: f64| if by_factors { value.ln() } else { value };
     let [low, high, at] = [lower, upper, placed.parameters[index]].map(scale);
     let range = high - low;
@@ -77,7 +74,7 @@ mod tests {
         assert!(moved(upper).is_some_and(|geometry| geometry > lower && geometry < upper));
         // On either side of the distance that counts as being there.
         let apart = |share: f64| {
-            if upper / lower > BY_FACTORS {
+            if varies_by_factors(lower, upper) {
                 lower * (upper / lower).powf(share)
             } else {
                 lower + share * (upper - lower)

@@ -6,7 +6,7 @@ use crate::diagnosis::model::{
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};
-use crate::effects::{Effect, Parameter, Placed, Role, Search};
+use crate::effects::{Effect, Parameter, Placed, Role, Search, varies_by_factors};
 use crate::error::Result;
 use rayon::prelude::*;
 
@@ -243,7 +243,7 @@ fn moved(effect: &dyn Effect, index: usize, value: f64, share: f64) -> f64 {
     match effect.search(index) {
         Search::PerTurn => value + 2.0 * share,
         Search::Instant => value + 4.0 * share,
-        _ if low >= 0.0 && (low == 0.0 || high / low > 10.0) => value * (4.0 * share).exp(),
+        _ if low == 0.0 || varies_by_factors(low, high) => value * (4.0 * share).exp(),
         _ => value + 0.4 * share * (high - low),
     }
 }

@@ -12,17 +12,20 @@ use rayon::prelude::*;
 /// Share of its length that a column must keep over those before it for the factor to have a row of its own for it.
 const INDEPENDENT: f64 = 1e-9;
 
-/// Columns and torque whitened, each joint's rows condensed.
+/// Columns and torque, and each joint's rows of them whitened and condensed.
 #[derive(Debug)]
 pub(super) struct Condensed {
-    whitener: Whitener,
-    columns: Vec<Column>,
+    /// The noise under which they are.
+    pub whitener: Whitener,
+    /// The columns whole, not whitened.
+    pub whole: Vec<Column>,
+    condensed: Vec<Column>,
 }
 
 impl Condensed {
     /// Of columns, not whitened, the torque among them.
-    pub fn new(whitener: &Whitener, columns: &[Column], joints: usize) -> Self {
-        let white = whitener.apply_all(columns);
+    pub fn new(whitener: &Whitener, whole: Vec<Column>, joints: usize) -> Self {
+        let white = whitener.apply_all(&whole);
         let of_joint = |joint: usize| {
             let own: Vec<usize> = (0..white.len()).filter(|&k| white[k].part(joint).is_some()).collect();
             let parts: Vec<&[f64]> = own.iter().filter_map(|&k| white[k].part(joint)).collect();
@@ -34,16 +37,16 @@ impl Condensed {
             own.into_iter().zip(parts.par_iter().map(condensed).collect::<Vec<_>>()).collect::<Vec<_>>()
         };
         let each: Vec<Vec<(usize, Vec<f64>)>> = (0..joints).map(of_joint).collect();
-        let mut condensed = vec![Vec::new(); columns.len()];
+        let mut condensed = vec![Vec::new(); whole.len()];
         for (joint, parts) in each.into_iter().enumerate() {
             parts.into_iter().for_each(|(place, part)| condensed[place].push((joint, part)));
         }
-        Condensed { whitener: whitener.clone(), columns: condensed.into_iter().map(Column::of).collect() }
+        let condensed = condensed.into_iter().map(Column::of).collect();
+        Condensed { whitener: whitener.clone(), whole, condensed }
     }
 
-    /// The columns with the rows of `joint` whole, under a noise that differs on the others by its misfit alone. `columns` are those
-    /// that this was made of.
-    pub fn with_rows_of(&self, joint: usize, whitener: &Whitener, columns: &[Column]) -> Vec<Column> {
+    /// The columns with the rows of `joint` whole, under a noise that differs on the others by its misfit alone.
+    pub fn with_rows_of(&self, joint: usize, whitener: &Whitener) -> Vec<Column> {
         let mixed = |(condensed, column): (&Column, &Column)| {
             let whole = whitener.apply(&column.only(&[joint])).parts.into_iter();
             let others = condensed.parts.iter().filter(|(other, _)| *other != joint).map(|(other, part)| {
@@ -54,7 +57,7 @@ impl Condensed {
             parts.sort_by_key(|(joint, _)| *joint);
             Column::of(parts)
         };
-        self.columns.par_iter().zip(columns).map(mixed).collect()
+        self.condensed.par_iter().zip(&self.whole).map(mixed).collect()
     }
 }
 
@@ -94,7 +97,7 @@ mod tests {
         let torque = Column::new(rows.torque.iter().cloned());
         let columns = [shared, other, twice, torque.clone()];
         let whitener = Whitener::new(&rows, &torque, &columns[..3]);
-        let condensed = Condensed::new(&whitener, &columns, 2);
+        let condensed = Condensed::new(&whitener, columns.to_vec(), 2);
         let tested = whitener.apply(&Column::on(1, signal(|t| (0.7 * t).cos())));
         // The noise of the other joint is taken for stronger than when it was condensed.
         let under = whitener.clone().with_misfit(&[1.4, 1.0]);
@@ -103,7 +106,7 @@ mod tests {
             (fit.test(std::slice::from_ref(&tested)).unwrap().statistic, fit.left())
         };
         let (whole, left) = statistic(&under.apply_all(&columns));
-        let mixed = condensed.with_rows_of(1, &under, &columns);
+        let mixed = condensed.with_rows_of(1, &under);
         assert!(mixed[0].part(0).unwrap().len() <= 4 && mixed[0].part(1).unwrap().len() > 100);
         let (of_mixed, left_of_mixed) = statistic(&mixed);
         assert!(

@@ -96,17 +96,15 @@ pub(super) struct Fitted<'a> {
     pub members: Vec<Member>,
     /// Which of them have no rivals.
     named: Vec<bool>,
-    /// Its columns, those of the baseline first, and columns of what errors of the positions put into the torque.
-    columns: Vec<Column>,
-    errors: Nuisances,
-    /// All of these and last the torque; and their whitened rows, condensed.
-    regression: Vec<Column>,
+    /// Number of its columns.
+    count: usize,
+    /// These, those of the baseline first; then columns of what errors of the positions put into the torque; and last the torque.
     condensed: Condensed,
-    /// The same on the held-out rows.
+    /// Prior standard deviations of the factors of the errors.
+    spread: Vec<f64>,
+    /// The columns on the held-out rows, and those of the errors there.
     held_out_columns: Vec<Column>,
     held_out_errors: Nuisances,
-    /// The noise under the model.
-    pub whitener: Whitener,
     /// Residual on the held-out rows.
     pub before: &'a Column,
     /// Level of training and held-out logs together.
@@ -150,12 +148,13 @@ impl<'a> Fitted<'a> {
             errors
         };
         let train_errors = errors(&session.logs.train);
+        let count = columns.len();
         let torque = session.logs.train.torque.clone();
-        let regression: Vec<Column> = columns.iter().chain(train_errors.columns()).cloned().chain([torque]).collect();
+        let regression = [columns, train_errors.columns().to_vec(), vec![torque]].concat();
         Ok(Fitted {
-            condensed: Condensed::new(&selection.whitener, &regression, session.logs.train.rows.dof()),
-            regression,
-            whitener: selection.whitener.clone(),
+            count,
+            condensed: Condensed::new(&selection.whitener, regression, session.logs.train.rows.dof()),
+            spread: train_errors.spread().to_vec(),
             held_out_columns: session.model.columns(&session.logs.test, &members)?,
             held_out_errors: errors(&session.logs.test),
             before: &selection.held_out,
@@ -165,18 +164,26 @@ impl<'a> Fitted<'a> {
             session,
             named: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
-            columns,
-            errors: train_errors,
         })
+    }
+
+    /// Columns of the model, those of the baseline first.
+    fn columns(&self) -> &[Column] {
+        &self.condensed.whole[..self.count]
+    }
+
+    /// The noise under the model.
+    pub fn whitener(&self) -> &Whitener {
+        &self.condensed.whitener
     }
 
     /// The model in a noise that differs on the other joints from that of the search by its misfit alone, for tests on one joint.
     pub fn under(&self, joint: usize, whitener: Whitener) -> Under {
-        let mut columns = self.condensed.with_rows_of(joint, &whitener, &self.regression);
+        let mut columns = self.condensed.with_rows_of(joint, &whitener);
         let torque = columns.pop().unwrap_or_default();
-        let errors = columns.split_off(self.columns.len());
+        let errors = columns.split_off(self.count);
         let fit = Projection::new(&columns, &torque);
-        let adjusted_for_errors = fit.with_prior(&errors, self.errors.spread());
+        let adjusted_for_errors = fit.with_prior(&errors, &self.spread);
         Under { on_held_out: whitener.on(&self.session.logs.test.rows), whitener, fit, adjusted_for_errors }
     }
 
@@ -191,7 +198,7 @@ impl<'a> Fitted<'a> {
             // What happened in one log is not in others.
             if *is_named && is_weighed(member, joint) && member.candidate.log.is_none() {
                 let on = |data, columns: &[Column]| modulated(self.session, data, joint, &columns[own.clone()]);
-                changing.extend(on(train, &self.columns).into_iter().zip(on(test, &self.held_out_columns)));
+                changing.extend(on(train, self.columns()).into_iter().zip(on(test, &self.held_out_columns)));
             }
         }
         changing
@@ -226,8 +233,8 @@ impl<'a> Fitted<'a> {
 
     /// The noise with a block in the model, and the fit of the model without it in that.
     fn noise_with(&self, joint: usize, block: &Block) -> Under {
-        let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
-        self.under(joint, self.session.noise_with_more_on(joint, &self.whitener, &with))
+        let with: Vec<Column> = self.columns().iter().chain(&block.columns).cloned().collect();
+        self.under(joint, self.session.noise_with_more_on(joint, self.whitener(), &with))
     }
 
     /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding.
@@ -275,7 +282,7 @@ impl<'a> Fitted<'a> {
     /// How much better the held-out rows are predicted with a block.
     fn gains(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Gains {
         let PreparedLogs { train, test, .. } = &self.session.logs;
-        let with: Vec<Column> = self.columns.iter().chain(&block.columns).cloned().collect();
+        let with: Vec<Column> = self.columns().iter().chain(&block.columns).cloned().collect();
         let solved = solve(&under.whitener.apply_all(&with), &under.whitener.apply(&train.torque));
         let mut after = test.torque.clone();
         for (column, value) in self.held_out_columns.iter().chain(&again.columns).zip(solved.values) {
@@ -295,9 +302,9 @@ impl<'a> Fitted<'a> {
                 continue;
             }
             let others: Vec<Column> =
-                self.columns[..own.start].iter().chain(&self.columns[own.end..]).cloned().collect();
+                self.columns()[..own.start].iter().chain(&self.columns()[own.end..]).cloned().collect();
             let fit = under.whitener.fit(&others, &self.session.logs.train.torque);
-            let own = under.whitener.apply_all(&self.columns[own]);
+            let own = under.whitener.apply_all(&self.columns()[own]);
             let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
             let with_block = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
             tracing::debug!(joint, family = ?member.candidate.family(), alone, with_block, "name in the presence of structure");

@@ -47,7 +47,7 @@ impl Fitted<'_> {
             kinds: kinds.len() as f64,
             tests: train.rows.dof() as f64 * (kinds.len() + OTHER_KINDS) as f64,
             has_names: self.members.iter().any(|member| is_weighed(member, joint)),
-            under: self.under(joint, self.whitener.clone()),
+            under: self.under(joint, self.whitener().clone()),
         };
         let mut best: Option<Unexplained> = None;
         for (block, again) in kinds {

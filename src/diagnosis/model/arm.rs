@@ -269,15 +269,19 @@ impl Arm {
     /// If a log is too short to differentiate.
     pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows, moved: Moved) -> Result<Vec<Column>> {
         let absent = |log: &Log| vec![Channels::zeros(rows.dof(), log.time.len()); BATCH];
-        // What a law may ask about a motion is worked out once for all batches.
-        let sites = rows.logs.iter().map(|log| {
-            [Site::Joint, Site::Integrator].map(|site| {
+        // What laws may ask about a motion is worked out once for all batches, where there are such laws.
+        let asked = [Site::Joint, Site::Integrator]
+            .map(|site| placed.iter().any(|one| law_site(one) == Some(site)).then_some(site));
+        let sites = rows.logs.iter().enumerate().map(|(k, log)| {
+            let asked = asked.into_iter().flatten().filter(|_| acting.contains(&k));
+            let along = asked.map(|site| {
                 // What rapier's step gets wrong depends on where each mass really is.
                 let robot = if site == Site::Integrator { &self.known } else { &self.found };
                 (site, Along::turning_over(robot, &self.chain, &log.time, &log.motion, &self.sign_widths))
-            })
+            });
+            along.collect()
         });
-        let sites: Vec<[(Site, Along); 2]> = sites.collect();
+        let sites: Vec<Vec<(Site, Along)>> = sites.collect();
         let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
         let batches: Vec<Vec<Column>> = jobs
             .into_par_iter()
@@ -302,12 +306,7 @@ impl Arm {
     fn added_to(&self, batch: &[Placed], log: &Log, sites: &[(Site, Along)], moved: Moved) -> Result<Vec<Channels>> {
         let mut out: Vec<Option<Channels>> = vec![None; batch.len()];
         for (site, along) in sites {
-            let of_site: Vec<usize> = (0..batch.len())
-                .filter(|&k| match batch[k].effect.about().site {
-                    Site::Body => *site == Site::Joint,
-                    own => own == *site,
-                })
-                .collect();
+            let of_site: Vec<usize> = (0..batch.len()).filter(|&k| law_site(&batch[k]) == Some(*site)).collect();
             if of_site.is_empty() {
                 continue;
             }
@@ -427,6 +426,15 @@ impl Arm {
         let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
         let rate_hz = 1.0 / log.period;
         (hz < passes_all(rate_hz)).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, rate_hz)).transpose()
+    }
+}
+
+/// Where the law of an effect has torque along a known motion: at the joints or in the integrator. None for effects in gears and sensors.
+fn law_site(placed: &Placed) -> Option<Site> {
+    match placed.effect.about().site {
+        Site::Body | Site::Joint => Some(Site::Joint),
+        Site::Integrator => Some(Site::Integrator),
+        _ => None,
     }
 }
 

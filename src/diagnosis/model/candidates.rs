@@ -4,7 +4,7 @@ use super::arm::{Arm, Moved};
 use super::grid::grid;
 use super::roles::{acts_upon_arm, is_event, linear};
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::Column;
+use crate::diagnosis::regression::{Column, joints_of};
 use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role, Scope};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -36,11 +36,7 @@ impl Candidate {
         if self.columns.is_empty() {
             return self.placed.joints();
         }
-        let mut joints: Vec<usize> =
-            self.columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
-        joints.sort_unstable();
-        joints.dedup();
-        joints
+        joints_of(&self.columns).into_iter().collect()
     }
 
     /// Whether it has torque on any of `joints`.

@@ -2,7 +2,7 @@
 
 use super::roles::{bends, is_event, is_level, shapes};
 use crate::diagnosis::logs::Rows;
-use crate::effects::{Effect, Parameter, Placed, Role, Search};
+use crate::effects::{Effect, Parameter, Placed, Role, Search, varies_by_factors};
 
 /// Points over the range of a shape, alone or one of several, and how far the range reaches to either side of the typical
 /// size.
@@ -147,7 +147,7 @@ fn shape_grid(effect: &dyn Effect, index: usize, alone: bool, joint: usize, rows
         return (0..=count).map(|k| low + k as f64 * step).collect();
     }
     let points = if alone { ALONE } else { ONE_OF_SEVERAL };
-    if low > 0.0 && high / low > 10.0 {
+    if varies_by_factors(low, high) {
         let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
         return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();
     }

@@ -1,9 +1,9 @@
 //! An orthonormal basis of columns, held joint by joint so that inner products are products of matrices.
 
-use super::column::Column;
+use super::column::{Column, joints_of};
 use crate::linear::{product_of, subtract_product};
 use nalgebra::DMatrix;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Directions of unit length, orthogonal to each other. Those that were there stay as they are when more come, and are shared by all bases
@@ -87,8 +87,7 @@ impl Basis {
 
     /// Adds directions of unit length that are orthogonal to all and to each other.
     pub fn extend(&mut self, directions: Vec<Column>) {
-        let joints = directions.iter().flat_map(|direction| direction.parts.iter().map(|(joint, _)| *joint));
-        for joint in joints.collect::<BTreeSet<usize>>() {
+        for joint in joints_of(&directions) {
             let (own, values) = on_joint(&directions, joint);
             let (rows, places) = (values.len() / own.len(), own.into_iter().map(|place| self.len() + place).collect());
             self.blocks.push(Arc::new(Block { joint, rows, places, values }));

@@ -114,6 +114,11 @@ impl Column {
     }
 }
 
+/// Joints on which any of `columns` acts.
+pub fn joints_of(columns: &[Column]) -> BTreeSet<usize> {
+    columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect()
+}
+
 /// The sum of `columns` with their `values`.
 pub fn combined(columns: &[Column], values: &[f64]) -> Column {
     let mut sum = Column::default();

@@ -9,6 +9,6 @@ mod column;
 mod score;
 mod solution;
 
-pub use column::{Column, combined, rms};
+pub use column::{Column, combined, joints_of, rms};
 pub use score::{Projection, Test, fisher, log_survival};
 pub use solution::{JointEquations, Solved, gram, solve, solve_normal};

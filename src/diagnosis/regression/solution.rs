@@ -1,11 +1,10 @@
 //! Least squares on whitened columns; directions that the rows do not determine stay at zero.
 
 use super::basis::on_joint;
-use super::column::Column;
+use super::column::{Column, joints_of};
 use crate::linear::gram_matrix;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 
 /// Smallest eigenvalue of the scaled normal matrix, over its largest, that still counts.
 const SINGULAR: f64 = 1e-12;
@@ -132,12 +131,8 @@ impl JointEquations {
         let mut right = DVector::zeros(self.columns);
         for OfJoint { joint, places, gram, right: own, .. } in &self.joints {
             let weight = factors[*joint].powi(-2);
-            for (c, &column) in places.iter().enumerate() {
-                right[column] += weight * own[c];
-                for (r, &row) in places.iter().enumerate() {
-                    normal[(row, column)] += weight * gram[(r, c)];
-                }
-            }
+            places.iter().zip(own.iter()).for_each(|(&column, own)| right[column] += weight * own);
+            add_at(&mut normal, places, gram, weight);
         }
         let values = solve_normal(normal, right).values;
         let mut squares = vec![0.0; factors.len()];
@@ -155,19 +150,21 @@ pub fn gram(columns: &[Column]) -> DMatrix<f64> {
     let count = columns.len();
     let known = |r: usize, c: usize| columns[r].dot_beforehand(&columns[c]);
     let mut gram = DMatrix::from_fn(count, count, known);
-    let joints: BTreeSet<usize> =
-        columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect();
-    for joint in joints {
+    for joint in joints_of(columns) {
         let (places, values) = on_joint(columns, joint);
         let matrix = DMatrix::from_vec(values.len() / places.len(), places.len(), values);
-        let own = gram_matrix(&matrix);
-        for (r, &row) in places.iter().enumerate() {
-            for (c, &column) in places.iter().enumerate() {
-                gram[(row, column)] += own[(r, c)];
-            }
-        }
+        add_at(&mut gram, &places, &gram_matrix(&matrix), 1.0);
     }
     gram
+}
+
+/// Adds `weight` times the inner products of some columns at their places among all.
+fn add_at(all: &mut DMatrix<f64>, places: &[usize], own: &DMatrix<f64>, weight: f64) {
+    for (c, &column) in places.iter().enumerate() {
+        for (r, &row) in places.iter().enumerate() {
+            all[(row, column)] += weight * own[(r, c)];
+        }
+    }
 }
 
 #[cfg(test)]

@@ -130,12 +130,12 @@ pub(super) fn better_held_out(
     criteria: &ComparisonCriteria,
 ) -> Result<Chosen> {
     let Comparison { winner, alternatives, close } = comparison;
-    let (winner, mut alternatives) = (winner.clone(), alternatives.clone());
+    let chosen = Chosen { winner: winner.clone(), alternatives: alternatives.clone(), whitener: None };
     if winner.candidate.log.is_some() {
-        return Ok(Chosen { winner, alternatives, whitener: None });
+        return Ok(chosen);
     }
     let with = |judged: &Judged| -> Vec<Member> { members.iter().cloned().chain([judged.member()]).collect() };
-    let first = with(&winner);
+    let first = with(winner);
     let whitener = session.noise_under(&session.model.columns(&session.logs.train, &first)?);
     let on_held_out = whitener.on(&session.logs.test.rows);
     let before = session.held_out_residual(&first, &whitener)?;
@@ -153,10 +153,20 @@ pub(super) fn better_held_out(
     let bounds: Vec<f64> = rivals.par_iter().map(bound).collect::<Result<_>>()?;
     let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > criteria.clearly_better);
     let best = better.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    let Some((_, rival)) = best else { return Ok(Chosen { winner, alternatives, whitener: Some(whitener) }) };
-    alternatives.retain(|other| other.family != rival.candidate.family());
-    alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
-    Ok(Chosen { winner: rival.clone(), alternatives, whitener: None })
+    Ok(match best {
+        Some((_, rival)) => chosen.instead(rival),
+        None => Chosen { whitener: Some(whitener), ..chosen },
+    })
+}
+
+impl Chosen {
+    /// A rival in the place of the winner, which stays as an alternative.
+    pub fn instead(mut self, rival: &Judged) -> Chosen {
+        self.alternatives.retain(|other| other.family != rival.candidate.family());
+        let winner = Alternative { family: self.winner.candidate.family(), relative_likelihood: 1.0 };
+        self.alternatives.insert(0, winner);
+        Chosen { winner: rival.clone(), alternatives: self.alternatives, whitener: None }
+    }
 }
 
 /// Whether the rival is the winner with one parameter more, from which motion alone cannot separate it.

@@ -4,7 +4,6 @@
 //! covariance. In white noise every curve of a residual that no law has makes another parameter significant.
 
 use super::comparison::{Chosen, Comparison, better_held_out, parameters, with_tangents};
-use super::found::Alternative;
 use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Judged, log_p_adjusted};
 use crate::diagnosis::model::{Member, Session};
@@ -35,34 +34,32 @@ fn simplest(
     close: &[Judged],
     criteria: &ComparisonCriteria,
 ) -> Result<Chosen> {
-    let Chosen { winner, mut alternatives, whitener } = chosen;
+    let winner = &chosen.winner;
     let joints = winner.candidate.joints();
     let is_simpler = |rival: &&Judged| {
         rival.candidate.log == winner.candidate.log
-            && parameters(rival) < parameters(&winner)
+            && parameters(rival) < parameters(winner)
             && rival.test.statistic > criteria.close * winner.test.statistic
             && rival.candidate.joints().iter().all(|joint| joints.contains(joint))
     };
     let mut simpler: Vec<&Judged> = close.iter().filter(is_simpler).collect();
     if simpler.is_empty() {
-        return Ok(Chosen { winner, alternatives, whitener });
+        return Ok(chosen);
     }
     simpler.sort_by(|a, b| parameters(a).cmp(&parameters(b)).then(b.test.statistic.total_cmp(&a.test.statistic)));
     let present = session.model.columns(&session.logs.train, members)?;
-    let whitener = match whitener {
-        Some(whitener) => whitener,
+    let whitener = match &chosen.whitener {
+        Some(whitener) => whitener.clone(),
         None => session.noise_under(&[present.as_slice(), &winner.candidate.columns].concat()),
     };
     let fit = whitener.fit(&present, &session.logs.train.torque);
     for rival in simpler {
         let in_its_presence = with_tangents(session, rival, &whitener, &fit)?;
-        let log_p = log_p_adjusted(session, &whitener, &in_its_presence, &winner);
+        let log_p = log_p_adjusted(session, &whitener, &in_its_presence, winner);
         tracing::debug!(winner = ?winner.candidate.slot(), rival = ?rival.candidate.slot(), log_p, "added to a simpler law");
         if log_p > criteria.encompassed_p.ln() {
-            alternatives.retain(|other| ![rival, &winner].map(|one| one.candidate.family()).contains(&other.family));
-            alternatives.insert(0, Alternative { family: winner.candidate.family(), relative_likelihood: 1.0 });
-            return Ok(Chosen { winner: rival.clone(), alternatives, whitener: None });
+            return Ok(chosen.instead(rival));
         }
     }
-    Ok(Chosen { winner, alternatives, whitener: Some(whitener) })
+    Ok(Chosen { whitener: Some(whitener), ..chosen })
 }

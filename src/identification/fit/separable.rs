@@ -2,7 +2,7 @@
 //! every step, Levenberg-Marquardt searches the few nonlinear ones. All stay within the bounds that make sense for the
 //! effect; one that ends at a bound is held there, and the others are as certain as they are with it held.
 
-use crate::effects::{Parameter, Role};
+use crate::effects::{Parameter, Role, varies_by_factors};
 use crate::error::Result;
 use crate::identification::effect_model::{EffectModel, Place};
 use crate::identification::levenberg_marquardt::{Bounds, LeastSquaresProblem, NormalEquations, Options, minimize};
@@ -192,7 +192,7 @@ fn grid(parameter: &Parameter, starts: usize) -> Vec<f64> {
     match parameter.role {
         Role::Departure => DEPARTURE_STARTS.iter().map(|share| (share * parameter.typical).clamp(low, high)).collect(),
         _ => (0..starts)
-            .map(|k| match low > 0.0 && high / low > 10.0 {
+            .map(|k| match varies_by_factors(low, high) {
                 true => low * (high / low).powf(at(k)),
                 false => low + (high - low) * at(k),
             })

@@ -156,6 +156,16 @@ impl Description {
         strip(self) == strip(other)
     }
 
+    /// Joints whose torque has a factor.
+    pub fn scaled(&self) -> impl Iterator<Item = usize> {
+        (0..self.dof()).filter(|&joint| self.torque_scale[joint] != 1.0)
+    }
+
+    /// Whether nothing but factors of single torques is changed.
+    pub fn has_only_factors(&self) -> bool {
+        self.changes.iter().all(|change| matches!(change, Change::JointScale(..)))
+    }
+
     /// Whether two descriptions differ in the size of factors of torques only.
     pub fn same_but_for_factors(&self, other: &Description) -> bool {
         let scaled =

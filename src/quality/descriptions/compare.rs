@@ -136,6 +136,7 @@ mod tests {
         assert!(!large(&[1.6, 1.6, 1.6], 1) && !large(&[2.1, 0.9], 1));
         assert!(large(&[4.1, 1.0], 2) && large(&[2.1, 2.1], 2) && !large(&[3.9, 1.0], 2));
     }
+
     #[test]
     fn a_torque_that_was_explained_stays_so() {
         let better = |before: f64, factor: f64| {

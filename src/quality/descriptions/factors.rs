@@ -6,8 +6,8 @@
 
 use super::change::{Change, Description};
 use super::compare::{EXPLAINED, compare};
-use super::fitting::{Fit, Physics, Rows, Tables};
-use super::scale::{ALIKE, STEP, best, between, spread};
+use super::fitting::{Physics, Rows, Tables};
+use super::scale::{ALIKE, STEP, best, between, merit, spread};
 use super::tried::Tried;
 
 /// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
@@ -30,9 +30,8 @@ const ROUNDS: usize = 3;
 /// beyond what is reported.
 pub fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
-    // beside another change it explains too much.
-    let other_change = |change: &Change| !matches!(change, Change::JointScale(..));
-    if matches!(physics, Physics::Alone) || from.dof() < 2 || from.changes.iter().any(other_change) {
+    // together with another change it explains too much.
+    if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_factors() {
         return Vec::new();
     }
     let tables = physics.tables(rows, from);
@@ -48,7 +47,7 @@ pub fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> V
         let mut scales = from.torque_scale.clone();
         scales[joint] = determined(merit_of(&tables, rows, &with, &scales, joint))?;
         // The factor changes what those found before are.
-        let earlier: Vec<usize> = (0..scales.len()).filter(|&other| from.torque_scale[other] != 1.0).collect();
+        let earlier: Vec<usize> = from.scaled().collect();
         for _ in 0..if earlier.is_empty() { 0 } else { ROUNDS } {
             for &other in earlier.iter().chain([&joint]) {
                 scales[other] = fitted(&tables, rows, &with, &scales, other, NEAR)?;
@@ -83,7 +82,7 @@ fn merit_of(
     move |scale: f64| {
         let mut scales = scales.to_vec();
         scales[joint] = scale;
-        Fit::new(tables, rows, &with(&scales)).merit().unwrap_or(f64::INFINITY)
+        merit(tables, rows, &with(&scales))
     }
 }
 
@@ -129,7 +128,7 @@ pub fn of_all_joints(
         }
     }
     let of_shared = |shared: f64| scales.iter().map(|scale| scale * shared).collect::<Vec<f64>>();
-    let shared = |shared: f64| Fit::new(&described, rows, &with(&of_shared(shared))).merit().unwrap_or(f64::INFINITY);
+    let shared = |shared: f64| merit(&described, rows, &with(&of_shared(shared)));
     let scales = of_shared(best(1.0, NEAR, shared)?);
     // Bodies that are not like the torques know no size.
     let of_bodies = Tried::new(bodies, rows, with(&scales)).filter(|tried| tried.share() < ALIKE)?;

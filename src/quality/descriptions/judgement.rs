@@ -1,6 +1,6 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
-use super::change::{Change, Description};
+use super::change::Description;
 use super::fitting::{Fit, Physics, Rows};
 use super::known::Known;
 use super::scale::Scaled;
@@ -57,12 +57,12 @@ pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let outcome = search(known, &rows, &with_motion, start.clone())?;
     if let Some(Found { best, .. }) = &outcome.found {
         // Torques in another unit, with factors that differ by joint: what free bodies see of it is a factor of the joint that differs most.
-        let only_factors = best.description.changes.iter().all(|change| matches!(change, Change::JointScale(..)));
+        let only_factors = best.description.has_only_factors();
         let of_all = |bodies| scale::judge(bodies, &rows, &start);
         if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
             return Some(scaled_verdict(&before, after, factors));
         }
-        let scaled = best.description.torque_scale.iter().filter(|scale| **scale != 1.0).count();
+        let scaled = best.description.scaled().count();
         let each = |bodies| factors::of_all_joints(&free, bodies, &rows, &outcome.start, best);
         if let Some((after, factors)) = bodies.as_ref().filter(|_| scaled > 1).and_then(each) {
             return Some(scaled_verdict(&outcome.start, after, factors));
@@ -128,8 +128,8 @@ fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verd
     let Outcome { start, found } = outcome;
     let found = found?;
     // From what a factor comes the logs cannot show.
-    let scaled = found.best.description.torque_scale.iter().any(|scale| *scale != 1.0);
-    let beyond_doubt = found.rivals.is_empty() && !scaled && replicated(&found);
+    let scaled = found.best.description.scaled().next();
+    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated(&found);
     let alternative =
         |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {

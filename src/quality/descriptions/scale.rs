@@ -117,7 +117,8 @@ fn implausible(factors: &[Option<f64>]) -> Option<f64> {
     (beyond(&median) && known.iter().filter(|f| beyond(f)).all(same_side)).then_some(median)
 }
 
-fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
+/// How well all rows are fitted under a description, less for a better fit; infinite where nothing can be fitted.
+pub fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
     Fit::new(tables, rows, description).merit().unwrap_or(f64::INFINITY)
 }
 

@@ -16,7 +16,6 @@ use crate::recording::Recording;
 use crate::report::html::{self, Provenance};
 use crate::report::measured::Compared;
 use crate::report::{fit as fit_report, measured as report, viewer};
-use crate::robot;
 use crate::study::measured;
 use crate::study::testbed::Variant;
 use std::path::Path;
@@ -61,8 +60,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let found = fit_report::Found { plain, extended: None, consistent: Some(&bodies) };
     let identification = fit_report::result(&robot, Trust::Structure, found, &notes);
     folder.write_json("identification.json", fit_report::SCHEMA, &identification)?;
-    folder.write_text("identified.urdf", &robot::with_parameters(&identified)?)?;
-    folder.write_text("identified.xml", &robot::to_mjcf(&identified))?;
+    identify::write_robot(&folder, &identified)?;
     let scores = report::result(&robot, ways, &notes);
     folder.write_json("score.json", report::SCHEMA, &scores)?;
     let page = html::measured::page(&robot, logs, ways, &notes, Provenance::here(global.seed));

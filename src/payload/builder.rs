@@ -7,10 +7,10 @@ use super::equations::{CHANGES, Change, Equations, all_rows, baseline, differenc
 use super::estimate::{Estimate, Estimates, Fitting, MATTERS};
 use super::expected::Expected;
 use super::load_columns::LoadColumns;
-use super::matching::matched;
 use super::rows::LogRows;
 use super::shares::{shares, sized};
 use crate::error::{Error, Result};
+use crate::identification::equal_states::{EqualState, MATCHED, matched};
 use crate::identification::equations::{no_torque, with_torque};
 use crate::identification::model::Model;
 use crate::linear::root_mean_square;
@@ -29,10 +29,6 @@ const FEWEST_BLOCKS: usize = 8;
 
 /// Fewest rows of a joint that count.
 const FEWEST_ROWS: usize = 30;
-
-/// Share of the rows after that must have an equal state before, so that differences are worth while: below it they see
-/// only a part of the motion.
-const MATCHED: f64 = 0.5;
 
 /// A question for the load between logs, from [`Payload::between`]. [`PayloadBuilder::run`] answers it.
 #[must_use = "no load is found before `run`"]
@@ -106,7 +102,9 @@ impl<'a> PayloadBuilder<'a> {
         let length: f64 = self.before.iter().chain(&self.after).map(|log| log.duration()).sum();
         let block_s = BLOCK_S.max(length / MOST_BLOCKS);
         let torque = torques(&model, &before, &after);
-        let matched = matched(&before, &after);
+        let [states_before, states_after] =
+            [&before, &after].map(|logs| logs.iter().map(|log| &log.states).collect::<Vec<_>>());
+        let matched = matched(&states_before, &states_after);
         let share = matched_share(&model, (&before, &after), &matched);
         let joint_fit = all_rows(&model, &before, &after, block_s);
         let mut candidates = vec![candidate(Estimator::JointFit, joint_fit, &torque, &after)];
@@ -186,7 +184,7 @@ impl<'a> PayloadBuilder<'a> {
         matched_share: f64,
         (torque, mut notes): (Vec<f64>, Vec<String>),
     ) -> Result<Payload> {
-        let reach = reach(self.robot);
+        let reach = self.robot.reach();
         let read = |candidate: &Candidate, estimate: &Estimate| {
             let matters = sized(&candidate.equations, estimate)
                 .iter()
@@ -329,11 +327,7 @@ fn torques(model: &Model, before: &[LogRows], after: &[LogRows]) -> Vec<f64> {
 }
 
 /// Share of the rows after that count on some joint and have an equal state before.
-fn matched_share(
-    model: &Model,
-    (before, after): (&[LogRows], &[LogRows]),
-    matched: &[Vec<Option<(usize, usize)>>],
-) -> f64 {
+fn matched_share(model: &Model, (before, after): (&[LogRows], &[LogRows]), matched: &[Vec<EqualState>]) -> f64 {
     let (mut with, mut all) = (0usize, 0usize);
     for (log, matched) in after.iter().zip(matched) {
         for (row, there) in matched.iter().enumerate() {
@@ -344,18 +338,6 @@ fn matched_share(
         }
     }
     with as f64 / all.max(1) as f64
-}
-
-/// How far the flange is from the base along the links, m.
-fn reach(robot: &Robot) -> f64 {
-    let links: f64 = (0..robot.bodies()).map(|body| robot.body(body).origin.translation.norm()).sum();
-    let slides = |joint: &crate::robot::Joint| match joint.kind {
-        JointKind::Prismatic if joint.limits.upper.is_finite() => joint.limits.upper.abs(),
-        _ => 0.0,
-    };
-    let reach = links + robot.flange.translation.norm() + robot.joints.iter().map(slides).sum::<f64>();
-    // An arm whose links have no length, as one of a single joint.
-    if reach > 0.0 { reach } else { 1.0 }
 }
 
 /// A sentence on what a mass owes to offsets that stay.

@@ -2,6 +2,7 @@
 
 use super::rows::LogRows;
 use super::sums::{JointRows, Key, inverse, of_joints, selection, total, weights};
+use crate::identification::equal_states::EqualState;
 use crate::identification::model::Model;
 use crate::robot::PARAMETERS;
 use nalgebra::DVector;
@@ -104,7 +105,7 @@ pub(super) fn all_rows(model: &Model, before: &[LogRows], after: &[LogRows], blo
 pub(super) fn differences(
     model: &Model,
     (before, after): (&[LogRows], &[LogRows]),
-    matched: &[Vec<Option<(usize, usize)>>],
+    matched: &[Vec<EqualState>],
     arm: &DVector<f64>,
     block_s: f64,
 ) -> Equations {

@@ -11,7 +11,6 @@
 //! | `shares` | estimate | what each joint shows of the load |
 //! | `estimate` | equations | the load, what else changed, covariance between blocks |
 //! | `equations` | rows, pairs | the rows of either estimator |
-//! | `matching` | rows | pairs of equal states |
 //! | `sums` | rows | normal equations by blocks, jackknife |
 //! | `rows`, `load_columns` | recording | states, torque, columns |
 //! | `expected`, `controllers`, `answer` | | what is asked and said |
@@ -24,7 +23,6 @@ mod equations;
 mod estimate;
 mod expected;
 mod load_columns;
-mod matching;
 mod rows;
 mod shares;
 mod sums;

@@ -3,6 +3,7 @@
 use super::load_columns::LoadColumns;
 use crate::channels::Channels;
 use crate::error::Result;
+use crate::identification::equal_states::States;
 use crate::identification::joint_regression::JointRegression;
 use crate::identification::model::Model;
 use crate::identification::prepare::{self, Smoothing};
@@ -19,10 +20,8 @@ const ROWS_IN_A_WINDOW: usize = 12;
 pub(super) struct LogRows {
     /// Time of every row, s.
     pub time: Vec<f64>,
-    /// Smoothed positions, `[joint][row]`.
-    pub q: Channels,
-    /// Velocities.
-    pub qd: Channels,
+    /// Positions and velocities.
+    pub states: States,
     /// Columns of the base parameters, with torque and the rows that count.
     pub arm: Vec<JointRegression>,
     /// Columns of the load, `[parameter][row]` per joint.
@@ -50,16 +49,10 @@ impl LogRows {
         }
         Ok(LogRows {
             time: downsample(&prepared.time, decimation)?,
-            q: thinned(&prepared.motion.q)?,
-            qd: thinned(&prepared.motion.qd)?,
+            states: States { q: thinned(&prepared.motion.q)?, qd: thinned(&prepared.motion.qd)? },
             arm,
             load: prepared.regression(load)?.into_iter().map(|joint| joint.columns).collect(),
         })
-    }
-
-    /// Number of rows.
-    pub(super) fn rows(&self) -> usize {
-        self.time.len()
     }
 
     /// The block of a row, counted from the beginning of the log.

@@ -272,7 +272,8 @@ fn answer<'a>(
     let scope = Scope {
         alpha: options.alpha,
         candidates: options.candidates.clone(),
-        against_reference: session.logs.train.rows.before > 0,
+        against_reference: session.logs.train.rows.of_change(),
+        equal_states: session.logs.train.rows.equal_states,
         effective_tests: multiplicity.all(),
         criteria: options.criteria,
     };

@@ -51,6 +51,8 @@ pub struct Scope {
     pub candidates: Vec<String>,
     /// Whether the question is what changed since reference logs.
     pub against_reference: bool,
+    /// Share of the rows that have an equal state in the reference logs, where differences from these are diagnosed.
+    pub equal_states: Option<f64>,
     /// Number of independent tests that the scan is worth.
     pub effective_tests: f64,
     /// What decides whether an effect found is reported.
@@ -241,7 +243,7 @@ pub(super) fn not_found(
             [found.member.candidate.family()].into_iter().chain(others)
         })
         .collect();
-    let change = session.logs.train.rows.before > 0;
+    let change = session.logs.train.rows.of_change();
     LIBRARY
         .iter()
         .filter(|effect| {

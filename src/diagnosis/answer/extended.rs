@@ -33,8 +33,7 @@ impl ExtendedModel {
     /// If a log is too short to differentiate, or no bodies can be found.
     pub fn new(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Self> {
         let solved = session.solved(members, whitener)?;
-        let mut arm = session.model.arm.clone();
-        arm.take(session.model.base, &solved.values);
+        let arm = session.arm_with(&solved);
         let fitted = session.model.known.fitted();
         let mut known = session.model.known.effects.clone();
         for ((effect, index), change) in fitted.into_iter().zip(&solved.values[session.blocks(&[]).known]) {

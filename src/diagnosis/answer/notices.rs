@@ -25,6 +25,29 @@ pub fn remedy(faults: &[DataFault]) -> String {
     }
 }
 
+/// What is said of the logs above the answer.
+pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
+    let all = [
+        unfinished(diagnosis),
+        equal_states(diagnosis),
+        mixed_rates(diagnosis),
+        sampling(robot, diagnosis),
+        extrapolation(robot, diagnosis),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// What is said of logs that follow the motions of the reference logs.
+pub fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.scope.equal_states.map(|share| {
+        format!(
+            "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
+             from these. What the model lacks before and after cancels; the noise is that of two rows",
+            100.0 * share
+        )
+    })
+}
+
 /// What is said of a search that was ended before it was done.
 pub fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {

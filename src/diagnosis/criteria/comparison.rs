@@ -14,6 +14,9 @@ pub struct ComparisonCriteria {
     /// Share of the held-out sum of squares, as a lower bound, for which a rival takes the winner's place: less may come of a further
     /// parameter or of chance.
     pub clearly_better: f64,
+    /// p-value, by the scatter between held-out blocks, of the growth of the held-out sum of squares below which a load at the flange is
+    /// no explanation of what changed in the bodies where one link explains more of the training logs.
+    pub surely_worse_p: f64,
     /// p-value of what the winner adds to a rival below which the rival is excluded.
     pub encompassed_p: f64,
     /// p-value of what a rival with more parameters adds to the winner below which it stays an alternative.
@@ -31,6 +34,7 @@ impl Default for ComparisonCriteria {
             rival: 0.3,
             close: 0.8,
             clearly_better: 0.02,
+            surely_worse_p: 1e-3,
             encompassed_p: 1e-3,
             superfluous_p: 0.05,
             criterion_gap: 6.0,

@@ -81,6 +81,8 @@ pub enum Gate {
     Influence,
     /// It turns the sign of no earlier finding that has one sign only: number of those.
     EarlierSigns,
+    /// It leaves the parameters of earlier findings identifiable: number of those that the logs determine without it and not with it.
+    EarlierParameters,
     /// Its gain on held-out logs: lower bound (84 %) of the share of the residual that it explains.
     HeldOutGain,
     /// p-value of training and held-out logs together.
@@ -110,6 +112,7 @@ impl Gate {
             Gate::Flat => "is not flat where the model exceeds the limit",
             Gate::Influence => "rests on a moment or two",
             Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",
+            Gate::EarlierParameters => "leaves parameters of an earlier finding undetermined",
             Gate::HeldOutGain => "explains too little of the held-out logs",
             Gate::Confirmation => "is not confirmed by the held-out logs",
             Gate::OtherLogs => "is not what the other logs predict",

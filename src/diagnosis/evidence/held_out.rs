@@ -118,11 +118,23 @@ impl Gains {
     /// Standard deviations by which the sum of squares grows, by its scatter between blocks (paired t); negative where it falls, zero
     /// where nothing changes. Unlike the bounds of the gain it does not take the residual after for noise.
     pub fn growth(&self) -> f64 {
+        self.paired().0
+    }
+
+    /// Probability of that growth or a larger one where the expected sum of squares does not grow (Student, one-sided).
+    pub fn growth_p(&self) -> f64 {
+        let (statistic, freedom) = self.paired();
+        StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |student| student.sf(statistic))
+    }
+
+    /// The paired t statistic of the growth between blocks, and its degrees of freedom.
+    fn paired(&self) -> (f64, f64) {
         let blocks = self.of_rows.chunks(BLOCK).map(|rows| rows.iter().sum::<f64>());
         let blocks: Vec<f64> = blocks.filter(|gain| *gain != 0.0).collect();
         let (sum, count) = (blocks.iter().sum::<f64>(), blocks.len() as f64);
         let scatter: f64 = blocks.iter().map(|gain| (gain - sum / count).powi(2)).sum();
-        if scatter > 0.0 { -sum / (scatter * count / (count - 1.0)).sqrt() } else { 0.0 }
+        let statistic = if scatter > 0.0 { -sum / (scatter * count / (count - 1.0)).sqrt() } else { 0.0 };
+        (statistic, count - 1.0)
     }
 
     /// Whether the chance in the gain is that of the noise: the residual holds little else.
@@ -208,5 +220,7 @@ mod tests {
         assert!(Gains::new(&on_held_out, &noise, &wrong, &[0], rows.len()).growth() > 3.0);
         assert!(Gains::new(&on_held_out, &wrong, &noise, &[0], rows.len()).growth() < -3.0);
         assert_eq!(Gains::new(&on_held_out, &noise, &noise, &[0], rows.len()).growth(), 0.0);
+        let p = |before: &Column, after: &Column| Gains::new(&on_held_out, before, after, &[0], rows.len()).growth_p();
+        assert!(p(&noise, &wrong) < 0.01 && p(&wrong, &noise) > 0.99 && p(&noise, &noise) == 1.0);
     }
 }

@@ -137,7 +137,7 @@ impl Session<'_> {
 
     /// Whether the estimate can be: within its bounds to within its uncertainty. A `change` of an amplitude may go either way.
     fn is_physical(&self, candidate: &Candidate, test: &Test) -> bool {
-        let change = self.logs.train.rows.before > 0;
+        let change = self.logs.train.rows.of_change();
         let effect = candidate.placed.effect;
         if is_level(effect) {
             let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);

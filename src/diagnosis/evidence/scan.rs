@@ -40,7 +40,7 @@ impl Scan {
             fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
         };
         let stand = judged.iter().map(stands).collect();
-        Scan { judged, stand, change: session.logs.train.rows.before > 0 }
+        Scan { judged, stand, change: session.logs.train.rows.of_change() }
     }
 
     /// How many independent tests the scan is worth.

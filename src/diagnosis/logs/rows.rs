@@ -6,10 +6,13 @@
 use super::cutoffs::POINTS;
 use super::log::{BLOCK_S, Log, MEMORY, MEMORY_OF_ENDS};
 use super::low_pass::LowPass;
+use crate::channels::Channels;
 use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
+use crate::identification::equal_states::States;
 use crate::recording::Recording;
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Rows on either side of one in which a joint does not surely move that go with it.
@@ -50,6 +53,8 @@ pub struct Rows {
     pub smear: Vec<usize>,
     /// The first so many logs are from before the change in question: what changed plays no part there.
     pub before: usize,
+    /// Where torque is the difference from that before the change in question: the share of the rows that have an equal state there.
+    pub equal_states: Option<f64>,
     /// What smooth functions of each joint's motion can do, `[joint][column][row]`, once the noise has been computed.
     pub rich: OnceLock<Vec<Vec<Vec<f64>>>>,
 }
@@ -86,6 +91,7 @@ impl Rows {
             torque: vec![Vec::new(); dof],
             smear: cutoffs_hz.iter().map(|hz| (0.5 * MEMORY / hz / BLOCK_S).ceil() as usize).collect(),
             before: 0,
+            equal_states: None,
             rich: OnceLock::new(),
         };
         let lowest_hz = cutoffs_hz.iter().copied().fold(f64::INFINITY, f64::min);
@@ -170,6 +176,33 @@ impl Rows {
             through += (mean * passed.gain(hz)).powi(2);
         }
         through / all
+    }
+
+    /// Whether the question is what changed.
+    pub fn of_change(&self) -> bool {
+        self.before > 0 || self.equal_states.is_some()
+    }
+
+    /// The logs from the first to the last of a range alone, as if none were from before the change.
+    pub fn of_logs(&self, logs: Range<usize>) -> Rows {
+        let rows = self.starts[logs.start]..self.starts[logs.end];
+        Rows {
+            logs: self.logs[logs.clone()].to_vec(),
+            starts: self.starts[logs.start..=logs.end].iter().map(|start| start - rows.start).collect(),
+            valid: self.valid.iter().map(|valid| valid[rows.clone()].to_vec()).collect(),
+            torque: self.torque.iter().map(|torque| torque[rows.clone()].to_vec()).collect(),
+            smear: self.smear.clone(),
+            before: 0,
+            equal_states: self.equal_states,
+            rich: OnceLock::new(),
+        }
+    }
+
+    /// States of a log, means over its blocks.
+    pub fn states(&self, log: usize) -> States {
+        let log = &self.logs[log];
+        let means = |table: &Channels| table.map(|_, signal| log.blocks(signal));
+        States { q: means(&log.motion.q), qd: means(&log.motion.qd) }
     }
 
     /// First row from after the change in question.

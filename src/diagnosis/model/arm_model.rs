@@ -47,7 +47,7 @@ impl ArmModel<'_> {
 
     /// Places of the parameters with `members`, in the order of [`ArmModel::columns`].
     pub fn blocks(&self, data: &DataSet, members: &[Member]) -> ParameterBlocks {
-        ParameterBlocks::new(data.baseline.len(), self.known.fitted().len(), members)
+        ParameterBlocks::new(data.baseline.len(), data.known, members)
     }
 
     /// Regressor along a data set: columns of the baseline, then of every effect its own and the derivatives to its shapes.

@@ -200,7 +200,7 @@ pub fn renewed(
 
 /// Effects of the library that may be there.
 fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'static dyn Effect> {
-    let changed = rows.before > 0;
+    let changed = rows.of_change();
     LIBRARY
         .iter()
         .copied()

@@ -13,7 +13,9 @@ pub struct DataSet {
     pub rows: Rows,
     /// Columns of the baseline.
     pub baseline: Vec<Column>,
-    /// Measured torque less that which is known.
+    /// How many of the last of these are derivatives to parameters of known effects.
+    pub known: usize,
+    /// Measured torque less that which is known; differences from that before a change where its rows are such.
     pub torque: Column,
     /// Torque of what the positions hold above the likeliest cut-offs, which is motion in part and noise in part.
     pub bands: Vec<Column>,
@@ -31,8 +33,17 @@ impl DataSet {
         torque.add(-1.0, &known.arm.believed(&rows));
         torque.add(-1.0, &known.torque(&rows)?);
         let mut baseline = known.arm.baseline(model, &rows);
-        baseline.extend(known.derivatives(&rows)?);
-        Ok(DataSet { baseline, torque, rows, bands: Vec::new(), training })
+        let derivatives = known.derivatives(&rows)?;
+        let known = derivatives.len();
+        baseline.extend(derivatives);
+        Ok(DataSet { baseline, known, torque, rows, bands: Vec::new(), training })
+    }
+
+    /// Torque less `columns` with their `values`.
+    pub fn residual(&self, columns: &[Column], values: &[f64]) -> Column {
+        let mut residual = self.torque.clone();
+        columns.iter().zip(values).for_each(|(column, value)| residual.add(-value, column));
+        residual
     }
 
     /// These logs, and those of another data set after them.
@@ -43,6 +54,7 @@ impl DataSet {
         };
         DataSet {
             baseline: joined(&self.baseline, &other.baseline),
+            known: self.known,
             bands: joined(&self.bands, &other.bands),
             torque: self.torque.then(&other.torque, lengths),
             rows: self.rows.and(&other.rows),

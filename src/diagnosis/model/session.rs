@@ -1,5 +1,6 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
+use super::arm::Arm;
 use super::arm_model::ArmModel;
 use super::blocks::ParameterBlocks;
 use super::cut_off::flat_level;
@@ -118,9 +119,8 @@ impl<'a> Session<'a> {
     /// If a log is too short to differentiate.
     pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
         let solved = self.solved(members, whitener)?;
-        self.model.arm.take(self.model.base, &solved.values);
-        let along = |data: &DataSet| ErrorsInVariables::new(&self.model.arm, &data.rows);
-        self.errors = [along(&self.logs.train)?, along(&self.logs.test)?];
+        self.model.arm = self.arm_with(&solved);
+        self.renew_errors()?;
         let blocks = self.blocks(members);
         for (member, block) in members.iter_mut().zip(&blocks.members).filter(|(member, _)| !member.held) {
             let effect = member.placed.effect;
@@ -147,6 +147,25 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// Takes errors in variables along the logs for the arm as it is.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn renew_errors(&mut self) -> Result<()> {
+        let along = |data: &DataSet| ErrorsInVariables::new(&self.model.arm, &data.rows);
+        self.errors = [along(&self.logs.train)?, along(&self.logs.test)?];
+        Ok(())
+    }
+
+    /// The arm with the parameters of its baseline from a fit; differences from before a change leave it as it was then.
+    pub fn arm_with(&self, solved: &Solved) -> Arm {
+        let mut arm = self.model.arm.clone();
+        if self.logs.train.rows.equal_states.is_none() {
+            arm.take(self.model.base, &solved.values);
+        }
+        arm
+    }
+
     /// Whether the last of `members` turns the sign of one found before that has one sign only: both then describe the same, and
     /// the former with a law that cannot be.
     ///
@@ -166,6 +185,17 @@ impl<'a> Session<'a> {
         Ok(turned.is_some())
     }
 
+    /// How many amplitudes of all `members` but the last the training rows determine without that one and not with it.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn undetermined_by_last(&self, members: &[Member], whitener: &Whitener) -> Result<usize> {
+        let Some((_, earlier)) = members.split_last().filter(|(_, earlier)| !earlier.is_empty()) else { return Ok(0) };
+        let [with, without] = [self.solved(members, whitener)?, self.solved(earlier, whitener)?];
+        let places = self.blocks(earlier).members.into_iter().flat_map(|block| block.amplitudes);
+        Ok(places.filter(|&place| without.std(place).is_finite() && with.std(place).is_infinite()).count())
+    }
+
     /// Residual of the held-out rows when the model is fitted to the training rows.
     ///
     /// # Errors
@@ -179,7 +209,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn residual_on(&self, data: &DataSet, members: &[Member], whitener: &Whitener) -> Result<Column> {
-        Ok(left(data, &self.model.columns(data, members)?, &self.solved(members, whitener)?))
+        Ok(data.residual(&self.model.columns(data, members)?, &self.solved(members, whitener)?.values))
     }
 
     /// Residual of the baseline on either data set: as it was before the change, where one is in question.
@@ -194,13 +224,6 @@ impl<'a> Session<'a> {
         let mut before = rows.clone();
         before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
         let whitener = whitener.on(&before);
-        Ok(left(data, &data.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque))))
+        Ok(data.residual(&data.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque)).values))
     }
-}
-
-/// Residual of the torque of `data` under `columns` with their factors.
-fn left(data: &DataSet, columns: &[Column], solved: &Solved) -> Column {
-    let mut left = data.torque.clone();
-    columns.iter().zip(&solved.values).for_each(|(column, value)| left.add(-value, column));
-    left
 }

@@ -74,6 +74,7 @@ impl<'a> Session<'a> {
             log.noisy.clone_from(&noisy);
         }
         session.leave_out_distorted(&noise.whitener);
+        session.take_differences(&noise.whitener)?;
         Ok(session)
     }
 

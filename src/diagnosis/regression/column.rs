@@ -103,6 +103,11 @@ impl Column {
         column
     }
 
+    /// The values in a range of rows alone.
+    pub fn rows(&self, rows: Range<usize>) -> Self {
+        Self::of(self.parts.iter().map(|(joint, values)| (*joint, values[rows.clone()].to_vec())).collect())
+    }
+
     /// The same on some joints only, without what is known beforehand.
     pub fn only(&self, joints: &[usize]) -> Self {
         Self::of(self.parts.iter().filter(|(joint, _)| joints.contains(joint)).cloned().collect())

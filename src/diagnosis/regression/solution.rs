@@ -40,6 +40,10 @@ pub fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) -> Solved
         }
     }
     right.iter_mut().zip(&norms).for_each(|(value, norm)| *value /= norm);
+    // Differences from before a change have no baseline.
+    if norms.is_empty() {
+        return Solved { values: Vec::new(), norms, directions: normal, variances: right };
+    }
     let SymmetricEigen { eigenvectors: directions, eigenvalues } = SymmetricEigen::new(normal);
     let least = SINGULAR * eigenvalues.max();
     let variances = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });

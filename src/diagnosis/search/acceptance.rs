@@ -188,7 +188,7 @@ impl Trial<'_> {
     /// Whether a candidate acts in a joint and is hidden in part by the bodies that are identified with it.
     fn is_hidden(&self, candidate: &Candidate) -> bool {
         let about = candidate.placed.effect.about();
-        let is_free = self.session.model.trust == Trust::Structure && self.session.logs.train.rows.before == 0;
+        let is_free = self.session.model.trust == Trust::Structure && !self.session.logs.train.rows.of_change();
         is_free && about.site == Site::Joint && about.hidden_by_base_parameters == Hidden::InPart
     }
 
@@ -209,6 +209,11 @@ impl Trial<'_> {
         ]);
         let bound = gains.lower_bound();
         let refused = |failed, asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked, failed }));
+        let undetermined = self.session.undetermined_by_last(&held_out.with, &held_out.whitener)?;
+        let earlier = Judgement::at_most(Gate::EarlierParameters, undetermined as f64, 0.0);
+        if !earlier.passed {
+            return refused(earlier, false);
+        }
         if held_out.whitener.much_is_left(&winner.candidate.joints()) {
             let turned = self.session.turns_unphysical(&held_out.with, &held_out.whitener)?;
             let signs = Judgement::at_most(Gate::EarlierSigns, f64::from(u8::from(turned)), 0.0);

@@ -7,6 +7,7 @@ use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Member, Session, Slot, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Projection, Test, log_survival};
+use crate::effects::{Scope, Site};
 use crate::error::Result;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -140,23 +141,40 @@ pub(super) fn better_held_out(
     let on_held_out = whitener.on(&session.logs.test.rows);
     let before = session.held_out_residual(&first, &whitener)?;
     let rivals: Vec<&Judged> = close.iter().filter(|rival| rival.candidate.log.is_none()).collect();
-    let bound = |rival: &&Judged| -> Result<f64> {
+    let gains = |rival: &&Judged| -> Result<Gains> {
         let mut joints = rival.candidate.joints();
         joints.extend(winner.candidate.joints());
         joints.sort_unstable();
         joints.dedup();
         let after = session.held_out_residual(&with(rival), &whitener)?;
-        let bound = Gains::new(&on_held_out, &before, &after, &joints, session.logs.test.rows.len()).lower_bound();
-        tracing::debug!(rival = ?rival.candidate.slot(), at = ?rival.candidate.placed.parameters, bound, "close rival on held-out rows");
-        Ok(bound)
+        let gains = Gains::new(&on_held_out, &before, &after, &joints, session.logs.test.rows.len());
+        let (bound, growth_p) = (gains.lower_bound(), gains.growth_p());
+        tracing::debug!(rival = ?rival.candidate.slot(), bound, growth_p, "close rival on held-out rows");
+        Ok(gains)
     };
-    let bounds: Vec<f64> = rivals.par_iter().map(bound).collect::<Result<_>>()?;
-    let better = bounds.into_iter().zip(rivals).filter(|(bound, _)| *bound > criteria.clearly_better);
-    let best = better.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    Ok(match best {
+    let gains: Vec<Gains> = rivals.par_iter().map(gains).collect::<Result<_>>()?;
+    let better = gains.iter().zip(&rivals).filter(|(gains, _)| gains.lower_bound() > criteria.clearly_better);
+    let best = better.max_by(|(a, _), (b, _)| a.lower_bound().total_cmp(&b.lower_bound()));
+    let likelier = || {
+        let of_change = session.logs.train.rows.of_change();
+        gains.iter().zip(&rivals).find(|(gains, rival)| {
+            of_change
+                && changes_sooner(&rival.candidate, &winner.candidate)
+                && gains.growth_p() > criteria.surely_worse_p
+        })
+    };
+    Ok(match best.or_else(likelier) {
         Some((_, rival)) => chosen.instead(rival),
         None => Chosen { whitener: Some(whitener), ..chosen },
     })
+}
+
+/// Whether of two changes of bodies the first is the likelier one before anything is measured: a load comes and goes at the flange, a link
+/// stays what it is.
+fn changes_sooner(candidate: &Candidate, other: &Candidate) -> bool {
+    let [own, others] = [candidate, other].map(|candidate| candidate.placed.effect.about());
+    let are_bodies = own.site == Site::Body && others.site == Site::Body;
+    are_bodies && own.scope == Scope::Arm && others.scope == Scope::Joint
 }
 
 impl Chosen {

@@ -1,6 +1,6 @@
 //! Link inertia error: one link's inertial parameters are not those of the model.
 
-use super::payload::mass_and_center;
+use super::payload::load;
 use super::plausible::{can_be, length, mass, spread};
 use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 use crate::robot::{Inertia, Robot};
@@ -84,7 +84,7 @@ impl Effect for LinkInertiaError {
     /// On the last link it is what hangs on the flange.
     fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
         match p.try_into() {
-            Ok(body) if joint + 1 == robot.dof() => mass_and_center(&Inertia(body), &robot.flange),
+            Ok(body) if joint + 1 == robot.dof() => load(&Inertia(body), &robot.flange, robot.reach()),
             _ => Vec::new(),
         }
     }

@@ -75,8 +75,8 @@ impl Effect for Payload {
         Some(spread(SHARE * arm_mass(robot), REACH_M))
     }
 
-    fn derived(&self, p: &[f64], _: usize, _: &Robot) -> Vec<Derived> {
-        p.try_into().map_or(Vec::new(), |body| mass_and_center(&Inertia(body), &Pose::identity()))
+    fn derived(&self, p: &[f64], _: usize, robot: &Robot) -> Vec<Derived> {
+        p.try_into().map_or(Vec::new(), |body| load(&Inertia(body), &Pose::identity(), robot.reach()))
     }
 
     fn alter(&self, p: &[f64], _: usize, robot: &mut Robot) {
@@ -89,9 +89,16 @@ impl Effect for Payload {
     }
 }
 
-/// Mass, and centre of mass in `frame`, of a body about the frame that `frame` is given in.
-pub(super) fn mass_and_center(body: &Inertia, frame: &Pose) -> Vec<Derived> {
+/// Mass, and centre of mass in `frame`, of a load about the frame that `frame` is given in. Where the centre is beyond the `reach` of the
+/// arm, m, the load hangs on another link: these joints show its first moment, and its mass does not pull on them.
+pub(super) fn load(body: &Inertia, frame: &Pose, reach: f64) -> Vec<Derived> {
     let center = frame.rotation.transpose() * (body.center_of_mass() - frame.translation);
+    if center.norm() > reach {
+        let first = frame.rotation.transpose() * (body.first_moment() - body.mass() * frame.translation);
+        let named = [("first_moment_x", first.x), ("first_moment_y", first.y), ("first_moment_z", first.z)];
+        let of = |(name, value)| Derived { name, unit: "kg m", value, of_the_first: false };
+        return named.map(of).to_vec();
+    }
     let named = [
         ("mass", "kg", body.mass()),
         ("center_x", "m", center.x),
@@ -160,6 +167,18 @@ mod tests {
         let mut robot = pendulum();
         Payload.alter(&[2.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.5, 0.0, 0.0, 0.0], 0, &mut robot);
         assert_eq!(robot.joints[0].inertia.0, [4.0, 3.0, 0.0, 1.0, 0.5, 0.0, 3.0, -1.0, 0.0, 2.5]);
+    }
+
+    /// 0.05 kg m on an arm of 2 m: a load of 5 g would be 10 m out, one of 0.5 kg is 0.1 m out.
+    #[test]
+    fn a_load_beyond_the_reach_is_a_first_moment() {
+        let names = |mass: f64| {
+            let body = Inertia([mass, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            load(&body, &Pose::identity(), 2.0).iter().map(|one| (one.name, one.value)).collect::<Vec<_>>()
+        };
+        assert_eq!(names(0.005), [("first_moment_x", 0.0), ("first_moment_y", 0.0), ("first_moment_z", 0.05)]);
+        assert_eq!(names(0.5)[..1], [("mass", 0.5)]);
+        assert_eq!([names(0.0251)[0].0, names(0.0249)[0].0], ["mass", "first_moment_x"]);
     }
 
     #[test]

@@ -76,7 +76,8 @@ pub fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Descriptio
     let mut tried = 0;
     for size in 0..MOST {
         let mut candidates: Vec<Description> = Vec::new();
-        for next in grown.iter().flat_map(|from| from.neighbours(&rows.measured, !matches!(physics, Physics::Alone))) {
+        let unscaled = grown.iter().filter(|from| from.scaled().next().is_none());
+        for next in unscaled.flat_map(|from| from.neighbours(&rows.measured, !matches!(physics, Physics::Alone))) {
             let known = seen.iter().chain(&candidates).any(|other| other.same_as(&next));
             if !known && !contradicts(with_motion, &next) {
                 candidates.push(next);

@@ -1,6 +1,6 @@
 //! The answer in a few lines.
 
-use crate::diagnosis::notices::{effort, extrapolation, mixed_rates, remedy, sampling, unfinished, with_unit};
+use crate::diagnosis::notices::{effort, remedy, shown, with_unit};
 use crate::diagnosis::{
     Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NOT_SIZED,
     NamedParameter, Play, ResidualMap, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
@@ -37,9 +37,7 @@ pub(crate) fn lines(
             low_pass.hz
         )
     }));
-    let notes = unfinished(diagnosis).into_iter().chain(mixed_rates(diagnosis)).chain(sampling(robot, diagnosis));
-    let notes = notes.chain(extrapolation(robot, diagnosis));
-    lines.extend(notes.map(|text| format!("Note: {text}.")));
+    lines.extend(shown(robot, diagnosis).into_iter().map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
         lines.push(format!("Present before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));

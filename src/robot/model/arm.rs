@@ -1,6 +1,6 @@
 //! A robot as it is modelled: coordinates, bodies and flange.
 
-use super::joint::Joint;
+use super::joint::{Joint, JointKind};
 use super::pose::Pose;
 use super::tree::Tree;
 use crate::error::{Error, Result};
@@ -55,6 +55,17 @@ impl Robot {
                 format!("{} has no such joint; its joints are {}", self.name, self.joint_names().join(", ")),
             )
         })
+    }
+
+    /// Longest way from the base to the flange along the links, m; of an arm whose links have no length, 1 m.
+    pub fn reach(&self) -> f64 {
+        let bodies = (0..self.bodies()).map(|body| self.body(body).origin.translation.norm());
+        let slides = |joint: &Joint| match joint.kind {
+            JointKind::Prismatic if joint.limits.upper.is_finite() => joint.limits.upper.abs(),
+            _ => 0.0,
+        };
+        let reach = bodies.sum::<f64>() + self.flange.translation.norm() + self.joints.iter().map(slides).sum::<f64>();
+        if reach > 0.0 { reach } else { 1.0 }
     }
 
     /// Poses of all moving joint frames, in the order of [`Robot::body`], and of the flange as the last entry, in the base at

@@ -35,3 +35,18 @@ fn mujoco_moves_the_model_that_is_written_for_it() {
         assert!(difference(&own, &tau) < 1e-9, "{own:?} {tau:?}");
     }
 }
+
+#[test]
+fn a_model_that_was_written_is_read_as_the_same_robot() {
+    let robot = robot::load(path("skew7.urdf"), InertiaCheck::Required).unwrap();
+    let read = robot::load(path("mjcf/written.xml"), InertiaCheck::Required).unwrap();
+    assert_eq!(read.dof(), robot.dof());
+    for (own, joint) in read.joints.iter().zip(&robot.joints) {
+        assert_eq!(
+            (&own.name, own.kind, own.drive, own.limits.effort),
+            (&joint.name, joint.kind, joint.drive, joint.limits.effort)
+        );
+        assert_eq!([own.limits.lower, own.limits.upper], [joint.limits.lower, joint.limits.upper]);
+    }
+    assert!(difference(&read.inertial_parameters(), &robot.inertial_parameters()) < 1e-9);
+}

@@ -1,6 +1,6 @@
 //! What practitioners call the parameters of an effect: a payload's mass and centre of mass, the angle of a tilt.
 
-use crate::diagnosis::model::{Member, MemberBlock};
+use crate::diagnosis::model::{Member, MemberBlock, linear};
 use crate::diagnosis::regression::Solved;
 use crate::effects::{self, Placed};
 use crate::robot::Robot;
@@ -15,7 +15,7 @@ pub struct Derived {
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// Its standard deviation, by the delta method; infinite where the logs do not determine it by itself.
+    /// Its standard deviation, by the delta method from those of the parameters between blocks; infinite where the logs do not determine it by itself.
     pub std: f64,
     /// Its unit.
     pub unit: &'static str,
@@ -36,7 +36,12 @@ pub(in crate::diagnosis::answer) fn derived(
         let of = |p: &[f64]| effect.derived(p, *joint, robot);
         let quantities = of(parameters);
         let values = |p: &[f64]| of(p).into_iter().map(|quantity| quantity.value).collect();
-        let std = delta(&values, parameters, &places, solved).into_iter().map(|(_, std)| std);
+        let wider: Vec<f64> = linear(effect)
+            .into_iter()
+            .zip(&places)
+            .map(|(k, &place)| wider(member.std[k], solved.std(place)))
+            .collect();
+        let std = delta(&values, parameters, &places, &wider, solved).into_iter().map(|(_, std)| std);
         meaningful(quantities.into_iter().zip(std).collect())
     })
     .collect()
@@ -50,8 +55,21 @@ fn meaningful(quantities: Vec<(effects::Derived, f64)>) -> Vec<Derived> {
         .collect()
 }
 
-/// Functions of parameters with their standard deviations.
-fn delta(of: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], places: &[usize], solved: &Solved) -> Vec<(f64, f64)> {
+/// How many times a standard deviation that holds the scatter between blocks exceeds that of the noise.
+fn wider(scatter: f64, noise: f64) -> f64 {
+    let ratio = scatter / noise;
+    if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+}
+
+/// Functions of parameters with their standard deviations: those of the parameters are so many times `wider` than the noise makes
+/// them, with its correlations.
+fn delta(
+    of: &dyn Fn(&[f64]) -> Vec<f64>,
+    at: &[f64],
+    places: &[usize],
+    wider: &[f64],
+    solved: &Solved,
+) -> Vec<(f64, f64)> {
     let values = of(at);
     let slopes: Vec<Vec<f64>> = (0..places.len())
         .map(|k| {
@@ -69,8 +87,12 @@ fn delta(of: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], places: &[usize], solved: 
         .iter()
         .enumerate()
         .map(|(index, &value)| {
-            let slopes: Vec<(usize, f64)> =
-                places.iter().zip(&slopes).map(|(place, slope)| (*place, slope[index])).collect();
+            let slopes: Vec<(usize, f64)> = places
+                .iter()
+                .zip(&slopes)
+                .zip(wider)
+                .map(|((place, slope), wider)| (*place, wider * slope[index]))
+                .collect();
             (value, solved.deviation(&slopes))
         })
         .collect()
@@ -97,10 +119,16 @@ mod tests {
         let named = |parameters: &[f64]| {
             let of = |p: &[f64]| payload.derived(p, 0, &robot);
             let values = |p: &[f64]| of(p).iter().map(|quantity| quantity.value).collect();
-            let std = delta(&values, parameters, &places, &solved).into_iter().map(|(_, std)| std);
+            let std = delta(&values, parameters, &places, &[1.0; 10], &solved).into_iter().map(|(_, std)| std);
             meaningful(of(parameters).into_iter().zip(std).collect())
         };
-        let light = named(&[0.1, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        // Between blocks the mass scatters twice as much as the noise, the moment three times.
+        let of = |p: &[f64]| payload.derived(p, 0, &robot).iter().map(|quantity| quantity.value).collect();
+        let scattered = delta(&of, &parameters, &places, &[2.0, 3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0], &solved);
+        assert!((scattered[0].1 - 0.2).abs() < 1e-9);
+        assert!((scattered[1].1 - (0.25f64 * 0.06).hypot(0.05 * 0.2)).abs() < 1e-9);
+        assert_eq!([wider(0.4, 0.1), wider(0.05, 0.1), wider(f64::INFINITY, 0.1)], [4.0, 1.0, 1.0]);
+        let light = named(&[0.1, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let named = named(&parameters);
         assert_eq!((named[1].name, named[1].unit), ("center_x", "m"));
         assert!((named[0].value - 4.0).abs() < 1e-12 && (named[0].std - 0.1).abs() < 1e-9);

@@ -10,7 +10,7 @@ use words::{NORMAL_95, named, sentence};
 use super::evidence::{self, Contender, Joint};
 use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
-use crate::diagnosis::notices::{extrapolation, mixed_rates, sampling, unfinished};
+use crate::diagnosis::notices::shown;
 use crate::diagnosis::{DataFault, Diagnosis, Found, Resimulation, Verdict};
 use crate::effects::Role;
 use crate::quality::with_logs;
@@ -241,9 +241,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
              test.",
         ));
     }
-    let notes = unfinished(diagnosis).into_iter().chain(mixed_rates(diagnosis)).chain(sampling(robot, diagnosis));
-    let notes = notes.chain(extrapolation(robot, diagnosis));
-    blocks.extend(notes.map(|text| Block::text(sentence(&format!("{text}.")))));
+    blocks.extend(shown(robot, diagnosis).into_iter().map(|text| Block::text(sentence(&format!("{text}.")))));
     if let Some(low_pass) = diagnosis.logs.passband {
         blocks.push(Block::text(format!(
             "The torque ends at a frequency at which no step of friction does: it went through a low-pass before it was logged. \

@@ -276,6 +276,7 @@ impl<'a> Bodies<'a> {
         let added = self.push(name, motion, ends, origin, axis.into_inner(), element.line);
         if matches!(motion, Motion::Revolute | Motion::Prismatic) {
             added.drive = drive;
+            added.limits.effort = largest(joint, ["actuatorfrcrange", "actuatorfrclimited"], compiler.auto_limits)?;
             if let Some([lower, upper]) = range.filter(|_| limited) {
                 if lower > upper {
                     return Err(
@@ -299,4 +300,12 @@ pub(super) fn limits(said: Option<&str>, has_range: bool, auto: bool) -> bool {
         Some("false") => false,
         _ => auto && has_range,
     }
+}
+
+/// The larger end of a range by its size; infinite where it limits nothing.
+pub(super) fn largest(element: &Settled, [range, limited]: [&str; 2], auto: bool) -> Result<f64> {
+    let ends = element.numbers(range, [2, 2])?;
+    let limited = limits(element.get(limited), ends.is_some(), auto);
+    let largest = ends.map(|ends| ends[0].abs().max(ends[1].abs()));
+    Ok(largest.filter(|_| limited).unwrap_or(f64::INFINITY))
 }

@@ -1,6 +1,6 @@
 //! What the drives of a MuJoCo model can deliver at its joints.
 
-use super::bodies::{Bodies, limits};
+use super::bodies::{Bodies, largest};
 use super::defaults::{ACTUATORS, Settled};
 use super::element::Element;
 use super::models::Models;
@@ -30,12 +30,7 @@ pub(super) fn set_efforts(root: &Element, bodies: &mut Bodies, models: &Models) 
 /// The highest effort of one drive at its joint.
 fn highest(drive: &Settled, auto_limits: bool) -> Result<f64> {
     let gear = drive.number("gear")?.unwrap_or(1.0).abs();
-    let bound = |range: &str, limited: &str| -> Result<f64> {
-        let ends = drive.numbers(range, [2, 2])?;
-        let limited = limits(drive.get(limited), ends.is_some(), auto_limits);
-        let most = ends.map(|ends| ends[0].abs().max(ends[1].abs()));
-        Ok(most.filter(|_| limited).unwrap_or(f64::INFINITY))
-    };
+    let bound = |range, limited| largest(drive, [range, limited], auto_limits);
     let force = bound("forcerange", "forcelimited")?;
     // A plain motor's force is its control times its gain; that of a servo follows an error.
     let plain = match drive.element.tag.as_str() {

@@ -217,6 +217,23 @@ fn attached_models_keep_their_settings() {
     }
 }
 
+/// What a joint lets through limits its drives, unless the file says that it does not.
+#[test]
+fn efforts_are_those_that_joints_let_through() {
+    let effort = |limited: &str, drive: &str| {
+        let joint = format!("<joint name=\"j\" actuatorfrcrange=\"-5 4\"{limited}/>");
+        let model = format!(
+            "<mujoco><worldbody><body name=\"b\">{joint}<geom size=\"0.1\"/></body></worldbody><actuator>{drive}</actuator></mujoco>"
+        );
+        read(&model).unwrap().joints[0].limits.effort
+    };
+    let motor = |range: &str| format!("<motor joint=\"j\" forcerange=\"{range}\"/>");
+    assert_eq!(effort("", ""), 5.0);
+    assert_eq!([effort("", &motor("-3 3")), effort("", &motor("-9 9"))], [3.0, 5.0]);
+    let free = " actuatorfrclimited=\"false\"";
+    assert_eq!([effort(free, ""), effort(free, &motor("-9 9"))], [f64::INFINITY, 9.0]);
+}
+
 /// A base fixed by its damping, and ranges beyond any machine.
 #[test]
 fn numbers_of_drives_that_no_machine_has_are_noted() {

@@ -1,6 +1,6 @@
-//! Rows of logs after and before at nearly equal states: the same reference motion, whenever it began.
+//! Rows of logs after and before a change at nearly equal states: the same reference motion, whenever it began.
 
-use super::rows::LogRows;
+use crate::channels::Channels;
 use crate::linear::root_mean_square;
 
 /// Largest difference of a position, as a share of how far the joint moves. What the state differs by is taken off by the
@@ -16,6 +16,22 @@ const SAME_POSITION: f64 = 0.01;
 /// Velocities nearer than this are equal, rad/s or m/s: sensors tell no less apart.
 const SAME_VELOCITY: f64 = 0.02;
 
+/// Share of the rows after a change that must have an equal state before, so that differences are worth while: below it they see
+/// only a part of the motion.
+pub const MATCHED: f64 = 0.5;
+
+/// States of one log.
+#[derive(Debug, Clone, Default)]
+pub struct States {
+    /// Smoothed positions, `[joint][row]`, rad or m.
+    pub q: Channels,
+    /// Their velocities.
+    pub qd: Channels,
+}
+
+/// The log and the row before a change at which the state is that of a row after it; none where there is no such row.
+pub type EqualState = Option<(usize, usize)>;
+
 /// How near two states are.
 struct Nearness {
     position: Vec<f64>,
@@ -23,8 +39,8 @@ struct Nearness {
 }
 
 impl Nearness {
-    fn new(logs: &[LogRows], dof: usize) -> Self {
-        let over = |joint: usize, signal: fn(&LogRows, usize) -> Vec<f64>| -> Vec<f64> {
+    fn new(logs: &[&States], dof: usize) -> Self {
+        let over = |joint: usize, signal: fn(&States, usize) -> Vec<f64>| -> Vec<f64> {
             logs.iter().flat_map(|log| signal(log, joint)).collect()
         };
         let position = |joint| {
@@ -41,7 +57,7 @@ impl Nearness {
     }
 
     /// Squared distance of two states in units of what counts as near; none where a joint is farther than that.
-    fn distance(&self, (a, at): (&LogRows, usize), (b, there): (&LogRows, usize)) -> Option<f64> {
+    fn distance(&self, (a, at): (&States, usize), (b, there): (&States, usize)) -> Option<f64> {
         let mut sum = 0.0;
         for (joint, (position, velocity)) in self.position.iter().zip(&self.velocity).enumerate() {
             let dq = (a.q.channel(joint)[at] - b.q.channel(joint)[there]) / position;
@@ -56,7 +72,7 @@ impl Nearness {
 }
 
 /// For every row of every log `after`, the log and row of `before` with the nearest state; none where no state is near.
-pub(super) fn matched(before: &[LogRows], after: &[LogRows]) -> Vec<Vec<Option<(usize, usize)>>> {
+pub fn matched(before: &[&States], after: &[&States]) -> Vec<Vec<EqualState>> {
     let dof = before.first().map_or(0, |log| log.q.channels());
     let near = Nearness::new(before, dof);
     // Sorted by the joint of which the fewest rows are near any other, so that few states are compared.
@@ -72,14 +88,43 @@ pub(super) fn matched(before: &[LogRows], after: &[LogRows]) -> Vec<Vec<Option<(
         .flat_map(|(log, rows)| rows.q.channel(first).iter().enumerate().map(move |(row, &q)| (q, log, row)))
         .collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let nearest = |log: &LogRows, row: usize| {
+    let nearest = |log: &States, row: usize| {
         let q = log.q.channel(first)[row];
         let start = sorted.partition_point(|entry| entry.0 < q - near.position[first]);
         let end = sorted.partition_point(|entry| entry.0 <= q + near.position[first]);
         let candidates = sorted[start..end].iter();
         let distances = candidates
-            .filter_map(|&(_, other, there)| Some((near.distance((log, row), (&before[other], there))?, other, there)));
+            .filter_map(|&(_, other, there)| Some((near.distance((log, row), (before[other], there))?, other, there)));
         distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other, there)| (other, there))
     };
-    after.iter().map(|log| (0..log.rows()).map(|row| nearest(log, row)).collect()).collect()
+    after.iter().map(|log| (0..log.q.samples()).map(|row| nearest(log, row)).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A joint that swings over 1 rad with an angular frequency of 1 rad/s, at steps of 0.01 s from a phase on.
+    fn swing(from: f64, rows: usize) -> States {
+        let phase = |row: usize| from + 0.01 * row as f64;
+        let of = |signal: fn(f64) -> f64| Channels::from_vectors(&[(0..rows).map(|row| signal(phase(row))).collect()]);
+        States { q: of(f64::sin), qd: of(f64::cos) }
+    }
+
+    #[test]
+    fn equal_states_are_found_whenever_the_motion_began() {
+        let (before, after) = (swing(0.0, 400), swing(1.0, 400));
+        let matched = matched(&[&before], &[&after]);
+        for (row, state) in matched[0].iter().enumerate().take(300) {
+            assert_eq!(*state, Some((0, row + 100)));
+        }
+        // What the motion before does not reach: a tenth of its spread of 0.71 rad beyond its end.
+        assert!(matched[0][320..].iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_state_of_the_other_direction_is_no_equal_one() {
+        let back = States { qd: swing(0.0, 100).qd.map(|_, qd| qd.iter().map(|v| -v).collect()), ..swing(0.0, 100) };
+        assert!(matched(&[&swing(0.0, 100)], &[&back])[0].iter().all(Option::is_none));
+    }
 }

@@ -7,7 +7,7 @@
 mod numbers;
 mod transaction;
 
-pub use numbers::significant;
+pub(crate) use numbers::significant;
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

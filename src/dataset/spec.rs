@@ -111,22 +111,22 @@ pub(super) struct Mounting {
 
 impl Part {
     /// The files of the log.
-    pub fn paths(&self) -> Vec<&PathBuf> {
+    pub(super) fn paths(&self) -> Vec<&PathBuf> {
         self.file.iter().chain(self.files.iter().flatten()).collect()
     }
 
     /// The files in messages.
-    pub fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         self.paths().iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" and ")
     }
 
     /// From when to when, on the log's clock.
-    pub fn seconds(&self) -> [f64; 2] {
+    pub(super) fn seconds(&self) -> [f64; 2] {
         [self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY)]
     }
 
     /// The part of a log that is wanted.
-    pub fn of(&self, sieved: Sieved) -> Sieved {
+    pub(super) fn of(&self, sieved: Sieved) -> Sieved {
         if self.from_s.is_none() && self.to_s.is_none() {
             return sieved;
         }

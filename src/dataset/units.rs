@@ -89,7 +89,7 @@ pub enum VelocityUnit {
 
 /// Unit of accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum AccelerationUnit {
+pub(super) enum AccelerationUnit {
     #[default]
     #[serde(rename = "rad/s2", alias = "m/s2")]
     Si,
@@ -152,7 +152,7 @@ impl VelocityUnit {
 
 impl AccelerationUnit {
     /// Radians or metres per second squared and unit.
-    pub fn factor(self) -> f64 {
+    pub(super) fn factor(self) -> f64 {
         match self {
             AccelerationUnit::Si => 1.0,
             AccelerationUnit::Degree => PI / 180.0,

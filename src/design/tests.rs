@@ -11,14 +11,14 @@ use crate::excitation::{JointLimits, Motion, Reference};
 use crate::robot::{self, InertiaCheck, Robot};
 use nalgebra::DMatrix;
 
-pub const NOISE: [f64; 6] = [3.0, 4.0, 2.0, 0.45, 0.35, 0.18];
-pub const RATE: f64 = 500.0;
+pub(super) const NOISE: [f64; 6] = [3.0, 4.0, 2.0, 0.45, 0.35, 0.18];
+pub(super) const RATE: f64 = 500.0;
 
-pub fn irb1600() -> Robot {
+pub(super) fn irb1600() -> Robot {
     robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap()
 }
 
-pub fn limits(robot: &Robot) -> Vec<JointLimits> {
+pub(super) fn limits(robot: &Robot) -> Vec<JointLimits> {
     let accelerations = [10.0, 10.0, 12.0, 35.0, 40.0, 50.0];
     let joints = robot.joints.iter().zip(accelerations);
     joints
@@ -31,9 +31,9 @@ pub fn limits(robot: &Robot) -> Vec<JointLimits> {
         .collect()
 }
 
-pub const WORKSPACE: Workspace = Workspace { floor_m: 0.0, column_radius_m: 0.35, column_top_m: 0.7 };
+pub(super) const WORKSPACE: Workspace = Workspace { floor_m: 0.0, column_radius_m: 0.35, column_top_m: 0.7 };
 
-pub fn problem(criterion: Criterion) -> Problem {
+pub(super) fn problem(criterion: Criterion) -> Problem {
     let robot = irb1600();
     let experiment = Experiment::new(&robot, &NOISE, RATE).unwrap();
     let envelope = Envelope::new(&robot, &limits(&robot), Some(WORKSPACE)).unwrap();

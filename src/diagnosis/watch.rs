@@ -17,7 +17,7 @@ pub enum Progress {
 }
 
 /// Hears how far a diagnosis has come, and ends the search when its time is over or it is stopped.
-pub struct Watch<'a> {
+pub(super) struct Watch<'a> {
     progress: Box<dyn FnMut(Progress) + 'a>,
     budget: Option<Duration>,
     stop: Option<Arc<AtomicBool>>,

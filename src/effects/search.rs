@@ -25,7 +25,7 @@ pub enum Search {
 const WIDE: f64 = 10.0;
 
 /// Whether a parameter between two bounds varies in equal ratios, and not in equal steps.
-pub fn varies_by_factors(low: f64, high: f64) -> bool {
+pub(crate) fn varies_by_factors(low: f64, high: f64) -> bool {
     low > 0.0 && high / low > WIDE
 }
 

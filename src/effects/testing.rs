@@ -6,7 +6,7 @@ use crate::robot::{Drive, Inertia, Joint, JointKind, Limits, Pose, Robot};
 use nalgebra::Vector3;
 
 /// A pendulum: 2 kg at 0.5 m along x, turning about y, with gravity along -z.
-pub fn pendulum() -> Robot {
+pub(super) fn pendulum() -> Robot {
     Robot {
         name: "pendulum".to_owned(),
         source: Default::default(),
@@ -31,7 +31,7 @@ pub fn pendulum() -> Robot {
 
 /// What `check` makes of the pendulum at position `q` and velocity `qd`, with acceleration 1.5 rad/s2, load 12 N m and
 /// t = 2 s.
-pub fn at<T>(q: f64, qd: f64, check: impl FnOnce(&Instant) -> T) -> T {
+pub(super) fn at<T>(q: f64, qd: f64, check: impl FnOnce(&Instant) -> T) -> T {
     let robot = pendulum();
     let chain = Chain::new(&robot);
     check(&Instant {
@@ -48,7 +48,7 @@ pub fn at<T>(q: f64, qd: f64, check: impl FnOnce(&Instant) -> T) -> T {
 }
 
 /// Torque of an effect without memory on the pendulum at position `q` and velocity `qd` (see [`at`]).
-pub fn torque_at(effect: &dyn Effect, p: &[f64], q: f64, qd: f64) -> f64 {
+pub(super) fn torque_at(effect: &dyn Effect, p: &[f64], q: f64, qd: f64) -> f64 {
     at(q, qd, |x| {
         let mut out = [0.0];
         effect.torque(p, 0, x, &[], &mut out);

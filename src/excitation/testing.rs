@@ -3,7 +3,7 @@
 use super::{JointLimits, Peaks, Reference};
 
 /// Position, velocity and acceleration of all joints at `t`.
-pub fn state(reference: &dyn Reference, t: f64) -> [Vec<f64>; 3] {
+pub(super) fn state(reference: &dyn Reference, t: f64) -> [Vec<f64>; 3] {
     let mut out = [(); 3].map(|()| vec![f64::NAN; reference.joints()]);
     let [q, qd, qdd] = &mut out;
     reference.at(t, q, qd, qdd);
@@ -12,7 +12,7 @@ pub fn state(reference: &dyn Reference, t: f64) -> [Vec<f64>; 3] {
 
 /// Velocity and acceleration at `t` agree with central differences of position and velocity. The jerk may jump at
 /// a via point, so the acceleration is compared to within its own change over the difference step.
-pub fn assert_derivatives(reference: &dyn Reference, t: f64) {
+pub(super) fn assert_derivatives(reference: &dyn Reference, t: f64) {
     let step = 1e-5;
     let t = t.clamp(step, reference.duration_s() - step);
     let [_, qd, qdd] = state(reference, t);
@@ -35,7 +35,7 @@ pub fn assert_derivatives(reference: &dyn Reference, t: f64) {
 }
 
 /// The law itself, evaluated at both ends, is zero to within `rounding`; the motion is zero there and outside.
-pub fn assert_zero_ends(reference: &dyn Reference, rounding: f64, joint_state: impl Fn(usize, f64) -> [f64; 3]) {
+pub(super) fn assert_zero_ends(reference: &dyn Reference, rounding: f64, joint_state: impl Fn(usize, f64) -> [f64; 3]) {
     let end = reference.duration_s();
     for joint in 0..reference.joints() {
         for t in [0.0, end] {
@@ -50,7 +50,7 @@ pub fn assert_zero_ends(reference: &dyn Reference, rounding: f64, joint_state: i
 }
 
 /// The claimed peaks bound dense samples and are reached by them to within `slack` (relative).
-pub fn assert_peaks_tight(reference: &dyn Reference, slack: f64) {
+pub(super) fn assert_peaks_tight(reference: &dyn Reference, slack: f64) {
     let samples = 40_000;
     for joint in 0..reference.joints() {
         let claimed = reference.peaks(joint).expect("peaks");
@@ -75,7 +75,7 @@ pub fn assert_peaks_tight(reference: &dyn Reference, slack: f64) {
 }
 
 /// Limits of the ABB IRB 1600-6/1.2, with the accelerations used for its excitation.
-pub fn irb1600() -> Vec<JointLimits> {
+pub(super) fn irb1600() -> Vec<JointLimits> {
     let ranges = [(-180.0, 180.0), (-63.0, 110.0), (-235.0, 55.0), (-200.0, 200.0), (-115.0, 115.0), (-400.0, 400.0)];
     let speeds = [150.0, 160.0, 170.0, 320.0, 400.0, 460.0_f64];
     let accelerations = [10.0, 10.0, 12.0, 35.0, 40.0, 50.0];

@@ -2,14 +2,14 @@
 
 mod product;
 
-pub use product::{gram_matrix, product_of, subtract_product, transposed_product};
+pub(crate) use product::{gram_matrix, product_of, subtract_product, transposed_product};
 
 use faer::linalg::solvers::Qr;
 use faer::{Mat, MatRef};
 
 /// An orthonormal basis of the span of some columns, by Householder's QR of columns of unit length.
 #[derive(Debug, Clone)]
-pub struct OrthonormalBasis {
+pub(crate) struct OrthonormalBasis {
     /// The columns that are kept, ascending: those of which more than a share is left over the ones kept before.
     pub kept: Vec<usize>,
     /// A direction for each of them, as long as the columns: that of what is left of the column.
@@ -24,7 +24,7 @@ impl OrthonormalBasis {
     ///
     /// # Panics
     /// If the columns are not of one length.
-    pub fn new(columns: &[&[f64]], share: f64) -> Self {
+    pub(crate) fn new(columns: &[&[f64]], share: f64) -> Self {
         let rows = columns.first().map_or(0, |column| column.len());
         assert!(columns.iter().all(|column| column.len() == rows), "columns of one length are wanted");
         let lengths: Vec<f64> = columns.iter().map(|column| length(column)).collect();
@@ -50,7 +50,7 @@ impl OrthonormalBasis {
     }
 
     /// What the directions leave of a signal as long as the columns.
-    pub fn residual(&self, signal: &[f64]) -> Vec<f64> {
+    pub(crate) fn residual(&self, signal: &[f64]) -> Vec<f64> {
         let mut rest = signal.to_vec();
         for direction in &self.directions {
             let along = inner_product(direction, &rest);
@@ -61,7 +61,7 @@ impl OrthonormalBasis {
 }
 
 /// The inner product, in several sums at once so that none waits for itself.
-pub fn inner_product(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn inner_product(a: &[f64], b: &[f64]) -> f64 {
     const TOGETHER: usize = 8;
     let (mut xs, mut ys) = (a.chunks_exact(TOGETHER), b.chunks_exact(TOGETHER));
     let mut sums = [0.0; TOGETHER];
@@ -75,12 +75,12 @@ pub fn inner_product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Root mean square; zero of nothing.
-pub fn root_mean_square(values: &[f64]) -> f64 {
+pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Root of the sum of the squares.
-pub fn length(signal: &[f64]) -> f64 {
+pub(crate) fn length(signal: &[f64]) -> f64 {
     inner_product(signal, signal).sqrt()
 }
 

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 ///
 /// # Panics
 /// If the numbers of rows differ.
-pub fn transposed_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn transposed_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     assert_eq!(a.nrows(), b.nrows(), "matrices of as many rows are wanted");
     product_of(a.as_slice(), b.as_slice(), a.nrows(), [a.ncols(), b.ncols()])
 }
@@ -18,7 +18,7 @@ pub fn transposed_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 ///
 /// # Panics
 /// If there are not as many values.
-pub fn product_of(a: &[f64], b: &[f64], rows: usize, columns: [usize; 2]) -> DMatrix<f64> {
+pub(crate) fn product_of(a: &[f64], b: &[f64], rows: usize, columns: [usize; 2]) -> DMatrix<f64> {
     let [left, right] = columns;
     let mut product = DMatrix::zeros(left, right);
     let out = MatMut::from_column_major_slice_mut(product.as_mut_slice(), left, right);
@@ -31,7 +31,7 @@ pub fn product_of(a: &[f64], b: &[f64], rows: usize, columns: [usize; 2]) -> DMa
 ///
 /// # Panics
 /// If there are not as many values.
-pub fn subtract_product(target: &mut [f64], a: &[f64], rows: usize, b: &DMatrix<f64>) {
+pub(crate) fn subtract_product(target: &mut [f64], a: &[f64], rows: usize, b: &DMatrix<f64>) {
     let out = MatMut::from_column_major_slice_mut(target, rows, b.ncols());
     let a = MatRef::from_column_major_slice(a, rows, b.nrows());
     let b = MatRef::from_column_major_slice(b.as_slice(), b.nrows(), b.ncols());
@@ -39,7 +39,7 @@ pub fn subtract_product(target: &mut [f64], a: &[f64], rows: usize, b: &DMatrix<
 }
 
 /// The Gram matrix `A^T A`.
-pub fn gram_matrix(a: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn gram_matrix(a: &DMatrix<f64>) -> DMatrix<f64> {
     transposed_product(a, a)
 }
 

@@ -33,7 +33,7 @@ const FASTEST: f64 = 50.0;
 
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
 /// digits that even steps do not keep.
-pub fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
+pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
     let mut out = Vec::new();
     for joint in 0..view.dof() {
         let (q, tau, own) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged.tau.channel(joint));
@@ -106,7 +106,7 @@ fn path(signal: &[f64]) -> f64 {
 
 /// The first of the samples before which a position jumps by half a turn, again and again: it was wrapped at half a turn, or
 /// comes from a function that knows no more of an angle.
-pub fn half_turn(q: &[f64]) -> Option<usize> {
+pub(super) fn half_turn(q: &[f64]) -> Option<usize> {
     let jumps = |x: &[f64]| {
         let calm = (x[1] - x[0]).abs().max((x[3] - x[2]).abs());
         calm < 0.1 * PI && ((x[2] - x[1]).abs() - PI).abs() < 0.05 * PI
@@ -288,7 +288,7 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
 }
 
 /// Joints whose torque lost its sign, as found: such a torque gives no evidence on signs and gravity.
-pub fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
+pub(super) fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
     let unsigned = || found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque);
     let of = |joint: &usize| unsigned().any(|f| f.place == view.place("tau", *joint) || f.place == all_torques(view));
     (0..view.dof()).filter(of).collect()

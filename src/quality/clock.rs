@@ -30,7 +30,7 @@ fn cause_of_backward_time(rows: &[&Rejected]) -> &'static str {
 }
 
 /// Findings about rows and clock.
-pub fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
+pub(super) fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
     let recording = &sieved.recording;
     let all = sieved.rejected.len() + recording.samples();
     let mut out = Vec::new();

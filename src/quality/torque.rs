@@ -40,7 +40,11 @@ const ROUNDING: f64 = 1e-9;
 const ROWS_PER_COLUMN: usize = 4;
 
 /// Findings about torque, and the condition number where the arm is known. Fills in the estimates of the joints' models.
-pub fn findings(view: &View, summaries: &mut [JointSummary], robot: Option<&Robot>) -> (Vec<Finding>, Option<f64>) {
+pub(super) fn findings(
+    view: &View,
+    summaries: &mut [JointSummary],
+    robot: Option<&Robot>,
+) -> (Vec<Finding>, Option<f64>) {
     let reach = ((REACH_S / view.period) as usize).clamp(2, 60);
     let Some(last) = view.log.samples().checked_sub(2 * reach + 1) else { return (Vec::new(), None) };
     let step = last.div_ceil(ROWS).max(1);

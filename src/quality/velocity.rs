@@ -26,7 +26,7 @@ const SLOWEST_GEAR: f64 = 5.0;
 const UNEXPLAINED: f64 = 0.4;
 
 /// Findings about the velocity columns, and the factor by which the clock is wrong; none where there are none.
-pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
+pub(super) fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
     let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
     let mut out = Vec::new();
     let compared = |joint| view.log.has_velocity(joint) && root_mean_square(view.qd.channel(joint)) > view.band[joint];
@@ -81,7 +81,7 @@ pub fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
 }
 
 /// Whether every logged velocity is a derivative in degrees or mm that is given in SI units.
-pub fn is_si(view: &View) -> bool {
+pub(super) fn is_si(view: &View) -> bool {
     let Some(logged) = &view.log.qd else { return false };
     let moving = |&joint: &usize| view.log.has_velocity(joint) && view.band[joint].is_finite();
     let joints: Vec<usize> = (0..view.dof()).filter(moving).collect();
@@ -157,7 +157,7 @@ fn delay(own: &[f64], column: &[f64], period: f64) -> Option<f64> {
 }
 
 /// Place of the extremum of a parabola through a value and its neighbours, in steps from it.
-pub fn vertex(values: &[f64], at: usize) -> f64 {
+pub(super) fn vertex(values: &[f64], at: usize) -> f64 {
     if at == 0 || at + 1 >= values.len() {
         return 0.0;
     }

@@ -11,7 +11,7 @@ use crate::signal::{Edge, NoiseGains, SavitzkyGolay, Slow, moves_enough};
 const SMOOTHING_S: f64 = 0.08;
 
 /// A log at even steps with what all checks need of it.
-pub struct View<'a> {
+pub(super) struct View<'a> {
     /// The log.
     pub log: &'a Recording,
     /// Time between two samples, s.
@@ -33,7 +33,7 @@ impl<'a> View<'a> {
     ///
     /// # Errors
     /// Those of the filters: the log is too short.
-    pub fn new(log: &'a Recording, robot: Option<&Robot>) -> Result<Self> {
+    pub(super) fn new(log: &'a Recording, robot: Option<&Robot>) -> Result<Self> {
         let period = 1.0 / log.rate_hz();
         let window = ((SMOOTHING_S / period).round() as usize | 1).clamp(7, 101).min((log.samples() - 1) | 1);
         let smooth = |signals: &Channels, degree| -> Result<Channels> {
@@ -60,18 +60,18 @@ impl<'a> View<'a> {
     }
 
     /// Number of joints.
-    pub fn dof(&self) -> usize {
+    pub(super) fn dof(&self) -> usize {
         self.log.joints()
     }
 
     /// A column as the file may call it, with the joint.
-    pub fn place(&self, quantity: &str, joint: usize) -> String {
+    pub(super) fn place(&self, quantity: &str, joint: usize) -> String {
         format!("{quantity}{} ({})", joint + 1, self.log.joints[joint])
     }
 }
 
 /// Whether a joint moves enough, from its positions and velocities.
-pub fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> bool {
+pub(super) fn moves(q: &[f64], qd: &[f64], kind: Option<JointKind>) -> bool {
     let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
     moves_enough(high - low, size_quantile(qd.iter().copied(), 1.0), kind == Some(JointKind::Prismatic))
 }

@@ -22,7 +22,7 @@ pub(super) struct Table {
 
 impl Table {
     /// The columns that are `used`; the others are empty.
-    pub fn columns(&self, used: &[usize]) -> Result<Vec<Vec<f64>>> {
+    pub(super) fn columns(&self, used: &[usize]) -> Result<Vec<Vec<f64>>> {
         let columns = written::table(&self.recording, self.named)?;
         let wanted = |(index, (_, values)): (usize, &(String, &[f64]))| match used.contains(&index) {
             true => values.to_vec(),

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A recording with every field set; no two values are alike.
-pub fn full(joints: usize, samples: usize) -> Recording {
+pub(super) fn full(joints: usize, samples: usize) -> Recording {
     let table = |offset: f64| {
         let mut table = Channels::zeros(joints, samples);
         for (index, value) in table.as_mut_slice().iter_mut().enumerate() {
@@ -29,7 +29,7 @@ pub fn full(joints: usize, samples: usize) -> Recording {
 }
 
 /// All numbers of a recording, bit for bit (plain equality takes -0 for 0), with a mark for every table present.
-pub fn bits(recording: &Recording) -> Vec<u64> {
+pub(super) fn bits(recording: &Recording) -> Vec<u64> {
     let truth = recording.truth.as_ref();
     let tables = [
         Some(&recording.q),
@@ -59,7 +59,7 @@ fn value() -> impl Strategy<Value = f64> {
 }
 
 /// Any recording of 1 to 3 joints with or without the optional tables.
-pub fn any_recording() -> impl Strategy<Value = Recording> {
+pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
     let time = prop::collection::vec(value(), 1..12).prop_map(|mut time| {
         time.sort_by(f64::total_cmp);
         time.dedup();

@@ -33,7 +33,7 @@ struct Variant<'a> {
 
 /// What a run on measured logs identified: from raw signals and with Savitzky-Golay, and with the usual low-pass or why not.
 #[derive(Debug, Clone, Copy)]
-pub struct Compared<'a> {
+pub(crate) struct Compared<'a> {
     /// Signals as they are.
     pub raw: &'a Scored,
     /// Savitzky-Golay.

@@ -6,7 +6,7 @@ use std::process::Output;
 use std::sync::LazyLock;
 
 /// Two logs of the same arm, `out/recording.csv` and `out/held_out.csv`, with Stribeck friction on joint 2.
-pub static LOGS: LazyLock<Case> = LazyLock::new(|| {
+pub(crate) static LOGS: LazyLock<Case> = LazyLock::new(|| {
     let longer = "moves = 8\nduration_s = 14.0";
     let case = Case::new(&[("moves = 6\nduration_s = 4.0", longer), ("moves = 3\nduration_s = 4.0", longer)]);
     let effect = "\n[[effect]]\nname = \"stribeck_friction\"\njoint = \"joint_2\"\n";
@@ -34,7 +34,7 @@ fn valid(output: &Output) -> Value {
 }
 
 /// The training log with every row changed, as a file of this name. Columns are given by name.
-pub fn changed(name: &str, rows: impl Iterator<Item = usize>, change: impl Fn(&str, &str) -> String) {
+pub(crate) fn changed(name: &str, rows: impl Iterator<Item = usize>, change: impl Fn(&str, &str) -> String) {
     let log = LOGS.read("out/recording.csv");
     let lines: Vec<&str> = log.lines().filter(|line| !line.starts_with('#')).collect();
     let header: Vec<&str> = lines[0].split(',').collect();

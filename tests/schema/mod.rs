@@ -19,7 +19,7 @@ fn compiled() -> (Schemas, SchemaIndex) {
 
 /// Fails with the place and the reason if the schema does not allow a `diagnosis.json`.
 #[track_caller]
-pub fn assert_valid(document: &Value) {
+pub(crate) fn assert_valid(document: &Value) {
     let (schemas, index) = compiled();
     if let Err(error) = schemas.validate(document, index) {
         panic!("diagnosis.json does not follow its schema: {error:#}\n{document}");

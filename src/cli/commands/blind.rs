@@ -22,7 +22,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Arguments of `tauscope blind`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope blind --effect stribeck_friction:joint_2 --runs 5 --severity 2")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenario whose arm, limits and sensors are used, in addition to arms drawn at random.
     #[arg(long, help_heading = "Study", value_name = "SCENARIO", default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -66,7 +66,7 @@ pub struct Arguments {
 }
 
 /// Makes the runs and writes the tables.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = Setup::load(&arguments.scenario, global.seed)?;
     let seed = setup.scenario.seed;
     let (plan, mut cases) = plan(arguments, &setup)?;

@@ -14,7 +14,7 @@ const REPORT_SCHEMA: &str = "tauscope.check/1";
 /// Arguments of `tauscope check`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope check scenarios/irb1600.toml --baseline results/baseline/irb1600.json")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenario file.
     scenario: PathBuf,
     /// Baseline to compare with.
@@ -33,7 +33,7 @@ pub struct Arguments {
 }
 
 /// Measures, and compares or updates.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let path = &arguments.baseline;
     let old = if path.exists() || !arguments.update { Some(Baseline::read(path)?) } else { None };
     // The scenario's seed keeps its motions and its controller; another seed makes other draws of noise alone.

@@ -43,7 +43,7 @@ Exit codes: 0 an answer, also that nothing is missing; 2 bad input, also logs wh
 Example:
   tauscope diagnose --robot arm.urdf --train monday.csv --test tuesday.csv --out results/arm"
 )]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     logs: LogArguments,
     /// Reference log: one from before a change. The question is then what changed: a payload, wear, a new hose. Repeatable.
@@ -95,7 +95,7 @@ fn time(text: &str) -> std::result::Result<Duration, String> {
 }
 
 /// Diagnoses and writes the results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let options = arguments.options(global)?;
     let dataset = arguments.logs.described()?;
     let Simulation { arm, mut robot, scenario } = simulation(arguments, dataset.as_ref())?;

@@ -7,12 +7,12 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use serde::Serialize;
 
 /// Schema of the catalogue as JSON.
-pub const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
+pub(crate) const EFFECTS_SCHEMA: &str = "tauscope.effects/1";
 
 /// Arguments of `tauscope effects`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope effects stribeck_friction")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Effect to describe. Default: all are listed.
     name: Option<String>,
 }
@@ -32,7 +32,7 @@ struct Entry {
 }
 
 /// Prints the catalogue, or one entry of it.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let chosen = arguments.name.as_deref().map(effects::find).transpose()?;
     let shown = chosen.map_or(LIBRARY.to_vec(), |effect| vec![effect]);
     let entry = |effect: &&'static dyn Effect| Entry { about: effect.about(), parameters: effect.parameters() };

@@ -31,7 +31,7 @@ const SPEED_PROBES: u64 = 200;
 #[command(
     after_help = "Example:\n  tauscope excite scenarios/irb1600.toml --duration 20 --budget-s 60 --out motion.toml"
 )]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenario file: arm, limits, torque noise, rate of the log.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -68,7 +68,7 @@ pub struct Arguments {
 }
 
 /// Searches and writes the motion to `--out` (a file that ends in .toml, or a folder for `motion.toml`).
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let arm = Arm::load(&arguments.scenario, global.seed)?;
     let problem = problem(arguments, &arm)?;
     let mut request = Request {

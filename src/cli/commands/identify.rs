@@ -28,7 +28,7 @@ use std::path::PathBuf;
 #[command(
     after_help = "Example:\n  tauscope identify --robot arm.urdf --train monday.csv --test tuesday.csv --effect stribeck_friction:joint_2"
 )]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     logs: LogArguments,
     #[command(flatten)]
@@ -67,7 +67,7 @@ const WITH_EFFECTS: u64 = 16;
 const SIMULATING: u64 = 1;
 
 /// Fits and writes the results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let setup = arguments.scenario.as_ref().map(|path| Setup::load(path, global.seed)).transpose()?;
     let dataset = arguments.logs.described()?;
     let mut arm = arm(arguments, setup.as_ref(), dataset.as_ref())?;
@@ -133,7 +133,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 ///
 /// # Errors
 /// If a file cannot be written, or that of the robot cannot be read any longer.
-pub fn write_robot(folder: &ResultFolder, identified: &Robot) -> Result<()> {
+pub(crate) fn write_robot(folder: &ResultFolder, identified: &Robot) -> Result<()> {
     folder.write_text("identified.urdf", &robot::with_parameters(identified)?)?;
     folder.write_text("identified.xml", &robot::to_mjcf(identified))
 }

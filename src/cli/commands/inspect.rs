@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `tauscope inspect`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope inspect monday.csv tuesday.csv --robot arm.urdf")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Log: .csv, .parquet, .npz, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are examined together.
     #[arg(required = true)]
     log: Vec<PathBuf>,
@@ -31,7 +31,7 @@ pub struct Arguments {
 }
 
 /// Examines the logs and prints the findings; a log that cannot be used is an error after the report.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
     let file = arguments.arm.file(dataset.as_ref());
     let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);

@@ -19,7 +19,7 @@ const TRIAL_SCHEMA: &str = "tauscope.montecarlo.trial/1";
 #[command(
     after_help = "Example:\n  tauscope montecarlo scenarios/irb1600.toml --trials 100 --estimators ols,wls,iv --sg-windows 0,31,61 --butterworth"
 )]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     /// Scenario file.
@@ -68,7 +68,7 @@ enum Command {
 }
 
 /// Runs the study, a part of it, one trial, or the merger.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(Command::Merge { folders }) = &arguments.command {
         let out = global.out.clone().unwrap_or_else(|| PathBuf::from("results/merged"));
         let (summary, times, path) = montecarlo::merge(folders, &out, &page)?;

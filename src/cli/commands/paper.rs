@@ -13,14 +13,14 @@ use std::path::PathBuf;
 /// Arguments of `tauscope paper`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope paper scenarios/paper.toml --out results/paper")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenario file; its arm must have six joints.
     #[arg(default_value = "scenarios/paper.toml")]
     scenario: PathBuf,
 }
 
 /// Runs the study and writes its results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let mut procedure = Procedure::default();
     let setup = procedure.time(Stage::Excitation, || Setup::load(&arguments.scenario, global.seed))?;
     let folder = ResultFolder::create(global.folder(&setup.scenario.name))?;

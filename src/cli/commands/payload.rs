@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `tauscope payload`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Log without the load, or a dataset (.toml) of such logs.
     before: PathBuf,
     /// Log with the load, or a dataset (.toml) of such logs.
@@ -75,7 +75,7 @@ impl Side {
 }
 
 /// Finds the load, writes the results folder, and compares with what is expected.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let expected = arguments.expected()?;
     let before = Side::new(&arguments.before, &arguments.more_before)?;
     let after = Side::new(&arguments.after, &arguments.more_after)?;

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Arguments of `tauscope robot`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope robot arm.urdf --tip tool0 --urdf reduced.urdf")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Robot file, URDF or MJCF.
     file: PathBuf,
     /// Joints under study, comma-separated; all others are held. Default: all that move by themselves.
@@ -34,7 +34,7 @@ fn position(text: &str) -> std::result::Result<(String, f64), String> {
 }
 
 /// Reads the robot and prints it.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let file = description::read(&arguments.file)?;
     let hold: BTreeMap<String, f64> = arguments.hold.iter().cloned().collect();
     if let Some(unknown) = hold.keys().find(|name| !file.moving().iter().any(|joint| joint.name == **name)) {

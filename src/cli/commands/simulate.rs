@@ -22,14 +22,14 @@ struct Simulated<'a> {
 /// Arguments of `tauscope simulate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope simulate scenarios/effects/stribeck_friction.toml --out logs")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
 }
 
 /// Simulates both motions of the scenario and writes their recordings.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let (setup, folder, runs) = simulated(&arguments.scenario, global)?;
     write_recordings(&folder, &setup, &runs)?;
     viewer::add(&folder, || viewer::scenario::film(&setup, &runs, None))?;

@@ -10,14 +10,14 @@ use std::process::Command;
 /// Arguments of `tauscope view`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope view results/irb1600")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Results folder, or an .rrd file.
     #[arg(value_name = "DIR")]
     place: PathBuf,
 }
 
 /// Opens the viewer and waits until it is closed.
-pub fn run(arguments: &Arguments, _global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, _global: &Global) -> Result<u8> {
     let file = if arguments.place.is_dir() { arguments.place.join(FILE) } else { arguments.place.clone() };
     if !file.is_file() {
         let problem = format!(

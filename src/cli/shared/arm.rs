@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The arm and its joints.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Arm")]
-pub struct ArmArguments {
+pub(crate) struct ArmArguments {
     /// Robot file, URDF or MJCF. Default: that of the dataset or of the scenario.
     #[arg(long, value_name = "URDF")]
     pub robot: Option<PathBuf>,
@@ -28,7 +28,7 @@ pub struct ArmArguments {
 
 impl ArmArguments {
     /// The file of the arm, named here or by the dataset.
-    pub fn file(&self, dataset: Option<&Dataset>) -> Option<PathBuf> {
+    pub(crate) fn file(&self, dataset: Option<&Dataset>) -> Option<PathBuf> {
         self.robot.clone().or_else(|| dataset.and_then(Dataset::robot))
     }
 
@@ -36,7 +36,13 @@ impl ArmArguments {
     ///
     /// # Errors
     /// Those of [`LoggedArm::open`].
-    pub fn open(&self, file: &Path, trust: Trust, dataset: Option<&Dataset>, logs: &[PathBuf]) -> Result<LoggedArm> {
+    pub(crate) fn open(
+        &self,
+        file: &Path,
+        trust: Trust,
+        dataset: Option<&Dataset>,
+        logs: &[PathBuf],
+    ) -> Result<LoggedArm> {
         let joints = Some(self.joints.clone()).filter(|joints| !joints.is_empty());
         let asked = Asked { joints, tip: self.tip.clone(), gravity: self.gravity };
         LoggedArm::open(file, &asked, trust, dataset, logs)

@@ -8,14 +8,14 @@ use crate::quality::descriptions::Description;
 use crate::robot::Robot;
 
 /// Its name in the folder of results.
-pub const FILE: &str = "corrected.toml";
+pub(crate) const FILE: &str = "corrected.toml";
 
 /// Writes it where there is a change, and returns whether it is written: `dataset`, or a new one of the files `named`, with what
 /// `description` and `units` change.
 ///
 /// # Errors
 /// Those of [`corrected`] and of writing.
-pub fn write(
+pub(crate) fn write(
     folder: &ResultFolder,
     dataset: Option<&Dataset>,
     named: &Named,

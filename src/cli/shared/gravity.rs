@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 ///
 /// # Errors
 /// If there are not three numbers, or one is not of this world.
-pub fn parse(text: &str) -> Result<Vector3<f64>, String> {
+pub(super) fn parse(text: &str) -> Result<Vector3<f64>, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(value) if value.abs() <= LARGEST => Ok(value),
         _ => Err(format!("`{text}` must be a number between -{LARGEST:e} and {LARGEST:e}")),

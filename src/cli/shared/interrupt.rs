@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flag that ctrl-C raises; a second ctrl-C ends the program at once. Inside a program it is the program that raises it.
-pub fn flag(global: &Global) -> Result<Arc<AtomicBool>> {
+pub(crate) fn flag(global: &Global) -> Result<Arc<AtomicBool>> {
     if let Some(host) = &global.host {
         return Ok(host.flag());
     }

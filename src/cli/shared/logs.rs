@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Training logs, held-out logs, or a dataset that names both.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Logs")]
-pub struct LogArguments {
+pub(crate) struct LogArguments {
     /// Training log: parameters are estimated from it. Repeatable.
     #[arg(long, value_name = "LOG")]
     pub train: Vec<PathBuf>,
@@ -26,12 +26,12 @@ impl LogArguments {
     ///
     /// # Errors
     /// Those of [`Dataset::load`].
-    pub fn described(&self) -> Result<Option<Dataset>> {
+    pub(crate) fn described(&self) -> Result<Option<Dataset>> {
         self.dataset.as_ref().map(Dataset::load).transpose()
     }
 
     /// All log files, those of the `dataset` last.
-    pub fn files(&self, dataset: Option<&Dataset>) -> Vec<PathBuf> {
+    pub(crate) fn files(&self, dataset: Option<&Dataset>) -> Vec<PathBuf> {
         let described = dataset.map(Dataset::files).unwrap_or_default();
         self.train.iter().chain(&self.test).cloned().chain(described).collect()
     }
@@ -40,7 +40,7 @@ impl LogArguments {
     ///
     /// # Errors
     /// Those of reading a log.
-    pub fn read(&self, dataset: Option<&Dataset>, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
+    pub(crate) fn read(&self, dataset: Option<&Dataset>, robot: &Robot) -> Result<[Vec<(PathBuf, Sieved)>; 2]> {
         match dataset {
             Some(dataset) => dataset.sieved(robot),
             None => Ok([dataset::read_all(&self.train, robot)?, dataset::read_all(&self.test, robot)?]),
@@ -48,7 +48,7 @@ impl LogArguments {
     }
 
     /// The files as a corrected dataset names them, with the `robot` of the command line.
-    pub fn named(&self, robot: Option<PathBuf>) -> Named {
+    pub(crate) fn named(&self, robot: Option<PathBuf>) -> Named {
         Named { robot, train: self.train.clone(), test: self.test.clone() }
     }
 }

@@ -2,16 +2,16 @@
 //! go out.
 
 mod arm;
-pub mod corrected;
+pub(super) mod corrected;
 mod global;
 mod gravity;
 mod host;
-pub mod interrupt;
+pub(super) mod interrupt;
 mod logs;
-pub mod print;
-pub mod progress;
+pub(super) mod print;
+pub(super) mod progress;
 
-pub use arm::ArmArguments;
+pub(crate) use arm::ArmArguments;
 pub use global::{BAD_INPUT, DONE, FAILED, Global};
 pub use host::{Host, Printed};
-pub use logs::LogArguments;
+pub(crate) use logs::LogArguments;

@@ -12,7 +12,12 @@ use std::io::{ErrorKind, Write};
 ///
 /// # Errors
 /// If standard output cannot be written, as on a full disk.
-pub fn result(global: &Global, schema: &str, value: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
+pub(crate) fn result(
+    global: &Global,
+    schema: &str,
+    value: &impl Serialize,
+    text: impl FnOnce() -> String,
+) -> Result<()> {
     if let Some(host) = &global.host {
         return host.print(schema, value, text());
     }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const TICK: Duration = Duration::from_millis(200);
 
 /// A bar over `steps`, with what is being done in front and the time left behind.
-pub fn bar(global: &Global, what: &str, steps: usize) -> ProgressBar {
+pub(crate) fn bar(global: &Global, what: &str, steps: usize) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(
         Some(steps as u64),
         if global.quiet || global.json { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() },
@@ -22,7 +22,7 @@ pub fn bar(global: &Global, what: &str, steps: usize) -> ProgressBar {
 }
 
 /// A bar over stages that take known shares of the whole.
-pub struct Stages {
+pub(crate) struct Stages {
     bar: ProgressBar,
     /// Shares of the stages to come, the next one last.
     shares: Vec<u64>,
@@ -32,20 +32,20 @@ pub struct Stages {
 
 impl Stages {
     /// Stages that take `shares` of the time, in any unit.
-    pub fn new(global: &Global, shares: &[u64]) -> Self {
+    pub(crate) fn new(global: &Global, shares: &[u64]) -> Self {
         let bar = bar(global, "", shares.iter().sum::<u64>() as usize);
         Stages { bar, shares: shares.iter().rev().copied().collect(), present: 0 }
     }
 
     /// The next stage begins.
-    pub fn begin(&mut self, what: &str) {
+    pub(crate) fn begin(&mut self, what: &str) {
         self.bar.inc(self.present);
         self.present = self.shares.pop().unwrap_or(0);
         self.bar.set_message(what.to_owned());
     }
 
     /// All is done.
-    pub fn finish(self) {
+    pub(crate) fn finish(self) {
         self.bar.finish_and_clear();
     }
 }

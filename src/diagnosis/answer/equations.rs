@@ -11,7 +11,7 @@ use crate::robot::Robot;
 
 /// The model of the joints that have an equation.
 #[derive(Debug)]
-pub struct Observed {
+pub(super) struct Observed {
     /// The model.
     pub model: Model,
     /// The joints that have none, and why.
@@ -28,7 +28,7 @@ const ALL: &str = "all logs";
 ///
 /// # Errors
 /// If a log is too short.
-pub fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<Observed> {
+pub(super) fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<Observed> {
     let all: Vec<&Recording> = input.train.iter().chain(&input.test).chain(&input.reference).copied().collect();
     let mut equations = with_torque(robot.dof(), all.iter().copied());
     let without = |joint: usize, kind: Kind, text: String| DataFault {

@@ -8,7 +8,7 @@ use crate::quality::Kind;
 use crate::robot::{Joint, Robot};
 
 /// What to do about the faults that stop a diagnosis.
-pub fn remedy(faults: &[DataFault]) -> String {
+pub(crate) fn remedy(faults: &[DataFault]) -> String {
     let places = |still: bool| -> Vec<&str> {
         let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
         let mut places: Vec<&str> = stops
@@ -26,7 +26,7 @@ pub fn remedy(faults: &[DataFault]) -> String {
 }
 
 /// What is said of the logs above the answer.
-pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
+pub(crate) fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     let all = [
         unfinished(diagnosis),
         equal_states(diagnosis),
@@ -38,7 +38,7 @@ pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// What is said of logs that follow the motions of the reference logs.
-pub fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.scope.equal_states.map(|share| {
         format!(
             "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
@@ -49,7 +49,7 @@ pub fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of a search that was ended before it was done.
-pub fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.unfinished.then(|| {
         "the search was ended before it was done: effects may be missing, and other names for those found; give it more time with --budget, or \
          none"
@@ -58,7 +58,7 @@ pub fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of logs of several rates.
-pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
     (each.len() > 1).then(|| {
         format!(
@@ -70,7 +70,7 @@ pub fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of delays and lags that are of the sampling.
-pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.of_sampling.iter().map(|short| {
         let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
         match short.joint {
@@ -86,7 +86,7 @@ pub fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said of friction that does not change its direction at once.
-pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = robot.joints.iter().zip(&diagnosis.logs.sign_widths).filter(|(_, width)| **width > 0.0);
     let each: Vec<String> = each
         .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
@@ -101,7 +101,7 @@ pub fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What is said where the training logs leave the model more open on the held-out logs than the noise.
-pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
         true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
@@ -118,11 +118,11 @@ pub fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// An effort of a joint with its unit.
-pub fn effort(joint: &Joint, value: f64) -> String {
+pub(crate) fn effort(joint: &Joint, value: f64) -> String {
     with_unit(significant(value), joint.effort_unit())
 }
 
 /// A value with its unit; ratios have none.
-pub fn with_unit(value: String, unit: &str) -> String {
+pub(crate) fn with_unit(value: String, unit: &str) -> String {
     if unit == "1" { value } else { format!("{value} {unit}") }
 }

@@ -45,7 +45,7 @@ impl Searched {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
+    pub(super) fn new(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Self> {
         let (selection, minor) = found_that_matter(session, options, watch)?;
         let unexplained = match watch.is_over() {
             true => Vec::new(),

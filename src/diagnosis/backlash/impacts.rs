@@ -82,7 +82,7 @@ struct Trace {
 
 /// All logs of one kind as impacts show in them.
 #[derive(Debug)]
-pub struct Traces(Vec<Trace>);
+pub(crate) struct Traces(Vec<Trace>);
 
 /// A gear's play as its impacts show it.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,13 +99,13 @@ pub struct Play {
 
 impl Traces {
     /// From the arm as found along logs; those from before a change are excluded.
-    pub fn new(arm: &Arm, rows: &Rows) -> Self {
+    pub(crate) fn new(arm: &Arm, rows: &Rows) -> Self {
         Traces((rows.before..rows.logs.len()).filter_map(|log| Trace::new(arm, rows, log)).collect())
     }
 
     /// Logarithm of the probability of jumps as large after the changes of sign of a gear's load, were they anywhere. Windows
     /// of the gears `without` are excluded.
-    pub fn log_p(&self, joint: usize, without: &[usize]) -> f64 {
+    pub(crate) fn log_p(&self, joint: usize, without: &[usize]) -> f64 {
         let mut ranks = Vec::new();
         for trace in &self.0 {
             let others: Vec<usize> = without.iter().flat_map(|&other| trace.changes(other)).collect();
@@ -121,17 +121,17 @@ impl Traces {
 
     /// The same with each jump ranked only among moments without a change of sign in which the loads change as much: a model that follows steps of the
     /// torque late leaves jumps wherever such steps are, and on an arm that starts and stops these are where a load changes its sign.
-    pub fn log_p_among_alike(&self, joint: usize) -> f64 {
+    pub(crate) fn log_p_among_alike(&self, joint: usize) -> f64 {
         fisher(self.0.iter().flat_map(|trace| trace.ranks_among_alike(joint)).map(f64::ln))
     }
 
     /// Number of changes of sign of a gear's load that can be looked at.
-    pub fn changes(&self, joint: usize) -> usize {
+    pub(crate) fn changes(&self, joint: usize) -> usize {
         self.0.iter().map(|trace| trace.changes(joint).iter().filter(|&&k| trace.rank(k).is_some()).count()).sum()
     }
 
     /// Share of the squared innovations that follows the changes of sign beyond the noise: lower bound (84 %).
-    pub fn share(&self, joint: usize) -> f64 {
+    pub(crate) fn share(&self, joint: usize) -> f64 {
         let (mut beyond, mut all) = (Vec::new(), 0.0);
         for trace in &self.0 {
             all += trace.new.iter().sum::<f64>();
@@ -150,7 +150,7 @@ impl Traces {
 
     /// The play from the time in which it is crossed, between the change of sign and the meeting of the teeth. None where no
     /// jump is strong enough to be timed.
-    pub fn play(&self, joint: usize, arm: &Arm, rows: &Rows) -> Option<Play> {
+    pub(crate) fn play(&self, joint: usize, arm: &Arm, rows: &Rows) -> Option<Play> {
         let mut gaps = Vec::new();
         let (mut changes, mut impacts) = (0, 0);
         for trace in &self.0 {
@@ -178,7 +178,7 @@ impl Traces {
     }
 
     /// Leaves out the rows that impacts in a gear disturb, on every joint.
-    pub fn leave_out(&self, joint: usize, rows: &mut Rows) {
+    pub(crate) fn leave_out(&self, joint: usize, rows: &mut Rows) {
         for trace in &self.0 {
             let [before, after] = DISTURBED_S.map(|reach| trace.samples(reach));
             for window in trace.changes(joint) {

@@ -4,4 +4,5 @@
 
 mod impacts;
 
-pub use impacts::{Play, Traces};
+pub use impacts::Play;
+pub(crate) use impacts::Traces;

@@ -6,11 +6,11 @@ mod search;
 mod structure;
 mod verdict;
 
-pub use comparison::ComparisonCriteria;
-pub use impacts::ImpactCriteria;
+pub(crate) use comparison::ComparisonCriteria;
+pub(crate) use impacts::ImpactCriteria;
 pub use search::SearchCriteria;
-pub use structure::StructureCriteria;
-pub use verdict::VerdictCriteria;
+pub(crate) use structure::StructureCriteria;
+pub(crate) use verdict::VerdictCriteria;
 
 use serde::Serialize;
 

@@ -30,7 +30,7 @@ const DRIFTS: usize = 10;
 /// Logarithm of the probability of what a candidate explains, adjusted for errors of the smoothing and for slow noise of the
 /// strength that it has once the candidate is in the model. An event of one log is also adjusted for slow drifts of all joints that
 /// it acts on: the rows show well how sharply it begins and ends.
-pub fn log_p_adjusted(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
+pub(crate) fn log_p_adjusted(session: &Session, whitener: &Whitener, fit: &Projection, candidate: &Judged) -> f64 {
     let rows = &session.logs.train.rows;
     let fit = if candidate.candidate.log.is_some() {
         let joints = candidate.candidate.joints();
@@ -102,7 +102,13 @@ fn happens_anywhere(candidate: &Candidate) -> bool {
 /// White noise has as much in each cosine; where the whitening knows the slow noise badly there is more, and the number of
 /// cosines limits how well that is known. A sum of cosines that is nearly a column of the fit holds no information: what the fit leaves of it
 /// is what that column has beyond slow motion, the noise of the encoders above all, which is in the torque that the fit leaves too.
-pub fn against_slow_noise(rows: &Rows, whitener: &Whitener, fit: &Projection, columns: &[Column], test: &Test) -> f64 {
+pub(crate) fn against_slow_noise(
+    rows: &Rows,
+    whitener: &Whitener,
+    fit: &Projection,
+    columns: &[Column],
+    test: &Test,
+) -> f64 {
     let predicted = fit.left_of(vec![combined(columns, &test.values)]).remove(0);
     let all = predicted.dot(&predicted);
     if all.is_nan() || all <= 0.0 {

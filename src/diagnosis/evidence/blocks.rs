@@ -47,7 +47,7 @@ pub(super) fn row_by_row<'a>(
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn without_influential_blocks(
+pub(crate) fn without_influential_blocks(
     session: &Session,
     members: &[Member],
     whitener: &Whitener,

@@ -9,7 +9,7 @@ use crate::error::Result;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn cross_validated_residual(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Column> {
+pub(crate) fn cross_validated_residual(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Column> {
     let data = &session.logs.train;
     let columns = session.model.columns(data, members)?;
     let mut rows = data.rows.clone();

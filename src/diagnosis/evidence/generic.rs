@@ -25,11 +25,11 @@ const DRIFTS: usize = 8;
 const SLOW_CHANGES: usize = 4;
 
 /// Delays with which something may follow the motion, s.
-pub const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
+pub(crate) const DELAYS_S: [f64; 3] = [0.05, 0.15, 0.5];
 
 /// A kind of structure, and the generic columns of a joint that show it.
 #[derive(Debug)]
-pub struct Block {
+pub(crate) struct Block {
     /// What it follows, as the end of a sentence on the residual.
     pub structure: &'static str,
     /// Its columns.
@@ -40,7 +40,7 @@ pub struct Block {
 
 /// Ranges of a joint's motion in the training logs.
 #[derive(Debug, Clone, Copy)]
-pub struct Reach {
+pub(crate) struct Reach {
     fastest: f64,
     lowest: f64,
     highest: f64,
@@ -48,7 +48,7 @@ pub struct Reach {
 
 impl Reach {
     /// The ranges of a joint over `rows`.
-    pub fn new(rows: &Rows, joint: usize) -> Self {
+    pub(crate) fn new(rows: &Rows, joint: usize) -> Self {
         let all = |of: fn(&Log) -> &crate::channels::Channels| {
             rows.logs.iter().flat_map(move |log| of(log).channel(joint)).copied()
         };
@@ -64,7 +64,7 @@ impl Reach {
 const SHORTEST_SWING: usize = 25;
 
 /// Cosines number `orders` over the length of every log, on one joint; those that would not be slow over a short log are left out.
-pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Column> {
+pub(crate) fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Column> {
     let mut cosines = Vec::new();
     for log in 0..rows.logs.len() {
         let (start, end) = (rows.starts[log], rows.starts[log + 1]);
@@ -80,7 +80,7 @@ pub fn slow_cosines(rows: &Rows, joint: usize, orders: Range<usize>) -> Vec<Colu
 }
 
 /// The blocks of a joint over the rows of `data`.
-pub fn blocks(session: &Session, data: &DataSet, joint: usize, reach: Reach) -> Vec<Block> {
+pub(crate) fn blocks(session: &Session, data: &DataSet, joint: usize, reach: Reach) -> Vec<Block> {
     let rows = &data.rows;
     let of = |channel: usize, f: &dyn Fn(f64, f64) -> f64| {
         rows.signal(|log| {
@@ -168,7 +168,7 @@ pub fn blocks(session: &Session, data: &DataSet, joint: usize, reach: Reach) -> 
 }
 
 /// Generic changes of the strength of `law`, a torque of a joint: with the joint's load and position, and over time.
-pub fn modulated(session: &Session, data: &DataSet, joint: usize, law: &[Column]) -> [Block; 2] {
+pub(crate) fn modulated(session: &Session, data: &DataSet, joint: usize, law: &[Column]) -> [Block; 2] {
     let rows = &data.rows;
     // Not with speed: smooth positions and means over rows take more of what swings faster.
     let of = |f: fn(f64) -> f64| rows.means(|log| log.motion.q.channel(joint).iter().map(|&q| f(q)).collect());

@@ -20,7 +20,7 @@ const CALM: f64 = 1.5;
 /// With a the residual after and p what the effect predicts, the gain is the sum of p^2 + 2 a p. Only the second part is
 /// chance: its scatter is taken over blocks of the rows, within which neither is independent of its past.
 #[derive(Debug, Clone)]
-pub struct Gains {
+pub(crate) struct Gains {
     /// Gain in each row of the logs.
     of_rows: Vec<f64>,
     /// Standard deviation of their sum.
@@ -35,13 +35,13 @@ pub struct Gains {
 
 impl Gains {
     /// From residuals before and after over `rows` rows of the logs.
-    pub fn new(on_held_out: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> Self {
+    pub(crate) fn new(on_held_out: &Whitener, before: &Column, after: &Column, joints: &[usize], rows: usize) -> Self {
         Self::of_white(on_held_out, [before, after].map(|residual| on_held_out.apply(&residual.only(joints))), rows)
     }
 
     /// The same adjusted for a constant torque on every joint of every log: what reads wrong by a constant, as sensors do, hides what
     /// an effect of motion gains.
-    pub fn adjusted_for_constants(
+    pub(crate) fn adjusted_for_constants(
         on_held_out: &Whitener,
         before: &Column,
         after: &Column,
@@ -54,7 +54,7 @@ impl Gains {
     }
 
     /// The same adjusted for nuisance regressors.
-    pub fn adjusted_for(
+    pub(crate) fn adjusted_for(
         on_held_out: &Whitener,
         before: &Column,
         after: &Column,
@@ -90,39 +90,39 @@ impl Gains {
 
     /// Probability that noise alone goes as well with the torque that the effect predicts, one-sided. The prediction knows
     /// nothing of these rows, so that no choice among candidates enters.
-    pub fn chance(&self) -> f64 {
+    pub(crate) fn chance(&self) -> f64 {
         self.chance
     }
 
     /// Probability of that in one of `tries` and of as much as was seen on the training rows, which has a chance of `level` by
     /// itself: the two are independent.
-    pub fn together(&self, level: f64, tries: f64) -> f64 {
+    pub(crate) fn together(&self, level: f64, tries: f64) -> f64 {
         fisher([level, (tries * self.chance).min(1.0)].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp()
     }
 
     /// The share of the sum of squares that is gained.
-    pub fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         self.of_rows.iter().sum::<f64>() / self.before
     }
 
     /// Lower bound, by one standard deviation (84 %), of the share of the sum of squares that is gained.
-    pub fn lower_bound(&self) -> f64 {
+    pub(crate) fn lower_bound(&self) -> f64 {
         self.share() - SURELY * self.std / self.before
     }
 
     /// Whether the rows speak against it: by one standard deviation (84 %) nothing is gained.
-    pub fn is_contradicted(&self) -> bool {
+    pub(crate) fn is_contradicted(&self) -> bool {
         self.share() + SURELY * self.std / self.before < 0.0
     }
 
     /// Standard deviations by which the sum of squares grows, by its scatter between blocks (paired t); negative where it falls, zero
     /// where nothing changes. Unlike the bounds of the gain it does not take the residual after for noise.
-    pub fn growth(&self) -> f64 {
+    pub(crate) fn growth(&self) -> f64 {
         self.paired().0
     }
 
     /// Probability of that growth or a larger one where the expected sum of squares does not grow (Student, one-sided).
-    pub fn growth_p(&self) -> f64 {
+    pub(crate) fn growth_p(&self) -> f64 {
         let (statistic, freedom) = self.paired();
         StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |student| student.sf(statistic))
     }
@@ -138,12 +138,12 @@ impl Gains {
     }
 
     /// Whether the chance in the gain is that of the noise: the residual holds little else.
-    pub fn is_calm(&self) -> bool {
+    pub(crate) fn is_calm(&self) -> bool {
         self.std < CALM * self.expected_std
     }
 
     /// The share that is gained outside the block that gains most.
-    pub fn without_most_influential_block(&self) -> f64 {
+    pub(crate) fn without_most_influential_block(&self) -> f64 {
         let best: f64 = self.of_rows[most_influential_block(&self.of_rows, BLOCK)].iter().sum();
         self.share() - best / self.before
     }

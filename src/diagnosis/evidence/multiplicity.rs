@@ -28,7 +28,7 @@ const FEWEST: f64 = 0.5;
 
 /// A group of columns in a scan.
 #[derive(Debug)]
-pub struct Scanned<'a> {
+pub(crate) struct Scanned<'a> {
     /// Name of the effect.
     pub kind: &'static str,
     /// Its columns, whitened.
@@ -41,7 +41,7 @@ pub struct Scanned<'a> {
 
 /// How many independent tests a scan is worth, kind by kind.
 #[derive(Debug, Clone)]
-pub struct Multiplicity {
+pub(crate) struct Multiplicity {
     /// Tests of each kind.
     of_kind: BTreeMap<&'static str, f64>,
     /// How many independent kinds there are.
@@ -52,7 +52,7 @@ impl Multiplicity {
     /// From the groups of a scan adjusted for `fit`, with so many whitened `rows` of each joint: noise is sent through all of them,
     /// and the smallest probability of each kind taken from each draw. With m independent tests -ln(1 - p_min) is exponential
     /// with rate m, of which the maximum-likelihood estimate carries the level into tails that no number of draws would reach.
-    pub fn new(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> Self {
+    pub(crate) fn new(fit: &Projection, scanned: &[Scanned], rows: &[usize], seed: u64) -> Self {
         let noise: Vec<DMatrix<f64>> = rows
             .iter()
             .enumerate()
@@ -96,28 +96,28 @@ impl Multiplicity {
     }
 
     /// How many independent tests an effect has to be compared with.
-    pub fn tests(&self, kind: &str) -> f64 {
+    pub(crate) fn tests(&self, kind: &str) -> f64 {
         self.kinds * self.of_kind.get(kind).copied().unwrap_or(1.0)
     }
 
     /// Probability that the best of all kinds is as good without any effect, where one of this kind has `log_p`.
-    pub fn level(&self, kind: &str, log_p: f64) -> f64 {
+    pub(crate) fn level(&self, kind: &str, log_p: f64) -> f64 {
         family_wise(log_p, self.tests(kind))
     }
 
     /// Twice the logarithm of [`Multiplicity::tests`]: by how much what is looked for in many places must fit better, in terms of
     /// an information criterion.
-    pub fn looked_for(&self, kind: &str) -> f64 {
+    pub(crate) fn looked_for(&self, kind: &str) -> f64 {
         2.0 * self.tests(kind).ln()
     }
 
     /// Logarithm of how often something as good as this is expected among all without any effect.
-    pub fn expected(&self, judged: &Judged) -> f64 {
+    pub(crate) fn expected(&self, judged: &Judged) -> f64 {
         judged.test.log_p() + 0.5 * self.looked_for(judged.candidate.family().effect)
     }
 
     /// How many independent tests all kinds are worth.
-    pub fn all(&self) -> f64 {
+    pub(crate) fn all(&self) -> f64 {
         self.of_kind.values().sum()
     }
 }
@@ -165,7 +165,7 @@ fn rate(log_p: &[f64]) -> f64 {
 }
 
 /// Probability that the best of so many independent tests is as good without any effect.
-pub fn family_wise(log_p: f64, tests: f64) -> f64 {
+pub(crate) fn family_wise(log_p: f64, tests: f64) -> f64 {
     -(tests * (-log_p.exp().min(1.0 - 1e-15)).ln_1p()).exp_m1()
 }
 

@@ -14,7 +14,7 @@ const MIMICKED: f64 = 1e-3;
 
 /// The tests of all candidates against one fit.
 #[derive(Debug)]
-pub struct Scan {
+pub(crate) struct Scan {
     judged: Vec<Judged>,
     /// Which of them may be a name: all but lags and delays that are not significant once adjusted for errors in variables. These look
     /// more significant than anything where encoders are coarse, and would be alternatives to every finding.
@@ -25,7 +25,7 @@ pub struct Scan {
 
 impl Scan {
     /// Tests all candidates; those that are not separable from the model or make no sense are left out.
-    pub fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
+    pub(crate) fn new(session: &Session, all: &[Candidate], whitener: &Whitener, fit: &Projection) -> Self {
         let judged: Vec<Judged> =
             all.par_iter().filter_map(|candidate| session.judge(candidate, whitener, fit)).collect();
         let adjusted_for_errors = OnceLock::new();
@@ -44,7 +44,7 @@ impl Scan {
     }
 
     /// How many independent tests the scan is worth.
-    pub fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
+    pub(crate) fn multiplicity(&self, fit: &Projection, whitener: &Whitener, seed: u64) -> Multiplicity {
         let scanned: Vec<Scanned> = self
             .judged
             .iter()
@@ -59,7 +59,7 @@ impl Scan {
     }
 
     /// The likeliest candidate that may be a name of every family, the best first.
-    pub fn best_per_family(&self) -> Vec<&Judged> {
+    pub(crate) fn best_per_family(&self) -> Vec<&Judged> {
         let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
         for (judged, _) in self.judged.iter().zip(&self.stand).filter(|(_, stands)| **stands) {
             let place = best.entry(judged.candidate.slot()).or_insert(judged);
@@ -74,7 +74,7 @@ impl Scan {
 
     /// For every family the index of its first linear parameter and the smallest standard deviation of it over the
     /// family's grid.
-    pub fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
+    pub(crate) fn sensitivity(&self) -> BTreeMap<Family, (usize, f64)> {
         let mut smallest = BTreeMap::new();
         for judged in &self.judged {
             let (index, std) = (linear(judged.candidate.placed.effect)[0], judged.test.std[0]);
@@ -101,7 +101,7 @@ pub struct Ranked {
 }
 
 /// The tests of a scan, one per family, the best first.
-pub fn ranking(scan: &Scan) -> Vec<Ranked> {
+pub(crate) fn ranking(scan: &Scan) -> Vec<Ranked> {
     scan.best_per_family()
         .into_iter()
         .map(|judged| Ranked {

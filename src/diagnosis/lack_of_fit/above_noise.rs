@@ -4,11 +4,11 @@ use super::structure::Unexplained;
 use crate::diagnosis::criteria::StructureCriteria;
 
 /// What is said of such a joint.
-pub const ABOVE_NOISE: &str = "is above the noise";
+pub(super) const ABOVE_NOISE: &str = "is above the noise";
 
 /// The joints whose held-out residual is well above the noise (root mean squares, `[joint]`, N m), but those on which something is
 /// reported already. A search that was ended does not answer that nothing is there.
-pub fn above_noise(
+pub(crate) fn above_noise(
     residual: &[f64],
     noise: &[f64],
     reported: &[Unexplained],

@@ -24,7 +24,7 @@ pub(super) struct Condensed {
 
 impl Condensed {
     /// Of columns, not whitened, the torque among them.
-    pub fn new(whitener: &Whitener, whole: Vec<Column>, joints: usize) -> Self {
+    pub(super) fn new(whitener: &Whitener, whole: Vec<Column>, joints: usize) -> Self {
         let white = whitener.apply_all(&whole);
         let of_joint = |joint: usize| {
             let own: Vec<usize> = (0..white.len()).filter(|&k| white[k].part(joint).is_some()).collect();
@@ -46,7 +46,7 @@ impl Condensed {
     }
 
     /// The columns with the rows of `joint` whole, under a noise that differs on the others by its misfit alone.
-    pub fn with_rows_of(&self, joint: usize, whitener: &Whitener) -> Vec<Column> {
+    pub(super) fn with_rows_of(&self, joint: usize, whitener: &Whitener) -> Vec<Column> {
         let mixed = |(condensed, column): (&Column, &Column)| {
             let whole = whitener.apply(&column.only(&[joint])).parts.into_iter();
             let others = condensed.parts.iter().filter(|(other, _)| *other != joint).map(|(other, part)| {

@@ -18,7 +18,7 @@ type Left<'a> = (&'a Rows, &'a Column);
 
 /// The joints on which the model leaves far more of the held-out rows than of the training rows, of its noise and of what it is unsure of
 /// (root mean square, `[joint]`, N m), and not much less than the `baseline` leaves of the held-out rows.
-pub fn disagreement(
+pub(crate) fn disagreement(
     [train, test]: [Left; 2],
     baseline: &Column,
     noise: &[f64],

@@ -53,7 +53,7 @@ fn orders() -> impl Iterator<Item = f64> {
 
 impl Spectrum {
     /// That of `joint` in a whitened residual.
-    pub fn new(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize) -> Self {
+    pub(super) fn new(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize) -> Self {
         let each: Vec<Power> = orders().filter_map(|order| power(rows, whitener, residual, joint, order)).collect();
         let mut sizes: Vec<f64> = each.iter().map(|power| power.statistic / power.freedom as f64).collect();
         sizes.sort_by(f64::total_cmp);
@@ -62,14 +62,14 @@ impl Spectrum {
     }
 
     /// The likeliest harmonic, its probability that of the best of all orders.
-    pub fn strongest(&self) -> Option<Harmonic> {
+    pub(super) fn strongest(&self) -> Option<Harmonic> {
         let each = self.each.iter().map(|power| self.evidence(power));
         let best = each.min_by(|a, b| a.log_p.total_cmp(&b.log_p))?;
         Some(Harmonic { log_p: (best.log_p + (self.each.len() as f64).ln()).min(0.0), ..best })
     }
 
     /// The harmonic of one of the orders.
-    pub fn at(&self, order: f64) -> Option<Harmonic> {
+    pub(super) fn at(&self, order: f64) -> Option<Harmonic> {
         self.each.iter().find(|power| power.order == order).map(|power| self.evidence(power))
     }
 

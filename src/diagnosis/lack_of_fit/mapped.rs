@@ -20,7 +20,7 @@ const LINE: &str = "oscillates at a fixed frequency";
 ///
 /// # Errors
 /// Those of `apart`.
-pub fn mapped(
+pub(crate) fn mapped(
     map: &ResidualMap,
     cutoffs_hz: &[f64],
     known: &[Unexplained],

@@ -11,8 +11,9 @@ mod mapped;
 mod structure;
 mod unexplained;
 
-pub use above_noise::above_noise;
-pub use disagreement::{LOGS_DISAGREE, disagreement};
-pub use mapped::mapped;
-pub use structure::Unexplained;
-pub use unexplained::unexplained;
+pub(crate) use above_noise::above_noise;
+pub use disagreement::LOGS_DISAGREE;
+pub(crate) use disagreement::disagreement;
+pub(crate) use mapped::mapped;
+pub(crate) use structure::Unexplained;
+pub(crate) use unexplained::unexplained;

@@ -116,7 +116,7 @@ pub(super) struct Fitted<'a> {
 impl Under {
     /// The share of a joint's residual that `statistic` is. The fit minimises over all joints, so that it can give more than this
     /// joint has.
-    pub fn share(&self, joint: usize, statistic: f64) -> f64 {
+    pub(super) fn share(&self, joint: usize, statistic: f64) -> f64 {
         let left: f64 = self.fit.residual.part(joint).unwrap_or_default().iter().map(|r| r * r).sum();
         (statistic / left.max(f64::MIN_POSITIVE)).min(1.0)
     }
@@ -134,7 +134,7 @@ impl<'a> Fitted<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(
+    pub(super) fn new(
         session: &'a Session,
         selection: &'a Selection,
         criteria: &'a StructureCriteria,
@@ -173,12 +173,12 @@ impl<'a> Fitted<'a> {
     }
 
     /// The noise under the model.
-    pub fn whitener(&self) -> &Whitener {
+    pub(super) fn whitener(&self) -> &Whitener {
         &self.condensed.whitener
     }
 
     /// The model in a noise that differs on the other joints from that of the search by its misfit alone, for tests on one joint.
-    pub fn under(&self, joint: usize, whitener: Whitener) -> Under {
+    pub(super) fn under(&self, joint: usize, whitener: Whitener) -> Under {
         let mut columns = self.condensed.with_rows_of(joint, &whitener);
         let torque = columns.pop().unwrap_or_default();
         let errors = columns.split_off(self.count);
@@ -189,7 +189,7 @@ impl<'a> Fitted<'a> {
 
     /// The laws that were named on this joint alone, without a rival that may explain the same, of a strength that changes, on training
     /// and held-out rows.
-    pub fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
+    pub(super) fn changing_laws(&self, joint: usize) -> Vec<(Block, Block)> {
         let PreparedLogs { train, test, .. } = &self.session.logs;
         let blocks = self.session.blocks(&self.members).members;
         let mut changing = Vec::new();
@@ -205,7 +205,7 @@ impl<'a> Fitted<'a> {
     }
 
     /// What the training rows show of a block; None where that is no more than chance brings.
-    pub fn seen<'s>(&self, place: &'s Place, block: &Block) -> Option<Seen<'s>> {
+    pub(super) fn seen<'s>(&self, place: &'s Place, block: &Block) -> Option<Seen<'s>> {
         let rows = &self.session.logs.train.rows;
         let plain = place.under.test(&block.columns)?;
         if plain.1.log_p() > self.criteria.suggested_p.ln() {
@@ -238,7 +238,7 @@ impl<'a> Fitted<'a> {
     }
 
     /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding.
-    pub fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
+    pub(super) fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
         let (joint, structure) = (place.joint, block.structure);
         let Seen { under, whitened, test, p, family_wise_p } = seen;
         let Again { chance, gained, significant } =

@@ -22,7 +22,7 @@ const OTHER_KINDS: usize = 2;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn unexplained(
+pub(crate) fn unexplained(
     session: &Session,
     selection: &Selection,
     criteria: &StructureCriteria,

@@ -16,7 +16,7 @@ const SHORTEST_HELD_OUT_S: f64 = 2.0;
 ///
 /// # Errors
 /// If they are shorter than five seconds.
-pub fn check_length(what: &str, logs: &[Screened]) -> Result<()> {
+pub(crate) fn check_length(what: &str, logs: &[Screened]) -> Result<()> {
     let seconds = seconds(logs);
     if logs.is_empty() || seconds >= SHORTEST_S {
         return Ok(());
@@ -32,7 +32,7 @@ pub fn check_length(what: &str, logs: &[Screened]) -> Result<()> {
 ///
 /// # Errors
 /// If they are shorter than two seconds.
-pub fn check_held_out(what: &str, logs: &[Screened]) -> Result<()> {
+pub(crate) fn check_held_out(what: &str, logs: &[Screened]) -> Result<()> {
     let seconds = seconds(logs);
     if logs.is_empty() || seconds >= SHORTEST_HELD_OUT_S {
         return Ok(());
@@ -53,7 +53,7 @@ fn seconds(logs: &[Screened]) -> f64 {
 ///
 /// # Errors
 /// If a log has more than half of the samples of another, or the other of its; both are named.
-pub fn refuse_twice(given: [(&str, &[Screened]); 3]) -> Result<()> {
+pub(crate) fn refuse_twice(given: [(&str, &[Screened]); 3]) -> Result<()> {
     let mut seen: Vec<(String, HashSet<u64>)> = Vec::new();
     for (what, logs) in given {
         for log in logs {

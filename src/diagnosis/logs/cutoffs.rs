@@ -6,10 +6,10 @@ use crate::signal::ZeroPhaseLowPass;
 use rayon::prelude::*;
 
 /// Order of the low-pass of the positions, in each direction: steep, so that a slow motion does not leak past the cut-off.
-pub const ORDER: usize = 6;
+pub(crate) const ORDER: usize = 6;
 
 /// Cut-offs that are tried, Hz.
-pub const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0];
+pub(crate) const CUTOFFS_HZ: [f64; 12] = [3.0, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0, 40.0];
 
 /// The widest of them, Hz.
 const WIDEST_HZ: f64 = CUTOFFS_HZ[CUTOFFS_HZ.len() - 1];
@@ -37,18 +37,18 @@ pub(super) const POINTS: usize = 4000;
 
 /// Cut-offs worth trying up to the one above which there is only white noise, Hz: a lower one distorts the motion a little, and lets
 /// less of the encoder's noise into the accelerations.
-pub fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
+pub(crate) fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
     let lowest = highest_hz * LOWEST_SHARE;
     CUTOFFS_HZ.into_iter().filter(|hz| (lowest..=highest_hz).contains(hz)).collect()
 }
 
 /// The widest cut-off of a log's positions at a rate, Hz.
-pub fn widest(rate_hz: f64) -> f64 {
+pub(crate) fn widest(rate_hz: f64) -> f64 {
     WIDEST_HZ.min(HIGHEST_SHARE * rate_hz)
 }
 
 /// Frequency, Hz, from which on a low-pass makes no difference at a rate: smooth positions hold nothing above it.
-pub fn passes_all(rate_hz: f64) -> f64 {
+pub(crate) fn passes_all(rate_hz: f64) -> f64 {
     WIDEST_HZ.min(FILTER_SHARE * rate_hz)
 }
 
@@ -56,7 +56,7 @@ pub fn passes_all(rate_hz: f64) -> f64 {
 ///
 /// # Errors
 /// If a log is too short for the filters.
-pub fn cutoff(recordings: &[&Recording]) -> Result<f64> {
+pub(crate) fn cutoff(recordings: &[&Recording]) -> Result<f64> {
     let jobs: Vec<(&Recording, usize)> =
         recordings.iter().flat_map(|&recording| (0..recording.joints()).map(move |joint| (recording, joint))).collect();
     let each: Vec<f64> = jobs
@@ -110,7 +110,7 @@ fn highest_band(q: &[f64], rate_hz: f64, holds: impl Fn(&[f64], f64) -> bool) ->
 }
 
 /// Mean square away from both ends, where the filters settle.
-pub fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
+pub(crate) fn inner_power(signal: &[f64], rate_hz: f64) -> f64 {
     let cut = (2.0 * rate_hz) as usize;
     let inner = if signal.len() > 4 * cut { &signal[cut..signal.len() - cut] } else { signal };
     inner.iter().map(|x| x * x).sum::<f64>() / inner.len() as f64
@@ -130,16 +130,16 @@ fn share(gain: impl Fn(f64) -> f64, rate_hz: f64) -> f64 {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::random;
     use rand_distr::{Distribution, StandardNormal};
 
     /// Rate of the positions of [`swing`], Hz.
-    pub const RATE: f64 = 500.0;
+    pub(crate) const RATE: f64 = 500.0;
 
     /// Positions over 20 s: a slow swing, one of `size` at `hz`, and an encoder's noise.
-    pub fn swing(hz: f64, size: f64) -> Vec<f64> {
+    pub(crate) fn swing(hz: f64, size: f64) -> Vec<f64> {
         let mut source = random::stream(5, "cut-off", 0);
         (0..10_000)
             .map(|k| {

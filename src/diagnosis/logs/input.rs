@@ -20,7 +20,7 @@ pub struct Input<'a> {
 }
 
 /// The first and the last part of every log.
-pub fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
+pub(crate) fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
     let end = |log: &Recording| ((1.0 - HELD_OUT) * log.samples() as f64) as usize;
     logs.iter().map(|log| (log.slice(0..end(log)), log.slice(end(log)..log.samples()))).unzip()
 }

@@ -12,14 +12,15 @@ mod low_pass;
 mod rows;
 mod screening;
 
-pub use admission::{check_held_out, check_length, refuse_twice};
-pub use cutoffs::{CUTOFFS_HZ, ORDER, cutoff, cutoffs_up_to, inner_power, passes_all, widest};
+pub(crate) use admission::{check_held_out, check_length, refuse_twice};
+pub(crate) use cutoffs::{CUTOFFS_HZ, ORDER, cutoff, cutoffs_up_to, inner_power, passes_all, widest};
 pub use given::GivenLog;
-pub use input::{CleanLogs, Input, split};
-pub use log::Log;
-pub use low_pass::LowPass;
-pub use rows::{FEWEST_ROWS, FEWEST_TEST_ROWS, Rows};
-pub use screening::{
-    Consequence, DataFault, Screened, all_faults, correct, screen, screen_all, screen_in_own_units, shared_verdict,
-    still_joints,
-};
+pub use input::CleanLogs;
+pub(crate) use input::Input;
+pub(crate) use input::split;
+pub(crate) use log::Log;
+pub(crate) use low_pass::LowPass;
+pub(crate) use rows::Rows;
+pub(crate) use rows::{FEWEST_ROWS, FEWEST_TEST_ROWS};
+pub use screening::{Consequence, DataFault, Screened, screen};
+pub(crate) use screening::{all_faults, correct, screen_all, screen_in_own_units, shared_verdict, still_joints};

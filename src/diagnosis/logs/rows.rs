@@ -34,9 +34,9 @@ const HARDLY_SMOOTHED: f64 = 0.5;
 const KEPT_SHARE: f64 = 0.85;
 
 /// Fewest rows that count on every joint, to identify from.
-pub const FEWEST_ROWS: usize = 100;
+pub(crate) const FEWEST_ROWS: usize = 100;
 /// Fewest rows that count on every joint, to judge by.
-pub const FEWEST_TEST_ROWS: usize = 30;
+pub(crate) const FEWEST_TEST_ROWS: usize = 30;
 
 /// All logs of one kind, their blocks one after the other. Signals over the rows have one value per block of every log.
 #[derive(Debug, Clone)]

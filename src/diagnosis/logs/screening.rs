@@ -68,7 +68,7 @@ pub fn screen(name: &str, sieved: Sieved, robot: &Robot) -> Result<Screened> {
 ///
 /// # Errors
 /// Those of the filters; each log has those of [`screen`] for itself.
-pub fn screen_all(logs: Vec<(String, Sieved)>, robot: &Robot) -> Result<Vec<Result<Screened>>> {
+pub(crate) fn screen_all(logs: Vec<(String, Sieved)>, robot: &Robot) -> Result<Vec<Result<Screened>>> {
     let sieved: Vec<&Sieved> = logs.iter().map(|(_, sieved)| sieved).collect();
     let reports = quality::examine_together(&sieved, Some(robot))?.reports;
     let ready = |((name, sieved), report): ((String, Sieved), quality::Report)| ready(name, sieved, report);
@@ -79,7 +79,7 @@ pub fn screen_all(logs: Vec<(String, Sieved)>, robot: &Robot) -> Result<Vec<Resu
 ///
 /// # Errors
 /// Those of [`screen_all`].
-pub fn screen_in_own_units(
+pub(crate) fn screen_in_own_units(
     mut logs: Vec<(String, Sieved)>,
     robot: &Robot,
 ) -> Result<(Vec<Result<Screened>>, UnitChanges)> {
@@ -138,7 +138,7 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
 }
 
 /// What is wrong with the description of all logs alike; none where one log denies it.
-pub fn shared_verdict(logs: &[&mut Screened]) -> Option<Verdict> {
+pub(crate) fn shared_verdict(logs: &[&mut Screened]) -> Option<Verdict> {
     let verdict = logs.first()?.verdict.clone()?;
     let agrees = |other: &Verdict| other.description.same_as(&verdict.description);
     logs.iter().all(|log| log.verdict.as_ref().is_some_and(agrees)).then_some(verdict)
@@ -146,7 +146,7 @@ pub fn shared_verdict(logs: &[&mut Screened]) -> Option<Verdict> {
 
 /// Puts right what is wrong beyond doubt with the description of all `logs`, in the logs and in the gravity of `robot`.
 /// Nothing is changed where there is nothing to correct, or a doubt.
-pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) {
+pub(crate) fn correct(logs: &mut [&mut Screened], robot: &mut Robot) {
     let beyond_doubt = logs.iter().all(|log| log.verdict.as_ref().is_some_and(|verdict| verdict.beyond_doubt));
     let Some(verdict) = shared_verdict(logs).filter(|_| beyond_doubt) else { return };
     for log in logs.iter_mut() {
@@ -160,7 +160,12 @@ pub fn correct(logs: &mut [&mut Screened], robot: &mut Robot) {
 
 /// All faults, those that stop first. A joint that moves in the logs that judge and in none to identify from stops the
 /// diagnosis too.
-pub fn all_faults(train: &[Screened], test: &[Screened], reference: &[Screened], robot: &Robot) -> Vec<DataFault> {
+pub(crate) fn all_faults(
+    train: &[Screened],
+    test: &[Screened],
+    reference: &[Screened],
+    robot: &Robot,
+) -> Vec<DataFault> {
     let others = [test, reference].concat();
     let moves_elsewhere = |joint: usize| others.iter().any(|log| hardly_moves(log, joint).is_none());
     let still = still_joints(train, robot).into_iter().filter(|(joint, _)| moves_elsewhere(*joint));
@@ -195,7 +200,7 @@ fn hardly_moves(log: &Screened, joint: usize) -> Option<&DataFault> {
 }
 
 /// Joints that hardly move in any of the logs, with their faults.
-pub fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
+pub(crate) fn still_joints(logs: &[Screened], robot: &Robot) -> Vec<(usize, DataFault)> {
     (0..robot.dof())
         .filter_map(|joint| {
             let each: Vec<DataFault> = logs.iter().filter_map(|log| hardly_moves(log, joint).cloned()).collect();

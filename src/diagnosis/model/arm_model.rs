@@ -104,6 +104,6 @@ impl ArmModel<'_> {
 }
 
 /// A value within the bounds of its parameter.
-pub fn bounded(parameter: &Parameter, value: f64) -> f64 {
+pub(crate) fn bounded(parameter: &Parameter, value: f64) -> f64 {
     value.clamp(parameter.lower, parameter.upper)
 }

@@ -56,7 +56,7 @@ impl Candidate {
 }
 
 /// An effect at a place, in one log or in all.
-pub type Slot = (Family, Option<usize>);
+pub(crate) type Slot = (Family, Option<usize>);
 
 /// An effect at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -71,7 +71,7 @@ pub struct Family {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
+pub(crate) fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Column>>> {
     columns_in(arm, rows, None, placed, Moved::Tested)
 }
 
@@ -79,7 +79,7 @@ pub fn columns(arm: &Arm, rows: &Rows, placed: &[Placed]) -> Result<Vec<Vec<Colu
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn columns_in(
+pub(crate) fn columns_in(
     arm: &Arm,
     rows: &Rows,
     log: Option<usize>,
@@ -137,7 +137,7 @@ fn size(placed: &Placed, index: usize) -> f64 {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
+pub(crate) fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<Candidate>> {
     let mut all = lasting(arm, rows, trust, only)?;
     let events = throughout(arm, rows, wanted(rows, trust, only).filter(|effect| is_event(*effect)))?;
     // What happens to the arm from outside happens in one log.
@@ -170,7 +170,12 @@ fn lasting(arm: &Arm, rows: &Rows, trust: Trust, only: &[String]) -> Result<Vec<
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn carried_on(mut candidates: Vec<Candidate>, arm: &Arm, length: usize, later: &Rows) -> Result<Vec<Candidate>> {
+pub(crate) fn carried_on(
+    mut candidates: Vec<Candidate>,
+    arm: &Arm,
+    length: usize,
+    later: &Rows,
+) -> Result<Vec<Candidate>> {
     candidates.retain(|candidate| !is_event(candidate.placed.effect) && !acts_upon_arm(candidate.placed.effect));
     let placed: Vec<Placed> = candidates.iter().map(|candidate| candidate.placed.clone()).collect();
     let lengths = [length, later.len()];
@@ -186,7 +191,7 @@ pub fn carried_on(mut candidates: Vec<Candidate>, arm: &Arm, length: usize, late
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn renewed(
+pub(crate) fn renewed(
     mut candidates: Vec<Candidate>,
     arm: &Arm,
     rows: &Rows,
@@ -218,7 +223,7 @@ fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn
 }
 
 /// Whether an effect is to be looked for: against logs from before a change nothing hides it.
-pub fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
+pub(crate) fn is_wanted(effect: &dyn Effect, only: &[String]) -> bool {
     only.is_empty() || only.iter().any(|name| name == effect.about().name)
 }
 

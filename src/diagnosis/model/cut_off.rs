@@ -8,11 +8,11 @@ use crate::diagnosis::logs::{Log, Rows};
 const FEWEST: usize = 3;
 
 /// Slope of measured torque against the model's, half way between torque that is cut off (0) and torque that is not (1).
-pub const FLAT: f64 = 0.5;
+pub(crate) const FLAT: f64 = 0.5;
 
 /// Slope of the measured torque of `joint` over the model's wherever the arm as found has more than `level`, N m: [`FLAT`] lies between torque
 /// that is cut off and torque that is not. NaN where the model nowhere has.
-pub fn slope_beyond(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> f64 {
+pub(crate) fn slope_beyond(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> f64 {
     let [mut together, mut model_alone] = [0.0; 2];
     for log in &rows.logs[rows.before..] {
         let model = arm.torque(&log.motion, &log.motion);

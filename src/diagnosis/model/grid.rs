@@ -81,7 +81,7 @@ fn departures(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> V
 
 /// Sizes at which the columns of a departure that bends are taken on a joint, without signs, the smallest first: below that one
 /// the torque is as good as straight in it.
-pub fn sizes(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
+pub(crate) fn sizes(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) -> Vec<f64> {
     let parameter = &effect.parameters()[index];
     if effect.search(index) == Search::Compliance {
         return compliances(parameter, largest_torque(rows, joint));
@@ -120,7 +120,7 @@ fn shape_bounds(effect: &dyn Effect, index: usize, joint: usize, rows: &Rows) ->
 
 /// A shape within its bounds and away from where its effect is one of the baseline: a power of speed near one takes
 /// coefficients of any size that all but cancel the viscous friction's.
-pub fn within_bounds(effect: &dyn Effect, index: usize, value: f64, joint: usize, rows: &Rows) -> f64 {
+pub(crate) fn within_bounds(effect: &dyn Effect, index: usize, value: f64, joint: usize, rows: &Rows) -> f64 {
     let (low, high) = shape_bounds(effect, index, joint, rows);
     let value = value.clamp(low, high);
     match effect.search(index) == Search::PowerOfSpeed && (value - 1.0).abs() < APART {

@@ -17,18 +17,21 @@ mod prepared;
 mod roles;
 mod session;
 
-pub use arm::{Arm, Moved};
-pub use arm_model::{ArmModel, bounded};
-pub use blocks::{MemberBlock, ParameterBlocks};
-pub use candidates::{
-    Candidate, Family, Slot, all_candidates, carried_on, columns, columns_in, is_candidate, is_wanted, places, renewed,
-};
-pub use cut_off::{FLAT, slope_beyond};
+pub(crate) use arm::{Arm, Moved};
+pub(crate) use arm_model::ArmModel;
+pub(crate) use arm_model::bounded;
+pub(crate) use blocks::{MemberBlock, ParameterBlocks};
+pub(crate) use candidates::Candidate;
+pub use candidates::{Family, is_candidate, places};
+pub(crate) use candidates::{Slot, all_candidates, carried_on, columns, columns_in, is_wanted, renewed};
+pub(crate) use cut_off::{FLAT, slope_beyond};
 pub use data_set::DataSet;
-pub use errors_in_variables::Nuisances;
-pub use grid::{sizes, within_bounds};
-pub use known::Known;
-pub use member::Member;
-pub use prepared::PreparedLogs;
-pub use roles::{bends, is_event, is_level, is_shift, linear, prior, shapes};
-pub use session::{Fit, Session};
+pub(crate) use errors_in_variables::Nuisances;
+pub(crate) use grid::{sizes, within_bounds};
+pub(crate) use known::Known;
+pub(crate) use member::Member;
+pub(crate) use prepared::PreparedLogs;
+pub use roles::is_level;
+pub(crate) use roles::{bends, is_event, is_shift, linear, prior, shapes};
+pub(crate) use session::Fit;
+pub use session::Session;

@@ -4,12 +4,12 @@ use crate::effects::{Effect, Nature, Placed, Role, Search, Site};
 use crate::robot::Robot;
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
-pub fn linear(effect: &dyn Effect) -> Vec<usize> {
+pub(crate) fn linear(effect: &dyn Effect) -> Vec<usize> {
     with_role(effect, |role| matches!(role, Role::Amplitude | Role::Departure))
 }
 
 /// Indices of the shapes, and of departures that are levels.
-pub fn shapes(effect: &dyn Effect) -> Vec<usize> {
+pub(crate) fn shapes(effect: &dyn Effect) -> Vec<usize> {
     let level = is_level(effect);
     with_role(effect, |role| role == Role::Shape || (level && role == Role::Departure))
 }
@@ -21,12 +21,12 @@ pub fn is_level(effect: &dyn Effect) -> bool {
 
 /// Whether the torque of a departure is not straight in it: times by which signals are moved, and the compliance of gears, on
 /// which links swing.
-pub fn bends(effect: &dyn Effect, index: usize) -> bool {
+pub(crate) fn bends(effect: &dyn Effect, index: usize) -> bool {
     matches!(effect.search(index), Search::Shift | Search::Compliance)
 }
 
 /// Prior standard deviations of the factors of an effect's columns; infinite where nothing is known beforehand.
-pub fn prior(placed: &Placed, robot: &Robot) -> Vec<f64> {
+pub(crate) fn prior(placed: &Placed, robot: &Robot) -> Vec<f64> {
     let own = placed.effect.prior(placed.joint, robot);
     own.unwrap_or_else(|| vec![f64::INFINITY; linear(placed.effect).len()])
 }
@@ -43,11 +43,11 @@ pub(super) fn acts_upon_arm(effect: &dyn Effect) -> bool {
 }
 
 /// Whether an effect shifts or spreads torque in time.
-pub fn is_shift(effect: &dyn Effect) -> bool {
+pub(crate) fn is_shift(effect: &dyn Effect) -> bool {
     matches!(effect.about().nature, Nature::Lag | Nature::Delay)
 }
 
 /// Whether an effect comes and goes on its own, whatever the motion.
-pub fn is_event(effect: &dyn Effect) -> bool {
+pub(crate) fn is_event(effect: &dyn Effect) -> bool {
     effect.about().nature == Nature::Event
 }

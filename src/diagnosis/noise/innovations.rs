@@ -43,7 +43,7 @@ enum Update {
 
 impl InnovationsFilter {
     /// For rows of which `valid` count; `starts` are the first rows of every log.
-    pub fn new(noise: AutoregressiveNoise, valid: &[bool], starts: &[usize]) -> Self {
+    pub(super) fn new(noise: AutoregressiveNoise, valid: &[bool], starts: &[usize]) -> Self {
         let order = noise.coefficients.len();
         let stationary = stationary_covariance(&noise.coefficients);
         let mut covariance = stationary.clone();
@@ -74,22 +74,22 @@ impl InnovationsFilter {
     }
 
     /// The noise.
-    pub fn noise(&self) -> &AutoregressiveNoise {
+    pub(super) fn noise(&self) -> &AutoregressiveNoise {
         &self.noise
     }
 
     /// Valid rows.
-    pub fn rows(&self) -> &[usize] {
+    pub(super) fn rows(&self) -> &[usize] {
         &self.rows
     }
 
     /// The same colour with the standard deviation times `factor`.
-    pub fn scale_noise(&mut self, factor: f64) {
+    pub(super) fn scale_noise(&mut self, factor: f64) {
         self.noise.innovation_std *= factor;
     }
 
     /// A signal over all rows, whitened; rows that are not valid are gone.
-    pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
+    pub(super) fn apply(&self, signal: &[f64]) -> Vec<f64> {
         let coefficients = &self.noise.coefficients;
         let scale = 1.0 / self.noise.innovation_std;
         let order = coefficients.len();

@@ -7,4 +7,5 @@ mod innovations;
 mod noise_spectrum;
 mod whitening;
 
-pub use whitening::{Whitener, rich};
+pub use whitening::Whitener;
+pub(crate) use whitening::rich;

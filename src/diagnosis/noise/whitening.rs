@@ -228,7 +228,7 @@ fn lags(signal: &[f64], valid: &[bool]) -> Vec<f64> {
 }
 
 /// What smooth functions of a joint's own motion can do, friction-like and position-like, `[column][row]`.
-pub fn rich(rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
+pub(crate) fn rich(rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
     let law = |f: &dyn Fn(f64, f64) -> f64| {
         rows.signal(|log| {
             let (q, v) = (log.motion.q.channel(joint), log.motion.qd.channel(joint));

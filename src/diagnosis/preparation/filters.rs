@@ -42,7 +42,7 @@ impl<'a> Preparation<'a> {
     ///
     /// # Errors
     /// If a log is too short.
-    pub fn new(
+    pub(super) fn new(
         model: &'a Model,
         known: &'a Known<'a>,
         train: &[&'a Recording],
@@ -54,18 +54,18 @@ impl<'a> Preparation<'a> {
     }
 
     /// The same logs with other things known.
-    pub fn knowing<'b>(&'b self, known: &'b Known<'b>) -> Preparation<'b> {
+    pub(super) fn knowing<'b>(&'b self, known: &'b Known<'b>) -> Preparation<'b> {
         let Preparation { model, ref train, test, whole_hz, .. } = *self;
         Preparation { model, known, train: train.clone(), test, whole_hz }
     }
 
     /// Whether no log is both identified from and judged by.
-    pub fn is_apart(&self) -> bool {
+    pub(super) fn is_apart(&self) -> bool {
         !self.test.iter().any(|log| self.train.iter().any(|other| std::ptr::eq(*log, *other)))
     }
 
     /// One cut-off for every joint.
-    pub fn alike(&self, hz: f64) -> Vec<f64> {
+    pub(super) fn alike(&self, hz: f64) -> Vec<f64> {
         vec![hz; self.model.dof()]
     }
 
@@ -78,7 +78,7 @@ impl<'a> Preparation<'a> {
     ///
     /// # Errors
     /// If a log is too short or a joint hardly moves.
-    pub fn prepared(&self) -> Result<Prepared> {
+    pub(super) fn prepared(&self) -> Result<Prepared> {
         let prepared = match self.best_of(None) {
             Some(best) => best,
             // With no cut-off there are enough rows; the error of the widest is the clearest.
@@ -95,12 +95,17 @@ impl<'a> Preparation<'a> {
     ///
     /// # Errors
     /// If a log is too short.
-    pub fn own_cutoffs(&self, along: (&Arm, &Rows), of_fit: (&Whitener, &Column), cutoff_hz: f64) -> Result<Vec<f64>> {
+    pub(super) fn own_cutoffs(
+        &self,
+        along: (&Arm, &Rows),
+        of_fit: (&Whitener, &Column),
+        cutoff_hz: f64,
+    ) -> Result<Vec<f64>> {
         smoothing::of_joints(along, of_fit, &self.train, [cutoff_hz, self.whole_hz])
     }
 
     /// The cut-off to take where this one makes the torque likeliest.
-    pub fn raised(&self, likeliest_hz: f64) -> f64 {
+    pub(super) fn raised(&self, likeliest_hz: f64) -> f64 {
         cutoffs_up_to(self.whole_hz)
             .into_iter()
             .filter(|hz| *hz > likeliest_hz)
@@ -113,7 +118,7 @@ impl<'a> Preparation<'a> {
     ///
     /// # Errors
     /// If a log is too short or a joint hardly moves.
-    pub fn data_sets(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[DataSet; 2]> {
+    pub(super) fn data_sets(&self, through: Option<LowPass>, cutoffs_hz: &[f64]) -> Result<[DataSet; 2]> {
         let fewest = self.on_equations(FEWEST_TEST_ROWS);
         let rows = Rows::logged_through(through, self.test, (cutoffs_hz, self.whole_hz), &fewest);
         let rows = rows.map_err(of_held_out)?;

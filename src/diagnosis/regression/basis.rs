@@ -28,12 +28,12 @@ struct Block {
 
 impl Basis {
     /// Number of directions.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.beforehand.len()
     }
 
     /// Inner products, `[direction][column]`.
-    pub fn along(&self, columns: &[Column]) -> DMatrix<f64> {
+    pub(super) fn along(&self, columns: &[Column]) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(self.len(), columns.len());
         for (joint, blocks) in self.by_joint() {
             let (own, values) = on_joint(columns, joint);
@@ -58,7 +58,7 @@ impl Basis {
     }
 
     /// Takes from every column its parts `along` the directions.
-    pub fn subtract(&self, columns: &mut [Column], along: &DMatrix<f64>) {
+    pub(super) fn subtract(&self, columns: &mut [Column], along: &DMatrix<f64>) {
         for (joint, blocks) in self.by_joint() {
             let acts = |column: usize| {
                 blocks.iter().flat_map(|block| &block.places).any(|&place| along[(place, column)] != 0.0)
@@ -86,7 +86,7 @@ impl Basis {
     }
 
     /// Adds directions of unit length that are orthogonal to all and to each other.
-    pub fn extend(&mut self, directions: Vec<Column>) {
+    pub(super) fn extend(&mut self, directions: Vec<Column>) {
         for joint in joints_of(&directions) {
             let (own, values) = on_joint(&directions, joint);
             let (rows, places) = (values.len() / own.len(), own.into_iter().map(|place| self.len() + place).collect());
@@ -96,7 +96,7 @@ impl Basis {
     }
 
     /// The directions as columns.
-    pub fn columns(&self) -> Vec<Column> {
+    pub(super) fn columns(&self) -> Vec<Column> {
         let mut columns: Vec<Column> =
             self.beforehand.iter().map(|known| Column { parts: Vec::new(), beforehand: known.clone() }).collect();
         for block in &self.blocks {

@@ -120,12 +120,12 @@ impl Column {
 }
 
 /// Joints on which any of `columns` acts.
-pub fn joints_of(columns: &[Column]) -> BTreeSet<usize> {
+pub(crate) fn joints_of(columns: &[Column]) -> BTreeSet<usize> {
     columns.iter().flat_map(|column| column.parts.iter().map(|(joint, _)| *joint)).collect()
 }
 
 /// The sum of `columns` with their `values`.
-pub fn combined(columns: &[Column], values: &[f64]) -> Column {
+pub(crate) fn combined(columns: &[Column], values: &[f64]) -> Column {
     let mut sum = Column::default();
     for (column, &value) in columns.iter().zip(values) {
         sum.add(value, column);

@@ -9,6 +9,10 @@ mod column;
 mod score;
 mod solution;
 
-pub use column::{Column, combined, joints_of, rms};
-pub use score::{Projection, Test, fisher, log_survival};
-pub use solution::{JointEquations, Solved, gram, solve, solve_normal};
+pub use column::{Column, rms};
+pub(crate) use column::{combined, joints_of};
+pub use score::Projection;
+pub(crate) use score::Test;
+pub(crate) use score::{fisher, log_survival};
+pub(crate) use solution::Solved;
+pub(crate) use solution::{JointEquations, gram, solve, solve_normal};

@@ -202,7 +202,7 @@ impl Test {
 }
 
 /// Logarithm of the probability that chi-square exceeds `x`.
-pub fn log_survival(x: f64, freedom: usize) -> f64 {
+pub(crate) fn log_survival(x: f64, freedom: usize) -> f64 {
     if freedom == 0 || x <= 0.0 {
         return 0.0;
     }
@@ -216,7 +216,7 @@ pub fn log_survival(x: f64, freedom: usize) -> f64 {
 
 /// Logarithm of the probability of independent probabilities, given by their logarithms, whose product is as small
 /// (Fisher, Statistical Methods for Research Workers, 1925).
-pub fn fisher(log_p: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn fisher(log_p: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = log_p.into_iter().fold((0.0, 0), |(sum, count), log_p| (sum - 2.0 * log_p, count + 1));
     log_survival(sum, 2 * count)
 }

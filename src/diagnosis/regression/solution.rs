@@ -26,13 +26,13 @@ pub struct Solved {
 }
 
 /// Fits whitened torque by whitened columns; directions that the rows do not determine stay at zero.
-pub fn solve(columns: &[Column], torque: &Column) -> Solved {
+pub(crate) fn solve(columns: &[Column], torque: &Column) -> Solved {
     let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| column.dot(torque)));
     solve_normal(gram(columns), right)
 }
 
 /// The same from the inner products of the columns with each other and with the torque.
-pub fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) -> Solved {
+pub(crate) fn solve_normal(mut normal: DMatrix<f64>, mut right: DVector<f64>) -> Solved {
     let norms: Vec<f64> = normal.diagonal().iter().map(|&n| if n > 0.0 { n.sqrt() } else { 1.0 }).collect();
     for (r, row_norm) in norms.iter().enumerate() {
         for (c, norm) in norms.iter().enumerate() {
@@ -99,7 +99,7 @@ impl Solved {
 
 /// Normal equations of a fit joint by joint, so that each joint's rows can be weighed anew without going through them again.
 #[derive(Debug)]
-pub struct JointEquations {
+pub(crate) struct JointEquations {
     joints: Vec<OfJoint>,
     columns: usize,
 }
@@ -118,7 +118,7 @@ struct OfJoint {
 
 impl JointEquations {
     /// Of a fit of whitened `torque` by whitened `columns`.
-    pub fn new(columns: &[Column], torque: &Column) -> Self {
+    pub(crate) fn new(columns: &[Column], torque: &Column) -> Self {
         let of_joint = |(joint, torque): &(usize, Vec<f64>)| {
             let (places, values) = on_joint(columns, *joint);
             let torque = DVector::from_column_slice(torque);
@@ -130,7 +130,7 @@ impl JointEquations {
     }
 
     /// Sum of squares that the fit leaves of each joint, where its noise is `factors` times stronger, in units of that noise.
-    pub fn squared_residuals(&self, factors: &[f64]) -> Vec<f64> {
+    pub(crate) fn squared_residuals(&self, factors: &[f64]) -> Vec<f64> {
         let mut normal = DMatrix::zeros(self.columns, self.columns);
         let mut right = DVector::zeros(self.columns);
         for OfJoint { joint, places, gram, right: own, .. } in &self.joints {
@@ -150,7 +150,7 @@ impl JointEquations {
 }
 
 /// Inner products of all columns.
-pub fn gram(columns: &[Column]) -> DMatrix<f64> {
+pub(crate) fn gram(columns: &[Column]) -> DMatrix<f64> {
     let count = columns.len();
     let known = |r: usize, c: usize| columns[r].dot_beforehand(&columns[c]);
     let mut gram = DMatrix::from_fn(count, count, known);

@@ -45,7 +45,7 @@ pub(super) struct Estimates {
 
 impl BlockProducts {
     /// Of whitened `columns` and `torque` over the rows that `whitener` keeps of `rows`.
-    pub fn new(rows: &Rows, whitener: &Whitener, columns: &[Column], torque: &Column) -> Self {
+    pub(super) fn new(rows: &Rows, whitener: &Whitener, columns: &[Column], torque: &Column) -> Self {
         let norms: Vec<f64> = columns.iter().map(|column| column.dot(column).sqrt()).collect();
         let norms: Vec<f64> = norms.into_iter().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
         let count = columns.len();
@@ -82,7 +82,7 @@ impl BlockProducts {
     }
 
     /// Estimates of the factors of the columns at `kept`, by all rows, and without each block if `scatter` is wanted.
-    pub fn estimates(&self, kept: &[usize], scatter: bool) -> Estimates {
+    pub(super) fn estimates(&self, kept: &[usize], scatter: bool) -> Estimates {
         let part = |products: &Products| Products {
             gram: products.gram.select_rows(kept).select_columns(kept),
             right: products.right.select_rows(kept),
@@ -116,7 +116,7 @@ fn factored(mut gram: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
 impl Estimates {
     /// Standard deviation of a factor by the scatter of the estimates without each block (jackknife; Efron and Stein, Annals of
     /// Statistics 9, 1981), and its degrees of freedom; None where there are too few blocks.
-    pub fn scatter(&self, place: usize) -> Option<(f64, f64)> {
+    pub(super) fn scatter(&self, place: usize) -> Option<(f64, f64)> {
         let count = self.without.len() as f64;
         if self.without.is_empty() {
             return None;

@@ -16,7 +16,7 @@ use crate::error::Result;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn hold_undetermined(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<bool> {
+pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<bool> {
     let change = session.logs.train.rows.of_change();
     let mut some = false;
     with_scatter(session, found, whitener)?;

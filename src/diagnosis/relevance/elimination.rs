@@ -24,7 +24,7 @@ pub struct Minor {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn eliminate(
+pub(crate) fn eliminate(
     session: &Session,
     found: &mut Vec<Found>,
     whitener: &Whitener,
@@ -56,7 +56,7 @@ pub fn eliminate(
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn with_scatter(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<()> {
+pub(crate) fn with_scatter(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<()> {
     if found.is_empty() {
         return Ok(());
     }

@@ -25,7 +25,7 @@ impl<'a> HeldFit<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
+    pub(super) fn new(session: &'a Session<'a>, members: &[Member], whitener: &Whitener) -> Result<Self> {
         let blocks = session.blocks(members);
         let with_torques = |data: &DataSet| -> Result<Vec<Column>> {
             let mut columns = session.model.columns(data, members)?;
@@ -42,18 +42,18 @@ impl<'a> HeldFit<'a> {
     }
 
     /// Places of the baseline's columns and of those of the members at `kept`.
-    pub fn places(&self, kept: &[usize]) -> Vec<usize> {
+    pub(super) fn places(&self, kept: &[usize]) -> Vec<usize> {
         let members = kept.iter().flat_map(|&member| self.blocks.members[member].all());
         self.blocks.baseline.clone().chain(members).collect()
     }
 
     /// Places of the columns of a member's law.
-    pub fn law(&self, member: usize) -> Range<usize> {
+    pub(super) fn law(&self, member: usize) -> Range<usize> {
         self.blocks.members[member].amplitudes.clone()
     }
 
     /// Residuals along the training and the held-out logs of the model with the members at `kept`.
-    pub fn residuals(&self, kept: &[usize]) -> [Column; 2] {
+    pub(super) fn residuals(&self, kept: &[usize]) -> [Column; 2] {
         let places = self.places(kept);
         let Estimates { values, .. } = self.products.estimates(&places, false);
         [(&self.session.logs.train, &self.train), (&self.session.logs.test, &self.test)].map(|(data, columns)| {
@@ -65,7 +65,7 @@ impl<'a> HeldFit<'a> {
 
     /// Standard deviations by the scatter between blocks of the factors of each member at `kept`, in the order of its columns; None where
     /// there are too few blocks.
-    pub fn scatters(&self, kept: &[usize]) -> Option<Vec<Vec<f64>>> {
+    pub(super) fn scatters(&self, kept: &[usize]) -> Option<Vec<Vec<f64>>> {
         let estimates = self.products.estimates(&self.places(kept), true);
         let mut place = self.blocks.baseline.end;
         kept.iter()
@@ -79,7 +79,7 @@ impl<'a> HeldFit<'a> {
 
     /// Strength of the member at `kept[index]` in units of what was found, with its standard deviation by the scatter between blocks and
     /// the degrees of freedom of that: its shapes are held, all else in the model is free. None where there are too few blocks.
-    pub fn strength(&self, kept: &[usize], index: usize) -> Option<[f64; 3]> {
+    pub(super) fn strength(&self, kept: &[usize], index: usize) -> Option<[f64; 3]> {
         let others: Vec<usize> = kept.iter().copied().filter(|&member| member != kept[index]).collect();
         let mut places = self.places(&others);
         places.push(self.train.len() - self.blocks.members.len() + kept[index]);

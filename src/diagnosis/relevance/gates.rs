@@ -47,7 +47,7 @@ pub(super) struct Judged {
 
 impl Judged {
     /// The first gate that fails.
-    pub fn failed(&self) -> Option<Judgement> {
+    pub(super) fn failed(&self) -> Option<Judgement> {
         self.judgements.iter().copied().find(|judgement| !judgement.passed)
     }
 }
@@ -57,7 +57,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(
+    pub(super) fn new(
         session: &'a Session<'a>,
         members: &'a [Member],
         whitener: &Whitener,
@@ -81,7 +81,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Judges every member at `kept` but those that are held, which do not rest on residuals.
-    pub fn of(&self, kept: &[usize]) -> Vec<Judged> {
+    pub(super) fn of(&self, kept: &[usize]) -> Vec<Judged> {
         let with = self.fit.residuals(kept);
         let judged = (0..kept.len()).into_par_iter().filter(|&index| !self.members[kept[index]].held);
         judged.map(|index| self.judged(kept, index, &with)).collect()
@@ -148,7 +148,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The joint that the model with the members at `kept` predicts worst over the baseline, if it is predicted worse.
-    pub fn worse_than_baseline(&self, kept: &[usize]) -> Option<(usize, f64)> {
+    pub(super) fn worse_than_baseline(&self, kept: &[usize]) -> Option<(usize, f64)> {
         let [_, after] = self.fit.residuals(kept);
         let [old, new] = [&self.baseline, &after].map(|residual| rms(&self.session.logs.test.rows.valid, residual));
         let worse = self.growing_joints([&self.baseline, &after]).map(|joint| (joint, new[joint] / old[joint]));
@@ -156,7 +156,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Of the members at `kept` the place of that without which `joint` is predicted best.
-    pub fn without_which_best(&self, kept: &[usize], joint: usize) -> Option<usize> {
+    pub(super) fn without_which_best(&self, kept: &[usize], joint: usize) -> Option<usize> {
         let left = |index: &usize| {
             let mut others = kept.to_vec();
             others.remove(*index);
@@ -174,7 +174,7 @@ impl<'a> Judge<'a> {
 
     /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; passed where the rows of that
     /// comparison are too long for its law.
-    pub fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
+    pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
         let threshold = self.criteria.beyond_structure;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let fixed: Vec<Column> =

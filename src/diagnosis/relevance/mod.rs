@@ -10,5 +10,6 @@ mod elimination;
 mod fit;
 mod gates;
 
-pub use determined::hold_undetermined;
-pub use elimination::{Minor, eliminate, with_scatter};
+pub(crate) use determined::hold_undetermined;
+pub use elimination::Minor;
+pub(crate) use elimination::{eliminate, with_scatter};

@@ -85,7 +85,7 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn of(&self, winner: &Judged, level: f64, under: Option<Whitener>) -> Result<Outcome> {
+    pub(super) fn of(&self, winner: &Judged, level: f64, under: Option<Whitener>) -> Result<Outcome> {
         match self.seen(winner, level)? {
             Ok(seen) => self.on_held_out_logs(winner, seen, under),
             Err(refusal) => Ok(Outcome::Refused(refusal)),
@@ -96,7 +96,7 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn by_others(&self, winner: &Judged, level: f64) -> Result<Outcome> {
+    pub(super) fn by_others(&self, winner: &Judged, level: f64) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = match self.seen(winner, level)? {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),

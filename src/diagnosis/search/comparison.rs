@@ -179,7 +179,7 @@ fn changes_sooner(candidate: &Candidate, other: &Candidate) -> bool {
 
 impl Chosen {
     /// A rival in the place of the winner, which stays as an alternative.
-    pub fn instead(mut self, rival: &Judged) -> Chosen {
+    pub(super) fn instead(mut self, rival: &Judged) -> Chosen {
         self.alternatives.retain(|other| other.family != rival.candidate.family());
         let winner = Alternative { family: self.winner.candidate.family(), relative_likelihood: 1.0 };
         self.alternatives.insert(0, winner);

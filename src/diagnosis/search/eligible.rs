@@ -17,12 +17,12 @@ pub(super) struct Refused {
 
 impl Refused {
     /// A candidate that may be so all the same, or not.
-    pub fn new(candidate: &Candidate, may_be: bool) -> Self {
+    pub(super) fn new(candidate: &Candidate, may_be: bool) -> Self {
         Refused { slot: candidate.slot(), joints: candidate.joints(), may_be }
     }
 
     /// One that is not significant: it may act, but a saturation limit cannot be judged by a few rows.
-    pub fn faint(candidate: &Candidate) -> Self {
+    pub(super) fn faint(candidate: &Candidate) -> Self {
         Self::new(candidate, !is_level(candidate.placed.effect))
     }
 }
@@ -38,19 +38,19 @@ pub(super) struct Eligible {
 
 impl Eligible {
     /// Given what was found and what was refused.
-    pub fn new(found: &[Found], refused: Vec<Refused>) -> Self {
+    pub(super) fn new(found: &[Found], refused: Vec<Refused>) -> Self {
         let taken = found.iter().map(|found| found.member.candidate.slot()).collect();
         Eligible { taken, refused }
     }
 
     /// Whether a candidate may win.
-    pub fn may_win(&self, candidate: &Candidate) -> bool {
+    pub(super) fn may_win(&self, candidate: &Candidate) -> bool {
         let slot = candidate.slot();
         self.may_be(candidate) && !self.refused.iter().any(|refused| refused.slot == slot)
     }
 
     /// Whether it may be another name for what wins.
-    pub fn may_be(&self, candidate: &Candidate) -> bool {
+    pub(super) fn may_be(&self, candidate: &Candidate) -> bool {
         let slot = candidate.slot();
         let (family, log) = slot;
         !self.refused.iter().any(|refused| refused.slot == slot && !refused.may_be)
@@ -83,7 +83,7 @@ pub(super) struct Contenders<'a> {
 impl<'a> Contenders<'a> {
     /// Those of a `scan` given what was `found` and what was `refused`; None where there are none. `standing` says what may
     /// come of a candidate by its family-wise level.
-    pub fn new(
+    pub(super) fn new(
         scan: &'a Scan,
         found: &[Found],
         refused: &[Refused],

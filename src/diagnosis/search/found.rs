@@ -83,7 +83,7 @@ impl Found {
 }
 
 /// What was found as members of the model.
-pub fn members(found: &[Found]) -> Vec<Member> {
+pub(crate) fn members(found: &[Found]) -> Vec<Member> {
     found.iter().map(|found| found.member.clone()).collect()
 }
 

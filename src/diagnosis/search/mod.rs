@@ -16,7 +16,9 @@ mod selection;
 mod verdict;
 
 #[cfg(test)]
-pub use acceptance::Accepted;
-pub use found::{Alternative, Found, Rejected, members};
-pub use selection::{Selection, select};
+pub(crate) use acceptance::Accepted;
+pub use found::Found;
+pub(crate) use found::members;
+pub(crate) use found::{Alternative, Rejected};
+pub(crate) use selection::{Selection, select};
 pub use verdict::Verdict;

@@ -26,7 +26,7 @@ impl Round {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn first(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+    pub(super) fn first(session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         let all =
             all_candidates(&session.model.arm, &session.logs.train.rows, session.model.trust, &options.candidates)?;
@@ -37,7 +37,7 @@ impl Round {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn over_all_logs(
+    pub(super) fn over_all_logs(
         session: &mut Session,
         found: &mut [Found],
         candidates: Vec<Candidate>,
@@ -54,7 +54,7 @@ impl Round {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
+    pub(super) fn next(self, session: &mut Session, found: &mut [Found], options: &Options) -> Result<Self> {
         let (whitener, fit) = settled(session, found)?;
         drop(self.scan);
         Self::renewed(session, whitener, fit, self.all, options)

@@ -27,7 +27,7 @@ const REFUSALS: usize = 12;
 
 /// What the search came to.
 #[derive(Debug)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// The effects found, in the order in which they were.
     pub found: Vec<Found>,
     /// The best candidates of rounds that failed a gate, and are not among them.
@@ -50,7 +50,7 @@ pub struct Selection {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
+pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch) -> Result<Selection> {
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let mut rejected: Vec<Rejected> = Vec::new();
@@ -146,7 +146,7 @@ impl Selection {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn settle(&mut self, session: &mut Session) -> Result<()> {
+    pub(crate) fn settle(&mut self, session: &mut Session) -> Result<()> {
         (self.whitener, _) = settled(session, &mut self.found)?;
         self.held_out = tell_rms(session, &mut self.found, &self.whitener)?;
         Ok(())

@@ -43,7 +43,7 @@ pub(super) struct Design {
 
 impl Design {
     /// The same without the columns of a law.
-    pub fn without_law(mut self) -> Self {
+    pub(super) fn without_law(mut self) -> Self {
         self.kinds.retain(|(kind, _)| kind.is_some());
         self
     }
@@ -129,7 +129,7 @@ pub(super) struct Raw {
 
 impl Raw {
     /// The regression of `joint`.
-    pub fn new(source: &Source, joint: usize) -> Self {
+    pub(super) fn new(source: &Source, joint: usize) -> Self {
         let averages = Averages::new(source.rows, joint);
         let signals = Signals { rows: source.rows, torque: source.arm, joint };
         let (mut columns, mut kinds) = (Vec::new(), Vec::new());
@@ -162,7 +162,7 @@ impl Raw {
     }
 
     /// With the columns of a law as one more kind, and the share of their square that is left in the means.
-    pub fn with_law(mut self, source: &Source, law: &[Column], joint: usize) -> (Self, f64) {
+    pub(super) fn with_law(mut self, source: &Source, law: &[Column], joint: usize) -> (Self, f64) {
         let averages = Averages::new(source.rows, joint);
         let start = self.z.ncols();
         let (mut left, mut all) = (0.0, 0.0);
@@ -185,12 +185,12 @@ impl Raw {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.y.len()
     }
 
     /// The regression with noise of first-order correlation `rho` between rows made white, and the fixed columns projected out.
-    pub fn design(&self, rho: f64) -> Design {
+    pub(super) fn design(&self, rho: f64) -> Design {
         let x = self.whitened(&self.x, rho);
         let basis = basis(&x);
         let complement = |columns: DMatrix<f64>| &columns - &basis * transposed_product(&basis, &columns);

@@ -116,7 +116,7 @@ pub(super) struct Signals<'a> {
 
 impl Signals<'_> {
     /// The functions of a kind over the rows.
-    pub fn functions(&self, kind: Kind) -> Vec<Vec<f64>> {
+    pub(super) fn functions(&self, kind: Kind) -> Vec<Vec<f64>> {
         let joint = self.joint;
         match kind {
             Kind::Offset => vec![vec![1.0; self.rows.len()]],

@@ -110,7 +110,7 @@ impl ResidualMap {
 }
 
 /// Torque of an arm on every joint over rows, `[joint][row]`, N m.
-pub fn torques(arm: &Arm, rows: &Rows) -> Vec<Vec<f64>> {
+pub(crate) fn torques(arm: &Arm, rows: &Rows) -> Vec<Vec<f64>> {
     let torque = arm.all_torque(rows);
     let part = |joint| torque.part(joint).map_or_else(|| vec![0.0; rows.len()], <[f64]>::to_vec);
     (0..rows.dof()).map(part).collect()

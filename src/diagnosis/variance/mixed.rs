@@ -36,7 +36,7 @@ pub(super) struct Posterior {
 
 impl Posterior {
     /// With the strengths of each kind; None where no kind is present or the matrix is singular.
-    pub fn new(design: &Design, strengths: &[f64], noise: f64) -> Option<Self> {
+    pub(super) fn new(design: &Design, strengths: &[f64], noise: f64) -> Option<Self> {
         let mut columns = Vec::new();
         let mut prior = Vec::new();
         for ((_, range), &strength) in design.kinds.iter().zip(strengths) {
@@ -59,7 +59,7 @@ impl Posterior {
     }
 
     /// What is outside the reach of the random effects, shrunk as they are: `(I - Z A^-1 Z' / noise) columns`.
-    pub fn residual_of(&self, design: &Design, columns: &DMatrix<f64>, noise: f64) -> DMatrix<f64> {
+    pub(super) fn residual_of(&self, design: &Design, columns: &DMatrix<f64>, noise: f64) -> DMatrix<f64> {
         let z = design.z.select_columns(&self.columns);
         columns - &z * self.factor.solve(&(transposed_product(&z, columns) / noise))
     }

@@ -18,6 +18,7 @@ mod mixed;
 mod sign_flips;
 
 pub use kinds::Kind;
-pub use laws::gain_over_generic_functions;
+pub(crate) use laws::gain_over_generic_functions;
 pub use lines::Line;
-pub use map::{JointMap, Part, ResidualMap, torques};
+pub(crate) use map::torques;
+pub use map::{JointMap, Part, ResidualMap};

@@ -7,25 +7,25 @@ use crate::lane::{Kernel, Lane, Lanes};
 use std::ops::Range;
 
 /// The law of one joint, or of a part of its motion. It is written once for single times and for several side by side.
-pub trait Law {
+pub(crate) trait Law {
     /// Position, velocity and acceleration at times `t`, s.
     fn at<L: Lane>(&self, t: L) -> [L; 3];
 }
 
 /// Times in ascending order and where to write position, velocity and acceleration at each of them.
-pub struct Sheet<'a> {
+pub(crate) struct Sheet<'a> {
     times: &'a [f64],
     out: [&'a mut [f64]; 3],
 }
 
 impl Sheet<'_> {
     /// Writes what `law` says at all times.
-    pub fn write(&mut self, lanes: Lanes, law: &impl Law) {
+    pub(crate) fn write(&mut self, lanes: Lanes, law: &impl Law) {
         self.write_part(lanes, law, 0..self.times.len());
     }
 
     /// Writes what the law of every segment says at its times.
-    pub fn write_segments<W: Law>(&mut self, knots: &[f64], law: impl Fn(usize) -> W) {
+    pub(crate) fn write_segments<W: Law>(&mut self, knots: &[f64], law: impl Fn(usize) -> W) {
         let mut first = 0;
         while first < self.times.len() {
             let segment = timing::segment(knots, self.times[first]);
@@ -50,7 +50,7 @@ impl Sheet<'_> {
 }
 
 /// [`Reference::along`] for a motion that is zero at both ends, from the law of each joint.
-pub fn fill_along(
+pub(crate) fn fill_along(
     reference: &impl Reference,
     times: &[f64],
     [q, qd, qdd]: [&mut Channels; 3],

@@ -8,7 +8,9 @@ mod polynomial;
 mod reference;
 pub(super) mod timing;
 
-pub use batch::{Law, fill_along};
-pub use peaks::{Extreme, Peaks};
-pub use piecewise::PiecewisePolynomial;
-pub use reference::{Reference, fill};
+pub(crate) use batch::{Law, fill_along};
+pub(crate) use peaks::Extreme;
+pub use peaks::Peaks;
+pub(crate) use piecewise::PiecewisePolynomial;
+pub use reference::Reference;
+pub(crate) use reference::fill;

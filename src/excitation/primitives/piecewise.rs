@@ -7,7 +7,7 @@ use crate::lane::Lane;
 
 /// One joint's motion as polynomials between knots.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PiecewisePolynomial {
+pub(crate) struct PiecewisePolynomial {
     /// Times between the segments, ascending, s.
     pub knots: Vec<f64>,
     /// Coefficients of each segment, ascending, in s = (t - start) / length.
@@ -16,12 +16,12 @@ pub struct PiecewisePolynomial {
 
 impl PiecewisePolynomial {
     /// Position, velocity and acceleration at `t_s`.
-    pub fn at(&self, t_s: f64) -> [f64; 3] {
+    pub(crate) fn at(&self, t_s: f64) -> [f64; 3] {
         self.piece(timing::segment(&self.knots, t_s)).at(t_s)
     }
 
     /// Writes position, velocity and acceleration at many times.
-    pub fn along(&self, sheet: &mut Sheet) {
+    pub(crate) fn along(&self, sheet: &mut Sheet) {
         sheet.write_segments(&self.knots, |k| self.piece(k));
     }
 
@@ -34,7 +34,7 @@ impl PiecewisePolynomial {
     }
 
     /// Exact peaks: extremes lie at knots or where the next derivative changes sign.
-    pub fn peaks(&self) -> Peaks {
+    pub(crate) fn peaks(&self) -> Peaks {
         let mut peaks = Peaks::default();
         for (k, coefficients) in self.segments.iter().enumerate() {
             let mut candidates = vec![0.0, 1.0];

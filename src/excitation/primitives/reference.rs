@@ -43,7 +43,7 @@ pub trait Reference: Send + Sync {
 }
 
 /// [`Reference::at`] for a motion that is zero at both ends, from the [position, velocity, acceleration] of one joint.
-pub fn fill(
+pub(crate) fn fill(
     reference: &impl Reference,
     t_s: f64,
     [q, qd, qdd]: [&mut [f64]; 3],

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 const SUM_TOLERANCE: f64 = 1e-9;
 
 /// Refuses a quantity that is not finite and above zero.
-pub fn require_positive(subject: &str, value: f64) -> Result<()> {
+pub(crate) fn require_positive(subject: &str, value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
@@ -14,7 +14,7 @@ pub fn require_positive(subject: &str, value: f64) -> Result<()> {
 }
 
 /// Refuses values that are not finite.
-pub fn require_finite(subject: &str, values: &[f64]) -> Result<()> {
+pub(crate) fn require_finite(subject: &str, values: &[f64]) -> Result<()> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(k) => {
@@ -24,7 +24,7 @@ pub fn require_finite(subject: &str, values: &[f64]) -> Result<()> {
 }
 
 /// Refuses a number of values that is not one less than the number of segments between them.
-pub fn require_one_fewer(subject: &str, values: usize, segments: usize) -> Result<()> {
+pub(crate) fn require_one_fewer(subject: &str, values: usize, segments: usize) -> Result<()> {
     if values + 1 == segments {
         return Ok(());
     }
@@ -38,7 +38,7 @@ pub fn require_one_fewer(subject: &str, values: usize, segments: usize) -> Resul
 ///
 /// # Errors
 /// Names `joint` when there are no segments, one has no length, or they do not add up to `duration_s`.
-pub fn knots(joint: &str, durations_s: &[f64], duration_s: f64) -> Result<Vec<f64>> {
+pub(crate) fn knots(joint: &str, durations_s: &[f64], duration_s: f64) -> Result<Vec<f64>> {
     let subject = format!("{joint}: duration_s");
     if durations_s.is_empty() {
         return Err(Error::request(subject, "is empty; give at least one duration"));
@@ -65,7 +65,7 @@ pub fn knots(joint: &str, durations_s: &[f64], duration_s: f64) -> Result<Vec<f6
 }
 
 /// Index of the segment that holds `t_s`; the first or the last one for a time outside all.
-pub fn segment(knots: &[f64], t_s: f64) -> usize {
+pub(crate) fn segment(knots: &[f64], t_s: f64) -> usize {
     let after = knots.partition_point(|knot| *knot <= t_s);
     after.clamp(1, knots.len() - 1) - 1
 }

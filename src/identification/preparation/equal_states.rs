@@ -18,7 +18,7 @@ const SAME_VELOCITY: f64 = 0.02;
 
 /// Share of the rows after a change that must have an equal state before, so that differences are worth while: below it they see
 /// only a part of the motion.
-pub const MATCHED: f64 = 0.5;
+pub(crate) const MATCHED: f64 = 0.5;
 
 /// States of one log.
 #[derive(Debug, Clone, Default)]
@@ -30,7 +30,7 @@ pub struct States {
 }
 
 /// The log and the row before a change at which the state is that of a row after it; none where there is no such row.
-pub type EqualState = Option<(usize, usize)>;
+pub(crate) type EqualState = Option<(usize, usize)>;
 
 /// How near two states are.
 struct Nearness {
@@ -72,7 +72,7 @@ impl Nearness {
 }
 
 /// For every row of every log `after`, the log and row of `before` with the nearest state; none where no state is near.
-pub fn matched(before: &[&States], after: &[&States]) -> Vec<Vec<EqualState>> {
+pub(crate) fn matched(before: &[&States], after: &[&States]) -> Vec<Vec<EqualState>> {
     let dof = before.first().map_or(0, |log| log.q.channels());
     let near = Nearness::new(before, dof);
     // Sorted by the joint of which the fewest rows are near any other, so that few states are compared.

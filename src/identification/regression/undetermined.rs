@@ -28,7 +28,7 @@ const WHOLE_TORQUE: f64 = 1.0;
 /// `units` are the parameters' units: one that is less sure than the largest of its unit is large is not determined either, since a
 /// parameter of the arm's size would not show. Parameters that are `merged` into others are not, either, as long as they do not
 /// differ from the description by [`SHOWN`] standard deviations.
-pub fn undetermined(
+pub(crate) fn undetermined(
     joints: &[JointRegression],
     described: &[f64],
     units: &[&str],

@@ -4,7 +4,7 @@ use super::fitting::Evaluation;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Probability with which a search accuses right logs, over all descriptions that it tries.
-pub const ALPHA: f64 = 0.01;
+pub(super) const ALPHA: f64 = 0.01;
 
 /// The held-out residual of at least one torque must fall by this factor. A wrong description costs more; smaller gains are
 /// those of friction, elasticity or a payload that the models do not hold.
@@ -23,14 +23,14 @@ const DISTINCT: f64 = 1.3;
 
 /// An explained torque has less than this share unexplained: of an arm whose geometry is known, and of joints by themselves, whose
 /// models lack the pull of the others.
-pub const EXPLAINED: f64 = 0.2;
-pub const EXPLAINED_ALONE: f64 = 0.5;
+pub(super) const EXPLAINED: f64 = 0.2;
+pub(super) const EXPLAINED_ALONE: f64 = 0.5;
 
 /// Fewer blocks allow no comparison.
 const LEAST_BLOCKS: usize = 4;
 
 /// The gain of a description over another, in logarithms of the mean square.
-pub struct Comparison {
+pub(super) struct Comparison {
     /// Mean over the blocks of the sum over the torques.
     pub gain: f64,
     /// One-sided p-value of the torque that gains most, times the number of torques; the blocks are the independent
@@ -45,7 +45,7 @@ pub struct Comparison {
 }
 
 /// Compares the residuals of `reference` with those of `candidate`. `log` is the log of every block.
-pub fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) -> Option<Comparison> {
+pub(super) fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usize]) -> Option<Comparison> {
     let channels = reference.held_out.len();
     let mut each = vec![Vec::new(); channels];
     let mut blocks: Vec<(usize, f64)> = Vec::new();
@@ -96,7 +96,7 @@ fn one_sided(gains: &[f64]) -> f64 {
 impl Comparison {
     /// Whether the candidate explains the torques clearly better, among so many that were tried. Torques of which the reference
     /// leaves less than the share `explained` must stay so.
-    pub fn is_better(&self, tried: usize, explained: f64) -> bool {
+    pub(super) fn is_better(&self, tried: usize, explained: f64) -> bool {
         let of_rms = |factor: f64| 2.0 * factor.ln();
         let kept = |(gain, before): (&Option<f64>, &Option<f64>)| {
             gain.is_none_or(|gain| gain > -of_rms(GROWS)) || before.is_some_and(|share| share > explained)
@@ -108,13 +108,13 @@ impl Comparison {
     }
 
     /// Whether the gain is larger than what a model that lacks something allows, for so many changes.
-    pub fn is_large(&self, changes: usize) -> bool {
+    pub(super) fn is_large(&self, changes: usize) -> bool {
         let most = self.channels.iter().flatten().fold(f64::NEG_INFINITY, |most, gain| most.max(*gain));
         most > 2.0 * LARGE.ln() && self.gain > 2.0 * changes as f64 * LARGE.ln()
     }
 
     /// Whether the reference is clearly worse than the candidate, from which it must be separable.
-    pub fn is_distinct(&self) -> bool {
+    pub(super) fn is_distinct(&self) -> bool {
         self.p < ALPHA && self.gain > 2.0 * DISTINCT.ln()
     }
 }

@@ -28,7 +28,7 @@ const ROUNDS: usize = 3;
 
 /// The description with a factor for the torque of one more joint, for each joint that has none yet and to which all rows give one
 /// beyond what is reported.
-pub fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+pub(super) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
     // together with another change it explains too much.
     if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_factors() {
@@ -103,7 +103,7 @@ fn determined(merit: impl Fn(f64) -> f64) -> Option<f64> {
 /// torque has another factor on each joint. It takes the place of factors of some that were `found`, where free bodies explain the torques
 /// no worse by it and the described ones clearly better. The ratios of the factors are those under free bodies, their common size
 /// is that of the described ones.
-pub fn of_all_joints(
+pub(super) fn of_all_joints(
     free: &Physics,
     bodies: &Physics,
     rows: &Rows,

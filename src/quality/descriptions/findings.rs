@@ -101,7 +101,7 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
 }
 
 /// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives.
-pub fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
+pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     let changes = &verdict.description.changes;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let named = |alternative: &Alternative| {

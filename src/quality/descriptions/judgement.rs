@@ -24,7 +24,7 @@ const RIGID: f64 = 0.03;
 const FRICTIONLESS: f64 = 0.005;
 
 /// Whether all torques are those of a rigid-body model without any friction.
-pub fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
+pub(crate) fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
     let modelled = || {
         let robot = robot?;
         let rows = Rows::new(views, Some(robot))?;
@@ -37,7 +37,7 @@ pub fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
 }
 
 /// Judges the description of some logs of one arm.
-pub fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
+pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let rows = Rows::new(views, robot)?;
     let dof = rows.measured.len();
     let gravity = robot.map_or(Vector3::zeros(), |robot| robot.gravity);

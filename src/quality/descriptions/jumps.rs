@@ -17,7 +17,7 @@ const LONGEST_S: f64 = 2.0;
 const WITH: f64 = 0.6;
 
 /// Whether the torque of every channel jumps with the motion of its position channel, as logged.
-pub fn with_motion(views: &[&View]) -> Vec<bool> {
+pub(super) fn with_motion(views: &[&View]) -> Vec<bool> {
     let dof = views.first().map_or(0, |view| view.dof());
     let with = |joint: usize| {
         let (with, all) = views.iter().map(|view| jumps(view, joint)).fold((0, 0), |(w, n), (a, b)| (w + a, n + b));
@@ -51,7 +51,7 @@ fn jumps(view: &View, joint: usize) -> (usize, usize) {
 }
 
 /// Whether a description turns a jump that goes with the motion against it.
-pub fn contradicts(with_motion: &[bool], description: &Description) -> bool {
+pub(super) fn contradicts(with_motion: &[bool], description: &Description) -> bool {
     (0..description.dof()).any(|joint| {
         let channel = description.torque_of[joint];
         channel == description.position_of[joint]

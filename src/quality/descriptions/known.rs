@@ -20,7 +20,7 @@ const GOOD: f64 = 0.02;
 
 /// What is known of an arm.
 #[derive(Clone, Copy)]
-pub struct Known<'a> {
+pub(super) struct Known<'a> {
     /// The model under which descriptions are compared.
     pub physics: &'a Physics,
     /// The model that must agree where the gain under the first is not enough: the described bodies where that has free ones, and free
@@ -30,12 +30,12 @@ pub struct Known<'a> {
 
 impl<'a> Known<'a> {
     /// The only knowledge.
-    pub fn alone(physics: &'a Physics) -> Known<'a> {
+    pub(super) fn alone(physics: &'a Physics) -> Known<'a> {
         Known { physics, other: None }
     }
 
     /// Whether a description whose gain over a reference is certain is also much better, and is so for what the arm is.
-    pub fn supports(&self, reference: &Tried, best: &Tried, gain: &Comparison, rows: &Rows) -> bool {
+    pub(super) fn supports(&self, reference: &Tried, best: &Tried, gain: &Comparison, rows: &Rows) -> bool {
         let changes = best.description.changes.len().saturating_sub(reference.description.changes.len());
         let other = |tried: &Tried| Tried::new(self.other?, rows, tried.description.clone());
         match self.physics {

@@ -10,7 +10,7 @@ use super::tried::Tried;
 use nalgebra::{DMatrix, DVector};
 
 /// The bodies' torque counts where the residual of a joint's fit is less than this of its torque ..
-pub const ALIKE: f64 = 0.35;
+pub(super) const ALIKE: f64 = 0.35;
 
 /// .. and that of the fit without it is this many times more.
 const NEEDED: f64 = 2.0;
@@ -22,7 +22,7 @@ const PLAUSIBLE: f64 = 8.0;
 const WIDEST: f64 = 100.0;
 
 /// Ratio of two neighbours of the factors that are tried first, at most; between them golden sections, to within one per cent.
-pub const STEP: f64 = 1.8;
+pub(super) const STEP: f64 = 1.8;
 const SECTIONS: usize = 10;
 
 /// Factors of the joints within this of the one that all share are that one: described bodies are wrong by as much.
@@ -35,7 +35,7 @@ const ROUNDS: usize = 3;
 const TRIED: usize = 2;
 
 /// Torques of another scale than that of the described bodies.
-pub struct Scaled {
+pub(super) struct Scaled {
     /// The logs as they are.
     pub before: Tried,
     /// With the factors.
@@ -45,7 +45,7 @@ pub struct Scaled {
 }
 
 /// The scale of the torques, where it is clearly another than that of the described bodies with any load.
-pub fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
+pub(super) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
     let tables = bodies.tables(rows, start);
     let alone = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect::<Vec<_>>();
     let first = first(&alone)?;
@@ -118,19 +118,19 @@ fn implausible(factors: &[Option<f64>]) -> Option<f64> {
 }
 
 /// How well all rows are fitted under a description, less for a better fit; infinite where nothing can be fitted.
-pub fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
+pub(super) fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
     Fit::new(tables, rows, description).merit().unwrap_or(f64::INFINITY)
 }
 
 /// The factor around a first one, up to so many times larger and smaller, under which `merit` is least.
-pub fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+pub(super) fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
     let (grid, merits) = spread(first, widest, &merit);
     let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
     merits[least].is_finite().then(|| between(grid[least] / STEP, grid[least] * STEP, merit))
 }
 
 /// Factors around a first one, evenly spread by their logarithms, with the merit of each.
-pub fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
     let steps = (2.0 * widest.ln() / STEP.ln()).ceil() as usize;
     let step = 2.0 * widest.ln() / steps as f64;
     let at = |place: usize| (first.abs().ln() - widest.ln() + step * place as f64).exp();
@@ -140,7 +140,7 @@ pub fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>
 }
 
 /// The factor between two others under which `merit`, which has one valley there, is least.
-pub fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
     let merit = |log: f64| merit(log.exp());
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = (low.ln(), high.ln());

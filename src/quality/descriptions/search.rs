@@ -30,7 +30,7 @@ const PROMISING: f64 = 0.3;
 const CLEAN: f64 = 0.04;
 
 /// The outcome of a search that found something.
-pub struct Found {
+pub(super) struct Found {
     /// The smallest set of changes.
     pub best: Tried,
     /// Sets of the same size that are not clearly worse.
@@ -42,7 +42,7 @@ pub struct Found {
 }
 
 /// The outcome of a search.
-pub struct Outcome {
+pub(super) struct Outcome {
     /// The logs as they are.
     pub start: Tried,
     /// What explains them clearly better.
@@ -51,7 +51,7 @@ pub struct Outcome {
 
 impl Found {
     /// The same with the simplest of the best and its rivals in front.
-    pub fn simplest_first(mut self) -> Found {
+    pub(super) fn simplest_first(mut self) -> Found {
         let rank = |tried: &Tried| tried.description.changes.iter().map(|change| change.rank()).sum::<usize>();
         for rival in &mut self.rivals {
             if rank(rival) < rank(&self.best) {
@@ -64,7 +64,7 @@ impl Found {
 
 /// Searches from the description `start` under what is `known` of the arm.
 /// `with_motion` are the torques that jump with the motion at reversals.
-pub fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
+pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Description) -> Option<Outcome> {
     let physics = known.physics;
     let start = Tried::new(physics, rows, start)?;
     let explained = |tried: &Tried| tried.evaluation.unexplained.iter().flatten().all(|share| *share < CLEAN);

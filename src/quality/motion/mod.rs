@@ -3,8 +3,9 @@
 mod position_unit;
 mod summary;
 
-pub use position_unit::are_in_other;
-pub use summary::{JointSummary, summaries};
+pub(crate) use position_unit::are_in_other;
+pub use summary::JointSummary;
+pub(crate) use summary::summaries;
 
 use super::finding::{Finding, Kind, Severity};
 use super::view::View;
@@ -17,7 +18,7 @@ const SLOW_CLOCK: f64 = 0.5;
 
 /// Joints that turn without end, which may be at any number of turns: those without limits, and those of which whole turns in
 /// rad were undone.
-pub fn endless(unwrapped: &[(usize, f64)], robot: Option<&Robot>, joints: usize) -> Vec<bool> {
+pub(super) fn endless(unwrapped: &[(usize, f64)], robot: Option<&Robot>, joints: usize) -> Vec<bool> {
     let unlimited = |joint: usize| {
         robot.is_some_and(|robot| {
             let joint = &robot.joints[joint];
@@ -29,7 +30,12 @@ pub fn endless(unwrapped: &[(usize, f64)], robot: Option<&Robot>, joints: usize)
 }
 
 /// Findings about the motion; `endless` joints turn without end.
-pub fn findings(view: &View, summaries: &[JointSummary], robot: Option<&Robot>, endless: &[bool]) -> Vec<Finding> {
+pub(super) fn findings(
+    view: &View,
+    summaries: &[JointSummary],
+    robot: Option<&Robot>,
+    endless: &[bool],
+) -> Vec<Finding> {
     let mut out = Vec::new();
     let still = |joint: usize| !view.band[joint].is_finite();
     let nothing_moves = (0..summaries.len()).all(still);

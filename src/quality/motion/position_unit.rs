@@ -56,7 +56,7 @@ const SLIDES: Units = Units {
 
 /// Why the positions of a joint do not look like those of SI units, and whether they look like degrees or mm. `turns` is whether it
 /// turns, and not slides; an `endless` one turns without end.
-pub fn other_unit(
+pub(super) fn other_unit(
     summary: &JointSummary,
     limits: Option<Limits>,
     turns: bool,
@@ -99,7 +99,12 @@ pub fn other_unit(
 
 /// Whether positions are in degrees, or in mm, on half of the joints of this `kind` or more: one recorder gives all of them one unit,
 /// and small motions do not show it.
-pub fn are_in_other(kind: JointKind, summaries: &[JointSummary], robot: Option<&Robot>, endless: &[bool]) -> bool {
+pub(crate) fn are_in_other(
+    kind: JointKind,
+    summaries: &[JointSummary],
+    robot: Option<&Robot>,
+    endless: &[bool],
+) -> bool {
     let of_kind = |joint: &usize| robot.map_or(JointKind::Revolute, |robot| robot.joints[*joint].kind) == kind;
     let joints: Vec<usize> = (0..summaries.len()).filter(of_kind).collect();
     let shows = |joint: &&usize| {

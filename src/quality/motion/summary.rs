@@ -29,7 +29,7 @@ pub struct JointSummary {
 }
 
 /// Summaries of all joints.
-pub fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
+pub(crate) fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary> {
     (0..view.dof())
         .map(|joint| {
             let q = view.log.q.channel(joint);

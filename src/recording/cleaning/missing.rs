@@ -21,7 +21,7 @@ const FEWEST_ROWS: usize = 50;
 const GOES_ON: f64 = 10.0;
 
 /// The columns in use of which no row holds a number; none where there is no row, or where it is all that there is of position.
-pub fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+pub(crate) fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     let is_empty = |column: &usize| {
         let values = &columns[*column];
         let finite = values.iter().filter(|value| value.is_finite()).count() as f64;
@@ -35,7 +35,7 @@ pub fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
 
 /// The columns of velocity and acceleration that lack more than a few of the values: what they lack must not cost rows in
 /// which positions and torques are there.
-pub fn derivatives_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+pub(crate) fn derivatives_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     let lacks = |column: &usize| {
         let values = &columns[*column];
         let missing = values.iter().filter(|value| !value.is_finite()).count() as f64;
@@ -46,7 +46,7 @@ pub fn derivatives_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize
 
 /// The columns of torque that lack most of the values while another joint has them: they cost their joint, and not the rows of the
 /// others.
-pub fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
+pub(crate) fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     let torques: Vec<usize> = layout.torques().iter().copied().filter(|column| *column != ABSENT).collect();
     let holds = |column: &usize| {
         let values = &columns[*column];
@@ -57,7 +57,7 @@ pub fn torques_with_gaps(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
 }
 
 /// Puts NaN in the place of torques that are the same in every row, unless all are; returns a note on it.
-pub fn constant_torques(log: &mut Recording) -> Vec<String> {
+pub(crate) fn constant_torques(log: &mut Recording) -> Vec<String> {
     let constant = |joint: usize| Some((joint, in_every_row(log.tau.channel(joint))?));
     let constant: Vec<(usize, f64)> = (0..log.joints()).filter_map(constant).collect();
     let with_torque = (0..log.joints()).filter(|joint| log.has_torque(*joint)).count();
@@ -73,7 +73,7 @@ pub fn constant_torques(log: &mut Recording) -> Vec<String> {
 
 /// Puts NaN in the place of velocities that are the same in every row although the position goes on: they are not used;
 /// returns a note on it.
-pub fn constant_velocities(log: &mut Recording) -> Vec<String> {
+pub(crate) fn constant_velocities(log: &mut Recording) -> Vec<String> {
     let Some(qd) = &mut log.qd else { return Vec::new() };
     let mut notes = Vec::new();
     for (joint, name) in log.joints.iter().enumerate() {

@@ -3,9 +3,10 @@
 //! In: columns as the file has them, or a recording in seconds. Out: the columns without values, the rows without those that are not
 //! finite, absurd or out of order ([`Rejected`]), torques without those that never change, positions without jumps by whole turns.
 
-pub mod missing;
+pub(super) mod missing;
 mod sieve;
 mod unwrap;
 
-pub use sieve::{Cause, Rejected, Rows};
-pub use unwrap::unwrap;
+pub(crate) use sieve::Rows;
+pub use sieve::{Cause, Rejected};
+pub(crate) use unwrap::unwrap;

@@ -44,7 +44,7 @@ pub struct Rejected {
 }
 
 /// The numbers of a file with the line of each row.
-pub struct Rows {
+pub(crate) struct Rows {
     pub header: Vec<String>,
     pub lines: Vec<usize>,
     pub columns: Vec<Vec<f64>>,
@@ -52,7 +52,7 @@ pub struct Rows {
 
 impl Rows {
     /// Takes out the rows whose values cannot be used; returns them with those known before, in order.
-    pub fn sieve(&mut self, layout: &Layout, mut rejected: Vec<Rejected>) -> Vec<Rejected> {
+    pub(crate) fn sieve(&mut self, layout: &Layout, mut rejected: Vec<Rejected>) -> Vec<Rejected> {
         let used = layout.used();
         let mut faults: BTreeMap<usize, (usize, Cause, String)> = BTreeMap::new();
         for &column in &used {

@@ -22,7 +22,7 @@ const DIFFERENCED: f64 = 0.25;
 
 /// Undoes jumps of positions by whole turns, in whatever unit they are, and what they did to velocities that were differenced
 /// from them; returns the joints, each with its turn, and a note.
-pub fn unwrap(log: &mut Recording) -> (Vec<(usize, f64)>, Option<String>) {
+pub(crate) fn unwrap(log: &mut Recording) -> (Vec<(usize, f64)>, Option<String>) {
     let mut joints = Vec::new();
     let mut names = Vec::new();
     for joint in 0..log.joints() {

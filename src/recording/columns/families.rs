@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// A column that is the signal of a joint, as one reading of its name has it.
 #[derive(Debug)]
-pub struct Candidate<'a> {
+pub(super) struct Candidate<'a> {
     /// Index of the column.
     pub column: usize,
     /// The reading.
@@ -16,7 +16,7 @@ pub struct Candidate<'a> {
 
 /// Where a joint is in the order of joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub(super) enum Place {
     /// As the file numbers it.
     Number(usize),
     /// Counted from 1.
@@ -24,7 +24,7 @@ pub enum Place {
 }
 
 /// The columns of a quantity whose joint is known, each in the first reading of its name that gives one.
-pub fn candidates<'a>(
+pub(super) fn candidates<'a>(
     meanings: &'a [Vec<Meaning>],
     names: &[String],
     numbers: &BTreeMap<String, usize>,
@@ -47,7 +47,7 @@ pub fn candidates<'a>(
 
 /// Of columns that could be the same quantity, those that are called alike: torques before currents, those of more joints,
 /// and names that this program writes before others.
-pub fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
+pub(super) fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
     let mut families: BTreeMap<&str, Vec<Candidate>> = BTreeMap::new();
     for candidate in candidates {
         families.entry(&candidate.meaning.family).or_default().push(candidate);
@@ -61,7 +61,7 @@ pub fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
 
 /// Whether the joints of a quantity are counted from 0 or from 1; None where none is numbered. A quantity without number
 /// 0 is counted as positions are, unless it has as many joints from 1 on.
-pub fn base(family: &[Candidate], of_positions: Option<usize>, positions: usize) -> Option<usize> {
+pub(super) fn base(family: &[Candidate], of_positions: Option<usize>, positions: usize) -> Option<usize> {
     let numbers = family.iter().filter_map(|candidate| match candidate.joint {
         Place::Number(number) => Some(number),
         Place::Index(_) => None,
@@ -71,13 +71,13 @@ pub fn base(family: &[Candidate], of_positions: Option<usize>, positions: usize)
 }
 
 /// Whether any joint has a position.
-pub fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool {
+pub(super) fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool {
     !candidates(meanings, names, &BTreeMap::new(), false, names::POSITION).is_empty()
 }
 
 /// The numbers of joints that the file calls by other names than the robot does, as `joint1` to `joint6`: name -> number
 /// counted from 1. Empty unless there are `count` of them without a hole.
-pub fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<String, usize> {
+pub(super) fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<String, usize> {
     let names = own_names(meanings);
     let split = |name: &str| -> Option<(String, usize)> {
         let start = name.find(|letter: char| letter.is_ascii_digit())?;
@@ -102,7 +102,7 @@ const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
 
 /// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
 /// by the file's behind one: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
-pub fn behind_prefix(meanings: &[Vec<Meaning>], names: &[String]) -> Option<(BTreeMap<String, usize>, String)> {
+pub(super) fn behind_prefix(meanings: &[Vec<Meaning>], names: &[String]) -> Option<(BTreeMap<String, usize>, String)> {
     let own: Vec<&str> = {
         let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == names::POSITION);
         let named = readings.filter_map(|meaning| match &meaning.joint {
@@ -157,7 +157,7 @@ pub struct JointNames {
 }
 
 /// The joints whose positions a header names or numbers.
-pub fn joint_names(header: &[String]) -> JointNames {
+pub(crate) fn joint_names(header: &[String]) -> JointNames {
     let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
     let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
     let numbered = positions(&meanings).iter().filter(numbered).count();
@@ -165,7 +165,7 @@ pub fn joint_names(header: &[String]) -> JointNames {
 }
 
 /// Joint names in the order of their positions; none where the positions are numbered.
-pub fn own_names(meanings: &[Vec<Meaning>]) -> Vec<String> {
+pub(super) fn own_names(meanings: &[Vec<Meaning>]) -> Vec<String> {
     let name = |meaning: &&Meaning| match &meaning.joint {
         Joint::Name(name) => Some(name.clone()),
         Joint::Number(_) => None,

@@ -5,7 +5,7 @@ use super::names::QUANTITIES;
 /// The header of a message of sensor_msgs/JointState as `ros2 topic echo --csv` writes it, from its first line: seconds,
 /// nanoseconds, frame, the names of the joints, positions, velocities and efforts, of which an empty list is an empty cell.
 /// None of another line.
-pub fn of_joint_state_message(cells: &[String]) -> Option<Vec<String>> {
+pub(crate) fn of_joint_state_message(cells: &[String]) -> Option<Vec<String>> {
     let number = |cell: &String| cell.parse::<f64>().is_ok();
     let whole = |cell: Option<&String>| cell?.parse::<u64>().ok();
     let (_, nanoseconds) = (whole(cells.first())?, whole(cells.get(1))?);
@@ -36,7 +36,7 @@ pub fn of_joint_state_message(cells: &[String]) -> Option<Vec<String>> {
 
 /// The header with the names of joints that the first row holds: of columns `name0` or `name[0]` next to `position0` or
 /// `position[0]`.
-pub fn named(header: Vec<String>, first: &[String]) -> Vec<String> {
+pub(crate) fn named(header: Vec<String>, first: &[String]) -> Vec<String> {
     let split = |column: &str| -> Option<(String, String, usize)> {
         let bare = column.strip_suffix(']').unwrap_or(column);
         let stem = bare.trim_end_matches(|letter: char| letter.is_ascii_digit());

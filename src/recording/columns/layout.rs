@@ -5,11 +5,11 @@ use crate::recording::{Recording, Signals};
 use std::sync::Arc;
 
 /// In place of a column that the file has not.
-pub const ABSENT: usize = usize::MAX;
+pub(crate) const ABSENT: usize = usize::MAX;
 
 /// Which column of a file is which signal; every table holds one column index per joint.
 #[derive(Debug)]
-pub struct Layout {
+pub(crate) struct Layout {
     pub(super) joints: Vec<String>,
     /// [`ABSENT`] where the rows come at a rate that is given.
     pub(super) time: usize,
@@ -36,7 +36,7 @@ pub struct Layout {
 
 /// The first value that cannot be used.
 #[derive(Debug)]
-pub struct Fault {
+pub(crate) struct Fault {
     /// Counted from 0.
     pub row: usize,
     /// Index of the column.
@@ -47,7 +47,7 @@ pub struct Fault {
 
 impl Layout {
     /// Indices of the columns that make the recording, increasing.
-    pub fn used(&self) -> Vec<usize> {
+    pub(crate) fn used(&self) -> Vec<usize> {
         let mut used = vec![self.time];
         used.extend(self.nanoseconds);
         let optional = [&self.qd, &self.qdd].into_iter().flatten();
@@ -60,53 +60,53 @@ impl Layout {
     }
 
     /// Index of the column of time; [`ABSENT`] where there is none.
-    pub fn time(&self) -> usize {
+    pub(crate) fn time(&self) -> usize {
         self.time
     }
 
     /// Index of the column of the nanoseconds behind whole seconds.
-    pub fn nanoseconds(&self) -> Option<usize> {
+    pub(crate) fn nanoseconds(&self) -> Option<usize> {
         self.nanoseconds
     }
 
     /// Seconds per unit of time, where the column's name gives it.
-    pub fn time_factor(&self) -> Option<f64> {
+    pub(crate) fn time_factor(&self) -> Option<f64> {
         self.time_factor
     }
 
     /// Names of the joints.
-    pub fn joints(&self) -> &[String] {
+    pub(crate) fn joints(&self) -> &[String] {
         &self.joints
     }
 
     /// Index of the column of every joint's position.
-    pub fn positions(&self) -> &[usize] {
+    pub(crate) fn positions(&self) -> &[usize] {
         &self.q
     }
 
     /// Index of the column of every joint's torque; [`ABSENT`] for joints without.
-    pub fn torques(&self) -> &[usize] {
+    pub(crate) fn torques(&self) -> &[usize] {
         &self.tau
     }
 
     /// Takes time from a column that was added, in seconds.
-    pub fn set_time(&mut self, column: usize) {
+    pub(crate) fn set_time(&mut self, column: usize) {
         (self.time, self.nanoseconds) = (column, None);
     }
 
     /// Index of the column of every joint's velocity; [`ABSENT`] for joints without.
-    pub fn velocities(&self) -> Option<&[usize]> {
+    pub(crate) fn velocities(&self) -> Option<&[usize]> {
         self.qd.as_deref()
     }
 
     /// Indices of the columns of velocity and acceleration.
-    pub fn derivatives(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn derivatives(&self) -> impl Iterator<Item = usize> + '_ {
         [&self.qd, &self.qdd].into_iter().flatten().flatten().copied().filter(|column| *column != ABSENT)
     }
 
     /// The first row with a value that is not finite or a time that does not increase. `columns` is indexed as the
     /// header.
-    pub fn fault(&self, columns: &[Vec<f64>]) -> Option<Fault> {
+    pub(crate) fn fault(&self, columns: &[Vec<f64>]) -> Option<Fault> {
         let infinite = self.used().into_iter().filter_map(|column| {
             let row = columns[column].iter().position(|value| !value.is_finite())?;
             Some(Fault { row, column, problem: format!("{} is not a finite number", columns[column][row]) })
@@ -121,7 +121,7 @@ impl Layout {
     }
 
     /// The recording; `columns` is indexed as the header. Robot and provenance stay empty.
-    pub fn recording(self, mut columns: Vec<Vec<f64>>) -> Recording {
+    pub(crate) fn recording(self, mut columns: Vec<Vec<f64>>) -> Recording {
         let time = std::mem::take(&mut columns[self.time]);
         let mut take = |indices: &[usize]| {
             let column = |&index: &usize| match index {

@@ -4,7 +4,7 @@ use super::layout::{ABSENT, Layout};
 
 impl Layout {
     /// Leaves out columns of velocity or acceleration; `why` is what is wrong with them.
-    pub fn leave_out_derivatives(&mut self, columns: &[usize], why: &str) {
+    pub(crate) fn leave_out_derivatives(&mut self, columns: &[usize], why: &str) {
         for (name, table) in [("velocity", &mut self.qd), ("acceleration", &mut self.qdd)] {
             let Some(own) = table else { continue };
             for (joint, column) in own.iter_mut().enumerate().filter(|(_, column)| columns.contains(column)) {
@@ -19,7 +19,7 @@ impl Layout {
     }
 
     /// Leaves out columns of torque that have gaps.
-    pub fn leave_out_torques(&mut self, columns: &[usize]) {
+    pub(crate) fn leave_out_torques(&mut self, columns: &[usize]) {
         for (joint, column) in self.tau.iter_mut().enumerate().filter(|(_, column)| columns.contains(column)) {
             let joint = &self.joints[joint];
             self.understood.push(format!("the torque of {joint} lacks most of its values: it is not used"));
@@ -32,7 +32,7 @@ impl Layout {
     ///
     /// # Errors
     /// The place in `joints` of one without positions.
-    pub fn leave_out(&mut self, empty: &[usize], fixed: bool) -> std::result::Result<(), usize> {
+    pub(crate) fn leave_out(&mut self, empty: &[usize], fixed: bool) -> std::result::Result<(), usize> {
         self.leave_out_derivatives(empty, "holds no value");
         self.tau.iter_mut().filter(|column| empty.contains(column)).for_each(|column| *column = ABSENT);
         while let Some(joint) = self.q.iter().position(|column| empty.contains(column)) {

@@ -5,15 +5,16 @@
 //! many programs ([`names`]), or given in a data set ([`ColumnMap`]).
 
 mod families;
-pub mod labels;
+pub(super) mod labels;
 mod layout;
 mod left_out;
 mod map;
-pub mod names;
+pub(super) mod names;
 mod resolve;
 mod search;
 
-pub use families::{JointNames, joint_names};
-pub use layout::{ABSENT, Layout};
+pub use families::JointNames;
+pub(crate) use families::joint_names;
+pub(crate) use layout::{ABSENT, Layout};
 pub use map::ColumnMap;
-pub use search::Demand;
+pub(crate) use search::Demand;

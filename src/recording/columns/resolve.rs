@@ -32,7 +32,7 @@ pub(super) struct Resolver<'a> {
 
 impl Resolver<'_> {
     /// The column of time, or the two of seconds and nanoseconds.
-    pub fn clock(&self, used: &BTreeSet<usize>, [no_position, no_torque]: [bool; 2]) -> Result<Clock> {
+    pub(super) fn clock(&self, used: &BTreeSet<usize>, [no_position, no_torque]: [bool; 2]) -> Result<Clock> {
         let times = self.header.iter().enumerate().filter(|(column, _)| !used.contains(column));
         let times = times.filter_map(|(column, name)| names::time(name, column).map(|time| (column, time)));
         let times: Vec<(usize, names::Time)> = times.collect();
@@ -66,7 +66,7 @@ impl Resolver<'_> {
     }
 
     /// Column of each joint; `count` joints where that is already known.
-    pub fn all(&self, quantity: Quantity, found: &Found, count: Option<usize>) -> Result<Vec<usize>> {
+    pub(super) fn all(&self, quantity: Quantity, found: &Found, count: Option<usize>) -> Result<Vec<usize>> {
         let Quantity { name, prefixes, suffixes, .. } = quantity;
         let named = (!self.names.is_empty() || self.fixed).then_some(self.names.len());
         let highest = found.last_key_value().map_or(0, |(&number, _)| number);

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// How much must be there.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Demand {
+pub(crate) struct Demand {
     /// A joint may lack its torque or its velocity.
     pub lenient: bool,
     /// The rows come at a rate that is given, and no column of time is looked for.
@@ -25,7 +25,12 @@ impl Layout {
     ///
     /// # Errors
     /// A column missing or twice, a hole in the numbering, other joints than `joints`.
-    pub fn find(path: &Path, line: Option<usize>, header: &[String], joints: Option<&[String]>) -> Result<Layout> {
+    pub(crate) fn find(
+        path: &Path,
+        line: Option<usize>,
+        header: &[String],
+        joints: Option<&[String]>,
+    ) -> Result<Layout> {
         Layout::search(path, line, header, joints, Demand::default())
     }
 
@@ -33,7 +38,7 @@ impl Layout {
     ///
     /// # Errors
     /// Those of [`Layout::find`].
-    pub fn search(
+    pub(crate) fn search(
         path: &Path,
         line: Option<usize>,
         header: &[String],

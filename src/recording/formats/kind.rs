@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// A table in text.
     Text,
     /// Parquet.
@@ -30,7 +30,7 @@ const LOOKED_AT: u64 = 4096;
 ///
 /// # Errors
 /// A file that cannot be read, or that is no log that can be.
-pub fn of(path: &Path) -> Result<Format> {
+pub(crate) fn of(path: &Path) -> Result<Format> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     #[cfg(feature = "bags")]
     let bag = super::bag::is_bag(path);
@@ -84,7 +84,7 @@ pub fn of(path: &Path) -> Result<Format> {
 }
 
 /// The name of a log must give its format.
-pub fn unknown_format(path: &Path) -> Error {
+pub(crate) fn unknown_format(path: &Path) -> Error {
     let bags = match cfg!(feature = "bags") {
         true => ".csv, .parquet, .mcap or .db3 (or is the folder of a ROS 2 bag)",
         false => ".csv or .parquet (this build reads no ROS 2 bags: build it with the feature `bags`)",

@@ -5,12 +5,12 @@
 //! logs of ROS 2 are written too.
 
 #[cfg(feature = "bags")]
-pub mod bag;
+pub(super) mod bag;
 pub mod csv;
 mod kind;
-pub mod numpy;
+pub(super) mod numpy;
 pub mod parquet;
-pub mod text;
-pub mod written;
+pub(super) mod text;
+pub(super) mod written;
 
-pub use kind::{Format, of, unknown_format};
+pub(crate) use kind::{Format, of, unknown_format};

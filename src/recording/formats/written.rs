@@ -9,7 +9,7 @@ use crate::recording::columns::names::{ACCELERATION, POSITION, QUANTITIES, TORQU
 ///
 /// # Errors
 /// Signals of different shapes.
-pub fn table(recording: &Recording, named: bool) -> Result<Vec<(String, &[f64])>> {
+pub(crate) fn table(recording: &Recording, named: bool) -> Result<Vec<(String, &[f64])>> {
     let truth = recording.truth.as_ref();
     let groups = [
         (POSITION, "", Some(&recording.q)),

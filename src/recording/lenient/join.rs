@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Rows of all files together: columns indexed as the header, lines of the first file, rows that cannot be read.
-pub type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
+pub(super) type Joined = (Vec<Vec<f64>>, Vec<usize>, Vec<Rejected>);
 
 /// Hides the times of all files but the first that has one, and returns for every file its column of time.
-pub fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<usize>> {
+pub(super) fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<usize>> {
     let mut start = 0;
     let mut known = false;
     let mut out = Vec::new();
@@ -40,7 +40,7 @@ pub fn hide_times(sources: &[Source], header: &mut [String]) -> Vec<Option<usize
 ///
 /// # Errors
 /// Those of reading, and files whose rows cannot be matched.
-pub fn rows(
+pub(super) fn rows(
     paths: &[PathBuf],
     sources: &mut [Source],
     header: &[String],

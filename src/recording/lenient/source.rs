@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A file whose header is known.
-pub enum Source {
+pub(super) enum Source {
     /// A table in text.
     Text(Text),
     /// A Parquet file.
@@ -29,7 +29,7 @@ pub enum Source {
 
 /// The rows of a file.
 #[derive(Default)]
-pub struct Content {
+pub(super) struct Content {
     /// Values of the columns in use, indexed as the header.
     pub columns: Vec<Vec<f64>>,
     /// Line, row or message of each row.
@@ -47,7 +47,7 @@ pub struct Content {
 /// # Errors
 /// An unreadable file, or one of a kind that is not read.
 #[cfg_attr(not(feature = "bags"), allow(unused_variables, reason = "only bags are read by joint and topic"))]
-pub fn open(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<Source> {
+pub(super) fn open(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<Source> {
     if let Some(table) = memory::find(path) {
         return Ok(Source::Memory(table));
     }
@@ -63,7 +63,7 @@ pub fn open(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> Result<S
 
 impl Source {
     /// Names of the columns.
-    pub fn header(&self) -> &[String] {
+    pub(super) fn header(&self) -> &[String] {
         match self {
             Source::Text(text) => &text.header,
             Source::Parquet(table) => &table.header,
@@ -75,7 +75,7 @@ impl Source {
     }
 
     /// The table, of a text.
-    pub fn text(&self) -> Option<&Text> {
+    pub(super) fn text(&self) -> Option<&Text> {
         match self {
             Source::Text(text) => Some(text),
             _ => None,
@@ -83,12 +83,12 @@ impl Source {
     }
 
     /// Line of the header, of a text.
-    pub fn line(&self) -> Option<usize> {
+    pub(super) fn line(&self) -> Option<usize> {
         self.text().map(|text| text.header_line)
     }
 
     /// Names of the joints that the file keeps behind its header.
-    pub fn own_joints(&self) -> Option<Vec<String>> {
+    pub(super) fn own_joints(&self) -> Option<Vec<String>> {
         match self {
             Source::Parquet(table) => table.own_joints.clone(),
             _ => None,
@@ -96,7 +96,7 @@ impl Source {
     }
 
     /// What the file has and its table has not.
-    pub fn notes(&self) -> Vec<String> {
+    pub(super) fn notes(&self) -> Vec<String> {
         match self {
             #[cfg(feature = "bags")]
             Source::Bag(table) => table.notes.clone(),
@@ -106,7 +106,7 @@ impl Source {
 
     /// Why there is no torque in messages about `joints` whose positions are there.
     #[cfg_attr(not(feature = "bags"), allow(unused_variables, reason = "only bags are read by joint and topic"))]
-    pub fn without_effort(&self, joints: Option<&[String]>) -> Option<String> {
+    pub(super) fn without_effort(&self, joints: Option<&[String]>) -> Option<String> {
         match self {
             #[cfg(feature = "bags")]
             Source::Bag(table) => {
@@ -126,7 +126,7 @@ impl Source {
     }
 
     /// Adds the file's metadata on a recording.
-    pub fn describe(&self, recording: &mut Recording) {
+    pub(super) fn describe(&self, recording: &mut Recording) {
         match self {
             Source::Parquet(table) => table.describe(recording),
             #[cfg(feature = "bags")]
@@ -141,7 +141,7 @@ impl Source {
     ///
     /// # Errors
     /// Those of reading.
-    pub fn content(&mut self, path: &Path, header: &[String], used: &[usize]) -> Result<Content> {
+    pub(super) fn content(&mut self, path: &Path, header: &[String], used: &[usize]) -> Result<Content> {
         let numbered = |columns: Vec<Vec<f64>>| {
             let all = used.first().map_or(0, |&column| columns[column].len());
             Content { columns, lines: (1..=all).collect(), ordinals: (0..all).collect(), all, rejected: Vec::new() }

@@ -1,7 +1,7 @@
 //! Piecewise cubic interpolation at uneven steps.
 
 /// Value at `t` between the samples `place` and `place + 1`, linear where a step around it is longer than `gap`.
-pub fn interpolate(time: &[f64], signal: &[f64], place: usize, t: f64, gap: f64) -> f64 {
+pub(super) fn interpolate(time: &[f64], signal: &[f64], place: usize, t: f64, gap: f64) -> f64 {
     let (t0, t1, x0, x1) = (time[place], time[place + 1], signal[place], signal[place + 1]);
     let (width, s) = (t1 - t0, ((t - t0) / (t1 - t0)).clamp(0.0, 1.0));
     let outer = place > 0 && place + 2 < time.len();

@@ -4,8 +4,8 @@
 //! may lack its unit, be coarse, overflow, or stamp rows of two sources; recordings are brought to even steps ([`resample`]).
 
 mod interpolation;
-pub mod rates;
+pub(super) mod rates;
 pub mod resample;
-pub mod stamps;
+pub(super) mod stamps;
 mod unit;
 mod wrapped;

@@ -35,7 +35,7 @@ const DIGITS: f64 = 50.0;
 
 /// What was done with the clock.
 #[derive(Debug, Default)]
-pub struct Clock {
+pub(crate) struct Clock {
     /// How it was understood and corrected.
     pub mended: Vec<String>,
     /// Why the rows cannot be used, and what to do.
@@ -46,7 +46,7 @@ pub struct Clock {
 ///
 /// # Errors
 /// A rate that is none; an index of the rows in place of time.
-pub fn clock(
+pub(crate) fn clock(
     path: &Path,
     text: Option<&Text>,
     layout: &mut Layout,

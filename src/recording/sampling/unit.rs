@@ -34,7 +34,7 @@ const CONFIRMS: f64 = 1.25;
 
 /// Converts time to seconds, and returns what was assumed. A unit that is not given is that of the column's name, or the one in which
 /// the numbers are a time from 1970, or steps of a log.
-pub fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>) -> Option<String> {
+pub(super) fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>) -> Option<String> {
     let column = layout.time();
     if let Some(factor) = given {
         columns[column].iter_mut().for_each(|t| *t *= factor);

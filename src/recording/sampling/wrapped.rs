@@ -10,7 +10,7 @@ const STEPS: f64 = 20.0;
 const NEAR_THE_END: f64 = 0.02;
 
 /// Adds a turn where times fall from the end of a range to its beginning and go on there; returns what was done.
-pub fn undo(time: &mut [f64]) -> Option<String> {
+pub(super) fn undo(time: &mut [f64]) -> Option<String> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     let middle = steps.len() / 2;
     let usual = *(middle > 0).then(|| steps.select_nth_unstable_by(middle, f64::total_cmp).1)?;

@@ -44,7 +44,7 @@ pub(super) struct Blueprint<'a, W> {
 
 impl<'a, W: Write> Blueprint<'a, W> {
     /// Begins a blueprint.
-    pub fn new(file: &'a mut RrdFile<W>) -> io::Result<Self> {
+    pub(super) fn new(file: &'a mut RrdFile<W>) -> io::Result<Self> {
         let store = file.store(StoreKind::Blueprint, None)?;
         // The timelines of the viewer's own blueprints.
         let at = [Index::number("blueprint", 0), Index::date("log_time", file.ids().start())];
@@ -52,7 +52,7 @@ impl<'a, W: Write> Blueprint<'a, W> {
     }
 
     /// Adds a view of what `contents` selects.
-    pub fn view(&mut self, kind: &str, name: &str, origin: &str, contents: &str) -> io::Result<Part> {
+    pub(super) fn view(&mut self, kind: &str, name: &str, origin: &str, contents: &str) -> io::Result<Part> {
         let part = self.part("view");
         let query = CONTENTS.component("query", "blueprint.components.QueryExpression", texts([contents]));
         self.log(&format!("{}/ViewContents", part.path), &[query])?;
@@ -66,12 +66,12 @@ impl<'a, W: Write> Blueprint<'a, W> {
     }
 
     /// Sets a property of a view.
-    pub fn property(&mut self, view: &Part, name: &str, components: &[Component]) -> io::Result<()> {
+    pub(super) fn property(&mut self, view: &Part, name: &str, components: &[Component]) -> io::Result<()> {
         self.log(&format!("{}/{name}", view.path), components)
     }
 
     /// Adds a container of `parts`.
-    pub fn container(&mut self, placement: Placement, name: Option<&str>, parts: &[Part]) -> io::Result<Part> {
+    pub(super) fn container(&mut self, placement: Placement, name: Option<&str>, parts: &[Part]) -> io::Result<Part> {
         let part = self.part("container");
         let paths = parts.iter().map(|part| &part.path);
         let shares = |field, kind, shares: &[f32]| {
@@ -100,12 +100,12 @@ impl<'a, W: Write> Blueprint<'a, W> {
     }
 
     /// Adds rows of a panel or another part that the viewer knows by its path.
-    pub fn log(&mut self, path: &str, components: &[Component]) -> io::Result<()> {
+    pub(super) fn log(&mut self, path: &str, components: &[Component]) -> io::Result<()> {
         self.file.log(&self.store, path, &self.at, components)
     }
 
     /// Makes `root` the whole layout, and shows it.
-    pub fn show(mut self, root: &Part) -> io::Result<()> {
+    pub(super) fn show(mut self, root: &Part) -> io::Result<()> {
         let id = tuples::<UInt8Type, 16>([root.id.to_be_bytes()]);
         let components = [
             VIEWPORT.component("root_container", "blueprint.components.RootContainer", id),

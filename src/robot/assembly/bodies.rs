@@ -21,7 +21,7 @@ pub(super) struct Assembly<'a> {
 
 impl Assembly<'_> {
     /// The moving joint `index` of the file with its body, and the body that carries it.
-    pub fn joint(&mut self, index: usize) -> Result<(Joint, Option<usize>)> {
+    pub(super) fn joint(&mut self, index: usize) -> Result<(Joint, Option<usize>)> {
         let file = self.file;
         let given = &file.joints[index];
         let (parent, mount) = self.carrier(given.parent);
@@ -114,7 +114,7 @@ impl Assembly<'_> {
 
     /// The body that carries the flange, and its pose there: the link asked for, or the one behind the most fixed joints on the
     /// body with the most moving joints before it.
-    pub fn flange(&self, choice: &Choice, made: &[(Joint, Option<usize>)]) -> Result<(usize, Pose)> {
+    pub(super) fn flange(&self, choice: &Choice, made: &[(Joint, Option<usize>)]) -> Result<(usize, Pose)> {
         if let Some(tip) = &choice.tip
             && let (Some(body), pose) = self.carrier(self.file.link(tip)?)
         {

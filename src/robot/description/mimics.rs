@@ -9,7 +9,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// If joints follow each other in a circle.
-pub fn settle_mimics(path: &Path, joints: &mut [JointDescription], notes: &mut Vec<String>) -> Result<()> {
+pub(crate) fn settle_mimics(path: &Path, joints: &mut [JointDescription], notes: &mut Vec<String>) -> Result<()> {
     let index: HashMap<String, usize> = joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
     for joint in joints.iter_mut() {
         if let Some(mimic) = joint.mimic.take_if(|mimic| !index.contains_key(&mimic.master)) {

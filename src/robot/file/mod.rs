@@ -11,4 +11,5 @@ mod xml;
 
 pub use kind::{parse, read};
 pub use mjcf::to_mjcf;
-pub use urdf::{looks, pose_of, to_urdf, with_parameters};
+pub(crate) use urdf::{looks, pose_of};
+pub use urdf::{to_urdf, with_parameters};

@@ -22,11 +22,11 @@ const FILLED: usize = 2;
 const PARSING: f64 = 1e-6;
 
 /// Fewest printed decimals of an angle that may be rounded.
-pub const FEWEST: i32 = STEPS[0].0;
+pub(super) const FEWEST: i32 = STEPS[0].0;
 
 /// The multiple of pi/12 that a printed number of at least `fewest` decimals stands for, if it is rounded (or cut off) from
 /// one.
-pub fn meant(word: &str, fewest: i32) -> Option<f64> {
+pub(super) fn meant(word: &str, fewest: i32) -> Option<f64> {
     let value: f64 = word.parse().ok()?;
     let decimals = decimals(word)?;
     if !(fewest..ENOUGH).contains(&decimals) || value.abs() > WIDEST {

@@ -21,13 +21,13 @@ impl XmlText {
     ///
     /// # Errors
     /// If the file cannot be read.
-    pub fn read(path: &Path, what: &str) -> Result<Self> {
+    pub(super) fn read(path: &Path, what: &str) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::io(path, format!("read {what}"), e))?;
         Ok(Self::new(path, decoded(bytes)))
     }
 
     /// A text that came from `path`.
-    pub fn new(path: &Path, text: String) -> Self {
+    pub(super) fn new(path: &Path, text: String) -> Self {
         XmlText { path: path.to_owned(), text: mended(text) }
     }
 
@@ -35,7 +35,7 @@ impl XmlText {
     ///
     /// # Errors
     /// If the text is no XML even after mending; the error names the line.
-    pub fn parse(&self) -> Result<Document<'_>> {
+    pub(super) fn parse(&self) -> Result<Document<'_>> {
         parse(&self.text)
             .map_err(|e| Error::input(&self.path, Some(e.pos().row as usize), "XML", format!("not well-formed: {e}")))
     }
@@ -162,7 +162,7 @@ pub(super) fn line(node: &Node) -> usize {
 }
 
 /// A value as it is written in an attribute.
-pub fn escaped(value: &str) -> String {
+pub(super) fn escaped(value: &str) -> String {
     value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

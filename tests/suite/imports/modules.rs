@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Path of a module from the root of the crate, `["simulation", "plant"]`.
-pub type ModulePath = Vec<String>;
+pub(super) type ModulePath = Vec<String>;
 
 /// Re-exports of re-exports are followed this deep; more is a circle of names.
 const DEEPEST_REEXPORT: usize = 20;
@@ -27,13 +27,13 @@ struct Module {
 }
 
 /// All files of the crate, test code left out.
-pub struct Crate {
+pub(super) struct Crate {
     modules: BTreeMap<ModulePath, Module>,
 }
 
 impl Crate {
     /// Reads the crate whose root module is `root/lib.rs`.
-    pub fn read(root: &Path) -> Self {
+    pub(super) fn read(root: &Path) -> Self {
         let mut modules = BTreeMap::new();
         let mut open = vec![(Vec::new(), root.join("lib.rs"))];
         while let Some((path, file)) = open.pop() {
@@ -51,19 +51,19 @@ impl Crate {
     }
 
     /// Modules that a module declares, in their order.
-    pub fn declared(&self, module: &[String]) -> &[String] {
+    pub(super) fn declared(&self, module: &[String]) -> &[String] {
         &self.modules[module].children
     }
 
     /// File of a module, relative to `root`.
-    pub fn file(&self, module: &ModulePath, root: &Path) -> String {
+    pub(super) fn file(&self, module: &ModulePath, root: &Path) -> String {
         let file = &self.modules[module].file;
         file.strip_prefix(root).unwrap_or(file).display().to_string()
     }
 
     /// The modules from which each module takes something: those in which the names are defined, whatever re-exports lie
     /// between.
-    pub fn arrows(&self) -> BTreeMap<ModulePath, BTreeSet<ModulePath>> {
+    pub(super) fn arrows(&self) -> BTreeMap<ModulePath, BTreeSet<ModulePath>> {
         let to = |from: &ModulePath, module: &Module| -> BTreeSet<ModulePath> {
             let defined = module.needed.iter().filter_map(|path| self.resolve(from, path, 0));
             defined.filter(|to| to != from).collect()

@@ -6,7 +6,7 @@ fn in_name(c: char) -> bool {
 }
 
 /// Names, `::` and single signs of `source`. Comments and the contents of literals are left out.
-pub fn tokens(source: &str) -> Vec<String> {
+pub(super) fn tokens(source: &str) -> Vec<String> {
     let text: Vec<char> = source.chars().collect();
     let (mut found, mut at) = (Vec::new(), 0);
     while at < text.len() {
@@ -91,7 +91,7 @@ fn quote_end(text: &[char], at: usize) -> usize {
 }
 
 /// The tokens without the items under `#[cfg(test)]`: a test may use rooms that its own room must not know.
-pub fn without_tests(tokens: &[String]) -> Vec<String> {
+pub(super) fn without_tests(tokens: &[String]) -> Vec<String> {
     const TEST: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
     let (mut kept, mut at) = (Vec::new(), 0);
     while at < tokens.len() {

@@ -17,17 +17,17 @@ const BLUEPRINT: u64 = 2;
 const TYPES: &str = include_str!("types.txt");
 
 /// Rows of an entity.
-pub struct Chunk(RecordBatch);
+pub(super) struct Chunk(RecordBatch);
 
 /// The chunks of a store.
 #[derive(Default)]
-pub struct Store {
+pub(super) struct Store {
     id: String,
     chunks: Vec<Chunk>,
 }
 
 /// The recording and the layout in a file.
-pub struct Stores {
+pub(super) struct Stores {
     pub recording: Store,
     pub layout: Store,
 }
@@ -39,35 +39,35 @@ impl Chunk {
     }
 
     /// Number of rows.
-    pub fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         self.0.num_rows()
     }
 
     /// Times of the rows, ns.
-    pub fn times(&self) -> Option<&[i64]> {
+    pub(super) fn times(&self) -> Option<&[i64]> {
         Some(self.0.column_by_name("time")?.as_primitive::<DurationNanosecondType>().values())
     }
 
     /// Values of a component in all rows, one after the other.
-    pub fn component(&self, name: &str) -> Option<&ArrayRef> {
+    pub(super) fn component(&self, name: &str) -> Option<&ArrayRef> {
         Some(self.0.column_by_name(name)?.as_list::<i32>().values())
     }
 }
 
 impl Store {
     /// Paths of its entities, sorted.
-    pub fn entities(&self) -> Vec<String> {
+    pub(super) fn entities(&self) -> Vec<String> {
         let paths: BTreeSet<&str> = self.chunks.iter().map(Chunk::entity).collect();
         paths.into_iter().map(str::to_owned).collect()
     }
 
     /// Chunks of an entity.
-    pub fn of<'a>(&'a self, path: &str) -> impl Iterator<Item = &'a Chunk> {
+    pub(super) fn of<'a>(&'a self, path: &str) -> impl Iterator<Item = &'a Chunk> {
         self.chunks.iter().filter(move |chunk| chunk.entity() == path)
     }
 
     /// Values of a component in the only row that an entity has of it.
-    pub fn values(&self, path: &str, component: &str) -> &ArrayRef {
+    pub(super) fn values(&self, path: &str, component: &str) -> &ArrayRef {
         let mut found = self.of(path).filter_map(|chunk| Some((chunk.rows(), chunk.component(component)?)));
         let (rows, values) = found.next().unwrap_or_else(|| panic!("{path} has no {component}"));
         assert_eq!((rows, found.count()), (1, 0), "rows of {path} {component}");
@@ -75,21 +75,21 @@ impl Store {
     }
 
     /// Such values as numbers; vectors one after the other.
-    pub fn numbers<T: ArrowPrimitiveType>(&self, path: &str, component: &str) -> Vec<T::Native> {
+    pub(super) fn numbers<T: ArrowPrimitiveType>(&self, path: &str, component: &str) -> Vec<T::Native> {
         let values = self.values(path, component);
         let flat = values.as_fixed_size_list_opt().map_or(values, |tuples| tuples.values());
         flat.as_primitive::<T>().values().to_vec()
     }
 
     /// Such values as texts.
-    pub fn texts(&self, path: &str, component: &str) -> Vec<String> {
+    pub(super) fn texts(&self, path: &str, component: &str) -> Vec<String> {
         let texts = self.values(path, component).as_string::<i32>();
         texts.iter().map(|text| text.unwrap().to_owned()).collect()
     }
 }
 
 /// Reads a file and checks it: the stores are announced, the layout is the active one, and every chunk is [`checked`].
-pub fn read(path: &Path) -> Stores {
+pub(super) fn read(path: &Path) -> Stores {
     let bytes = std::fs::read(path).unwrap();
     assert_eq!(&bytes[..12], b"RRF2\x00\x24\x03\x00\x01\x02\x00\x00", "0.36.3, LZ4, protocol buffers");
     let (mut recording, mut layout) = (Store::default(), Store::default());

@@ -16,7 +16,7 @@ use usual_way::compared;
 /// Arguments of `tauscope run`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  tauscope run scenarios/irb1600.toml --seed 7 --out results/seed_7")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scenario file.
     #[arg(default_value = "scenarios/irb1600.toml")]
     scenario: PathBuf,
@@ -32,7 +32,7 @@ impl Default for Arguments {
 }
 
 /// Runs the scenario and writes its results folder.
-pub fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     if let Some(dataset) = &arguments.dataset {
         return measured::run(dataset, global);
     }

@@ -86,7 +86,7 @@ impl Residuals<'_> {
 
     /// Share of the excess over the noise that is closed: 1 - (after - noise) / (before - noise) in sums of squares, over the
     /// joints in `amiss` and those on which the models differ; zero where there is no excess.
-    pub fn gap_closed(&self, amiss: &[usize], seed: u64) -> Share {
+    pub(crate) fn gap_closed(&self, amiss: &[usize], seed: u64) -> Share {
         let mut sums = Blocks(Vec::new());
         for joint in 0..self.valid.len() {
             let rows = self.of(joint);
@@ -105,7 +105,7 @@ impl Residuals<'_> {
     }
 
     /// Share of the sum of squares that is gained, the joints weighted by their noise: 1 - after / before.
-    pub fn gain(&self, seed: u64) -> Share {
+    pub(crate) fn gain(&self, seed: u64) -> Share {
         let joints = 0..self.valid.len();
         let sums = Blocks(joints.flat_map(|joint| Blocks::new(self.of(joint).into_iter()).0).collect());
         sums.share(seed, |[before, after, _]| if before > 0.0 { 1.0 - after / before } else { 0.0 })

@@ -14,4 +14,4 @@ pub(super) use gap::Residuals;
 pub use gap::Share;
 pub use residual_structure::ResidualStructure;
 pub(super) use residual_structure::residual_structure;
-pub use traces::Evidence;
+pub(crate) use traces::Evidence;

@@ -28,7 +28,7 @@ const ROWS_PER_BLOCK: usize = 4;
 const PASSES: usize = 2;
 
 /// Residuals of the torques under a description.
-pub struct Evaluation {
+pub(crate) struct Evaluation {
     /// Logarithm of the held-out mean square, floor included, `[torque channel][block]`; none where a block has no rows.
     pub held_out: Vec<Vec<Option<f64>>>,
     /// Held-out residual over the torque, root mean square, of every torque channel that takes part.
@@ -52,7 +52,7 @@ struct Equations<'a> {
 }
 
 /// A description's equations, ready to be solved.
-pub struct Fit<'a> {
+pub(crate) struct Fit<'a> {
     joints: Vec<Equations<'a>>,
     bounds: &'a Bounds,
     blocks: usize,
@@ -61,7 +61,7 @@ pub struct Fit<'a> {
 
 impl<'a> Fit<'a> {
     /// Sets up the equations; joints whose torque is not measured, or which hardly move, have none.
-    pub fn new(tables: &'a Tables, rows: &'a Rows, description: &Description) -> Fit<'a> {
+    pub(crate) fn new(tables: &'a Tables, rows: &'a Rows, description: &Description) -> Fit<'a> {
         let joints = tables.joints.iter().enumerate().filter_map(|(joint, table)| {
             let channel = description.torque_of[joint];
             let count: usize = table.rows.iter().sum();
@@ -89,14 +89,14 @@ impl<'a> Fit<'a> {
     }
 
     /// Sum over the joints of the logarithm of the mean squared residual of a fit of all rows: a quick order of merit.
-    pub fn merit(&self) -> Option<f64> {
+    pub(crate) fn merit(&self) -> Option<f64> {
         let (_, residuals) = self.weighted()?;
         let each = self.joints.iter().zip(residuals);
         Some(each.map(|(joint, left)| ((left + joint.floor) / joint.factor).ln()).sum())
     }
 
     /// The description judged on held-out blocks; none where nothing can be fitted.
-    pub fn evaluate(&self) -> Option<Evaluation> {
+    pub(crate) fn evaluate(&self) -> Option<Evaluation> {
         let (weights, _) = self.weighted()?;
         let folds = FOLDS.min(self.blocks);
         let mut out = Evaluation {
@@ -123,7 +123,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Shares of every torque that takes part, root mean square: the residual of a fit of all rows, and its friction.
-    pub fn residual_and_friction(&self) -> Option<Vec<[f64; 2]>> {
+    pub(crate) fn residual_and_friction(&self) -> Option<Vec<[f64; 2]>> {
         let (weights, _) = self.weighted()?;
         let solution = self.solve(&weights, &|_| true)?;
         let of = |joint: &Equations| {

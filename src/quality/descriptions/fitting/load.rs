@@ -17,7 +17,7 @@ const HEAVIEST: f64 = 1.0;
 const SECOND_MOMENTS: usize = 4;
 
 /// The columns of a load, those of its parameters for every joint.
-pub struct Load {
+pub(super) struct Load {
     /// `[joint][column][row]`; none on joints that do not move the tip.
     pub columns: Vec<Vec<Vec<f64>>>,
     /// Whether a parameter cannot be negative.
@@ -29,13 +29,13 @@ pub struct Load {
 impl Load {
     /// By how much the load of a log differs from that of another, whose body is among the parameters of the arm: ten parameters of
     /// any sign.
-    pub fn difference(chain: &Chain, gravity: [f64; 3], motion: &Motion) -> Load {
+    pub(super) fn difference(chain: &Chain, gravity: [f64; 3], motion: &Motion) -> Load {
         Load { columns: columns(chain, gravity, motion), nonnegative: vec![false; PARAMETERS], heaviest: None }
     }
 
     /// A load in addition to described bodies: point masses around the flange, which make its mass and its centre, and six moments
     /// of inertia.
-    pub fn on(robot: &Robot, gravity: [f64; 3], motion: &Motion) -> Load {
+    pub(super) fn on(robot: &Robot, gravity: [f64; 3], motion: &Motion) -> Load {
         let links = (0..robot.bodies()).map(|body| robot.body(body).origin.translation.norm());
         let reach = REACHES * (links.sum::<f64>() + robot.flange.translation.norm());
         // On a tree the flange may belong to another branch.

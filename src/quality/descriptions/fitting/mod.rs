@@ -12,6 +12,6 @@ mod load;
 mod physics;
 mod rows;
 
-pub use fit::{Evaluation, Fit};
-pub use physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
-pub use rows::Rows;
+pub(crate) use fit::{Evaluation, Fit};
+pub(crate) use physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
+pub(crate) use rows::Rows;

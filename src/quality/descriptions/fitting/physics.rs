@@ -20,10 +20,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 const FRICTION_KNOTS: [f64; 3] = [0.05, 0.4, 0.95];
 
 /// Columns of friction, the last ones of every joint.
-pub const FRICTION_COLUMNS: usize = FRICTION_KNOTS.len();
+pub(crate) const FRICTION_COLUMNS: usize = FRICTION_KNOTS.len();
 
 /// What is known of the bodies.
-pub enum Physics {
+pub(crate) enum Physics {
     /// The geometry: base parameters are free, and shared by all joints.
     Free(Box<Model>),
     /// The bodies as described; rotors are free.
@@ -33,7 +33,7 @@ pub enum Physics {
 }
 
 /// Inner products of a joint's columns with each other and with every torque, block by block.
-pub struct JointTable {
+pub(crate) struct JointTable {
     /// Place of every column among all parameters, by log; none where a column plays no part in a log.
     pub parameters: Vec<Vec<Option<usize>>>,
     /// Normal matrix of each block.
@@ -53,7 +53,7 @@ pub struct JointTable {
 }
 
 /// Parameters whose sum is bounded from above; none of them is negative.
-pub struct Limit {
+pub(crate) struct Limit {
     /// The parameters.
     pub parameters: Vec<usize>,
     /// The largest sum.
@@ -62,7 +62,7 @@ pub struct Limit {
 
 /// What is known of the values of parameters.
 #[derive(Default)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// Whether a parameter cannot be negative.
     pub nonnegative: Vec<bool>,
     /// Bounded sums.
@@ -70,7 +70,7 @@ pub struct Bounds {
 }
 
 /// The tables of all joints under one description of the motion.
-pub struct Tables {
+pub(crate) struct Tables {
     /// One per joint.
     pub joints: Vec<JointTable>,
     /// Bounds of the parameters.
@@ -79,14 +79,14 @@ pub struct Tables {
 
 impl Physics {
     /// The geometry of an arm, with base parameters that serve any direction of gravity.
-    pub fn free(robot: &Robot) -> Physics {
+    pub(crate) fn free(robot: &Robot) -> Physics {
         // No direction of this vector is special, so that what no gravity can separate is merged and nothing else.
         let gravity = Vector3::new(4.1, -5.3, 7.2);
         Physics::Free(Box::new(Model::new(&Robot { gravity, ..robot.clone() })))
     }
 
     /// The bodies as described, where they are bodies that can exist.
-    pub fn bodies(robot: &Robot) -> Option<Physics> {
+    pub(crate) fn bodies(robot: &Robot) -> Option<Physics> {
         let possible = robot
             .joints
             .iter()
@@ -96,7 +96,7 @@ impl Physics {
     }
 
     /// The tables of a description.
-    pub fn tables(&self, rows: &Rows, description: &Description) -> Tables {
+    pub(crate) fn tables(&self, rows: &Rows, description: &Description) -> Tables {
         let dof = description.dof();
         let pick = |signals: &Channels, signed: bool| {
             signals.map(|joint, _| {
@@ -218,7 +218,7 @@ fn drive_columns(velocity: &[f64], valid: &[usize]) -> Vec<Vec<f64>> {
 
 impl JointTable {
     /// Number of columns.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.gram.first().map_or(0, |gram| gram.ncols())
     }
 

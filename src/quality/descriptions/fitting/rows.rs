@@ -29,7 +29,7 @@ const STICKS: f64 = 0.1;
 const FASTEST: f64 = 50.0;
 
 /// Rows of all logs, one after the other.
-pub struct Rows {
+pub(crate) struct Rows {
     /// Smoothed motion as logged, `[channel][row]`.
     pub motion: Motion,
     /// Smoothed torque as logged, `[channel][row]`.
@@ -48,7 +48,7 @@ pub struct Rows {
 
 impl Rows {
     /// The rows of some logs of one arm.
-    pub fn new(views: &[&View], robot: Option<&Robot>) -> Option<Rows> {
+    pub(crate) fn new(views: &[&View], robot: Option<&Robot>) -> Option<Rows> {
         let first = views.first()?;
         let dof = first.dof();
         let seconds: f64 = views.iter().map(|view| view.log.duration()).sum();
@@ -94,7 +94,7 @@ impl Rows {
 
 impl Rows {
     /// Number of logs.
-    pub fn logs(&self) -> usize {
+    pub(crate) fn logs(&self) -> usize {
         self.log.last().map_or(0, |last| last + 1)
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 
 /// The arm with other bodies: masses between 0.8 and 1.25 times those described.
-pub fn with_other_masses(robot: &Robot, seed: u64) -> Robot {
+pub(super) fn with_other_masses(robot: &Robot, seed: u64) -> Robot {
     let mut random = random::stream(seed, "other_bodies", 0);
     let mut other = robot.clone();
     for joint in &mut other.joints {

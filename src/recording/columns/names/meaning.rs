@@ -65,7 +65,7 @@ const GROUPS: [&str; 14] = [
 
 /// Whose signal a column holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Joint {
+pub(crate) enum Joint {
     /// The joint's number as it stands in the name.
     Number(usize),
     /// The joint's name.
@@ -74,7 +74,7 @@ pub enum Joint {
 
 /// One way to understand a column's name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Meaning {
+pub(crate) struct Meaning {
     /// Of the truth behind a simulated log.
     pub truth: bool,
     /// Index of the quantity.
@@ -92,7 +92,7 @@ pub struct Meaning {
 }
 
 /// All ways to understand a column's name, the most likely first.
-pub fn meanings(column: &str) -> Vec<Meaning> {
+pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
     let (column, _) = without_unit(column);
     let mut out = readings(column);
     // A joint may be called like a unit: that comes first.

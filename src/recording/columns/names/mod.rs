@@ -11,6 +11,6 @@ mod tests;
 mod time;
 mod words;
 
-pub use meaning::{Joint, Meaning, meanings};
-pub use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
-pub use time::{INDEX, OWN_TIME, Part, Time, time};
+pub(crate) use meaning::{Joint, Meaning, meanings};
+pub(crate) use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
+pub(crate) use time::{INDEX, OWN_TIME, Part, Time, time};

@@ -1,20 +1,20 @@
 //! The measured quantities and what programs call them.
 
 /// Index of position among the quantities.
-pub const POSITION: usize = 0;
+pub(crate) const POSITION: usize = 0;
 /// Index of velocity.
-pub const VELOCITY: usize = 1;
+pub(crate) const VELOCITY: usize = 1;
 /// Index of acceleration.
-pub const ACCELERATION: usize = 2;
+pub(crate) const ACCELERATION: usize = 2;
 /// Index of torque.
-pub const TORQUE: usize = 3;
+pub(crate) const TORQUE: usize = 3;
 
 /// Ending of a column of the truth behind a simulated log.
-pub const TRUE: &str = "_true";
+pub(crate) const TRUE: &str = "_true";
 
 /// A measured quantity and how its columns are called: `q1`, `q_elbow` or `elbow_position`.
 #[derive(Debug, Clone, Copy)]
-pub struct Quantity {
+pub(crate) struct Quantity {
     /// Name in messages.
     pub name: &'static str,
     /// What stands before the joint; the first is written.
@@ -26,7 +26,7 @@ pub struct Quantity {
 }
 
 /// The quantities by their index.
-pub const QUANTITIES: [Quantity; 4] = [
+pub(crate) const QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: "position",
         prefixes: &["q"],

@@ -4,7 +4,7 @@ use super::words::{without_unit, words};
 
 /// What a column of time holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Time {
+pub(crate) struct Time {
     /// The lower, the better: the time of the message before that of the logger.
     pub rank: u8,
     /// Seconds per unit, where the name gives it.
@@ -15,7 +15,7 @@ pub struct Time {
 
 /// Which part of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub(crate) enum Part {
     /// All of it.
     Whole,
     /// Whole seconds.
@@ -25,15 +25,15 @@ pub enum Part {
 }
 
 /// Rank of `t` and `time`, which are in seconds.
-pub const OWN_TIME: u8 = 0;
+pub(crate) const OWN_TIME: u8 = 0;
 const OF_MESSAGE: u8 = 1;
 const STAMP: u8 = 2;
 const OF_LOGGER: u8 = 3;
 /// Rank of a first column without a name, in which programs for tables put the index of the rows.
-pub const INDEX: u8 = 9;
+pub(crate) const INDEX: u8 = 9;
 
 /// The meaning of a column's name as time.
-pub fn time(column: &str, place: usize) -> Option<Time> {
+pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
     let time = |rank, factor, part| Some(Time { rank, factor, part });
     if column.eq_ignore_ascii_case("t") || column.eq_ignore_ascii_case("time") {
         return time(OWN_TIME, None, Part::Whole);

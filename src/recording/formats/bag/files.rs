@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Whether a path is a bag by its name.
-pub fn is_bag(path: &Path) -> bool {
+pub(crate) fn is_bag(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
     let name = name.strip_suffix(".zstd").unwrap_or(&name);
     name.ends_with(".mcap") || name.ends_with(".db3") || path.join(METADATA).is_file()
@@ -14,7 +14,7 @@ pub fn is_bag(path: &Path) -> bool {
 const METADATA: &str = "metadata.yaml";
 
 /// The files of a bag in their order; a file is its own.
-pub fn files(path: &Path) -> Result<Vec<PathBuf>> {
+pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
     }

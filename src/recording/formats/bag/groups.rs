@@ -20,7 +20,7 @@ struct Group {
 
 /// All messages so far.
 #[derive(Debug, Default)]
-pub struct Groups {
+pub(super) struct Groups {
     all: Vec<Group>,
     /// Messages heard on every topic.
     heard: Vec<(String, usize)>,
@@ -29,7 +29,7 @@ pub struct Groups {
 
 impl Groups {
     /// Adds a message, of which `logged` is the time at which it was logged.
-    pub fn add(&mut self, topic: &str, logged: i64, data: &[u8]) {
+    pub(super) fn add(&mut self, topic: &str, logged: i64, data: &[u8]) {
         let heard = match self.heard.iter_mut().find(|(own, _)| own == topic) {
             Some((_, count)) => {
                 *count += 1;
@@ -61,7 +61,7 @@ impl Groups {
     }
 
     /// The messages that are wanted, as a table.
-    pub fn choose(
+    pub(super) fn choose(
         self,
         path: &Path,
         topics: &[Topic],

@@ -5,7 +5,7 @@
 
 /// A message as it was sent.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct JointState {
+pub(super) struct JointState {
     /// Time of the header, ns since 1970; 0 where nobody set it.
     pub stamp_ns: i64,
     /// Names of the joints.
@@ -23,7 +23,7 @@ impl JointState {
     ///
     /// # Errors
     /// What is wrong with the bytes, as a phrase.
-    pub fn decode(bytes: &[u8]) -> Result<JointState, String> {
+    pub(super) fn decode(bytes: &[u8]) -> Result<JointState, String> {
         let little = match bytes {
             [0, 1, _, _, ..] => true,
             [0, 0, _, _, ..] => false,
@@ -56,7 +56,7 @@ impl JointState {
 
 impl JointState {
     /// The message as it is sent, in little-endian order, with an empty frame.
-    pub fn encode(&self) -> Vec<u8> {
+    pub(super) fn encode(&self) -> Vec<u8> {
         let mut bytes = vec![0, 1, 0, 0];
         let word = |bytes: &mut Vec<u8>, value: u32| {
             align(bytes, 4);

@@ -13,8 +13,8 @@ mod storage;
 mod table;
 #[cfg(test)]
 mod tests;
-pub mod write;
+pub(crate) mod write;
 
-pub use files::is_bag;
-pub use read::{provenance, read, recording};
-pub use table::Table;
+pub(crate) use files::is_bag;
+pub(crate) use read::{provenance, read, recording};
+pub(crate) use table::Table;

@@ -17,7 +17,7 @@ const SQLITE: &[u8] = b"SQLite format 3\0";
 ///
 /// # Errors
 /// An unreadable file, no joint state in it, several topics with the joints.
-pub fn read(path: &Path, joints: Option<&[String]>, topic: Option<&str>) -> Result<Table> {
+pub(crate) fn read(path: &Path, joints: Option<&[String]>, topic: Option<&str>) -> Result<Table> {
     let mut groups = Groups::default();
     let mut topics: Vec<Topic> = Vec::new();
     let mut cut_off = None;
@@ -47,7 +47,7 @@ pub fn read(path: &Path, joints: Option<&[String]>, topic: Option<&str>) -> Resu
 /// # Errors
 /// Those of [`read`], a message that cannot be read, a log that is cut off, values that are not finite, time that does not
 /// increase.
-pub fn recording(path: &Path, joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
+pub(crate) fn recording(path: &Path, joints: Option<&[String]>) -> Result<(Recording, Vec<String>)> {
     let table = read(path, joints, None)?;
     let mut layout = Layout::find(path, None, &table.header, joints)?;
     if let Some((number, problem)) = table.bad.first() {
@@ -65,6 +65,6 @@ pub fn recording(path: &Path, joints: Option<&[String]>) -> Result<(Recording, V
 }
 
 /// What a recording keeps of where it comes from.
-pub fn provenance(topic: String, start_ns: i64) -> BTreeMap<String, String> {
+pub(crate) fn provenance(topic: String, start_ns: i64) -> BTreeMap<String, String> {
     BTreeMap::from([("topic".to_owned(), topic), ("start_unix_ns".to_owned(), start_ns.to_string())])
 }

@@ -22,7 +22,7 @@ const ENCODING: &str = "cdr";
 
 /// A topic with what is sent on it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Topic {
+pub(super) struct Topic {
     /// Name: "/joint_states".
     pub name: String,
     /// Type of its messages.
@@ -33,17 +33,17 @@ pub struct Topic {
 
 impl Topic {
     /// Whether its messages can be read.
-    pub fn is_joint_state(&self) -> bool {
+    pub(super) fn is_joint_state(&self) -> bool {
         TYPES.contains(&self.kind.as_str()) && self.encoding == ENCODING
     }
 }
 
 /// Hears of every message on a topic that [`Topic::is_joint_state`]: topic, time at which it was logged (ns), content.
-pub type Hear<'a> = dyn FnMut(&str, i64, &[u8]) + 'a;
+pub(super) type Hear<'a> = dyn FnMut(&str, i64, &[u8]) + 'a;
 
 /// What a storage holds besides messages that were heard.
 #[derive(Debug, Default)]
-pub struct Contents {
+pub(super) struct Contents {
     /// All topics.
     pub topics: Vec<Topic>,
     /// Why reading ended before the end of the file.
@@ -51,7 +51,7 @@ pub struct Contents {
 }
 
 /// Reads an MCAP file; what comes before a damage is kept.
-pub fn mcap(path: &Path, hear: &mut Hear) -> Result<Contents> {
+pub(super) fn mcap(path: &Path, hear: &mut Hear) -> Result<Contents> {
     let size = std::fs::metadata(path).map_or(0, |about| about.len()) as usize;
     // Checksums are verified before a chunk is used; a record that claims to be far longer than the file is damaged.
     let options = LinearReaderOptions::default()
@@ -96,7 +96,7 @@ pub fn mcap(path: &Path, hear: &mut Hear) -> Result<Contents> {
 }
 
 /// Reads the SQLite file of a bag; what comes before a damage is kept.
-pub fn sqlite(path: &Path, hear: &mut Hear) -> Result<Contents> {
+pub(super) fn sqlite(path: &Path, hear: &mut Hear) -> Result<Contents> {
     let unpacked;
     let mut file = path;
     if begins_with(path, &ZSTANDARD)? {
@@ -158,7 +158,7 @@ fn open(path: &Path) -> Result<Box<dyn Read>> {
 }
 
 /// Whether a file begins with these bytes.
-pub fn begins_with(path: &Path, magic: &[u8]) -> Result<bool> {
+pub(super) fn begins_with(path: &Path, magic: &[u8]) -> Result<bool> {
     let mut start = Vec::new();
     let failed = |source| Error::io(path, "read the recording", source);
     File::open(path).map_err(failed)?.take(magic.len() as u64).read_to_end(&mut start).map_err(failed)?;

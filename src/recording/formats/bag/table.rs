@@ -2,7 +2,7 @@
 
 /// The messages of one topic about the same joints as a table.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Table {
+pub(crate) struct Table {
     /// The topic.
     pub topic: String,
     /// Time of the first message, ns since 1970.

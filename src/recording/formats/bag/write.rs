@@ -53,7 +53,7 @@ INSERT INTO schema VALUES (4, '');
 ///
 /// # Errors
 /// If the file cannot be written, or a time is none that a message can have.
-pub fn mcap(path: &Path, recording: &Recording) -> Result<()> {
+pub(crate) fn mcap(path: &Path, recording: &Recording) -> Result<()> {
     let messages = messages(path, recording)?;
     let failed = |error: mcap::McapError| Error::io(path, "write the recording", std::io::Error::other(error));
     let file = File::create(path).map_err(|source| Error::io(path, "write the recording", source))?;
@@ -74,7 +74,7 @@ pub fn mcap(path: &Path, recording: &Recording) -> Result<()> {
 ///
 /// # Errors
 /// As [`mcap`].
-pub fn sqlite(path: &Path, recording: &Recording) -> Result<()> {
+pub(crate) fn sqlite(path: &Path, recording: &Recording) -> Result<()> {
     let messages = messages(path, recording)?;
     let failed = |error: rusqlite::Error| Error::io(path, "write the recording", std::io::Error::other(error));
     // An old file would be added to.

@@ -1,7 +1,7 @@
 //! XML files given as logs: descriptions of robots, and pages that came in the place of a download.
 
 /// What an XML file given as a log is, and what to do about it; `name` is that of the file.
-pub fn kind(text: &str, name: &str) -> (&'static str, String) {
+pub(super) fn kind(text: &str, name: &str) -> (&'static str, String) {
     const LOG: &str = "and as the log a table, a ROS 2 bag or .npz";
     let robot = || format!("give it with --robot, {LOG}");
     let elsewhere = || format!("give a robot with --robot, {LOG}");

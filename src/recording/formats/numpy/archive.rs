@@ -3,7 +3,7 @@
 use std::io::Read;
 
 /// A file in a ZIP archive.
-pub struct Entry {
+pub(super) struct Entry {
     pub name: String,
     method: u16,
     size: usize,
@@ -13,7 +13,7 @@ pub struct Entry {
 
 impl Entry {
     /// The unpacked content; none where it is cut off or packed in another way.
-    pub fn content(&self, bytes: &[u8]) -> Option<Vec<u8>> {
+    pub(super) fn content(&self, bytes: &[u8]) -> Option<Vec<u8>> {
         let header = bytes.get(self.offset..self.offset + 30)?;
         let start = self.offset + 30 + half(header, 26)? + half(header, 28)?;
         let packed = bytes.get(start..start.checked_add(self.size)?)?;
@@ -30,7 +30,7 @@ impl Entry {
 }
 
 /// The files of a ZIP archive, from the directory at its end; None where it has none.
-pub fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
+pub(super) fn entries(bytes: &[u8]) -> Option<Vec<Entry>> {
     let end = bytes.windows(4).rposition(|window| window == b"PK\x05\x06")?;
     let end = &bytes[end..];
     let (count, mut at) = (half(end, 10)?, word(end, 16)?);

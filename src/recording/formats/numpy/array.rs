@@ -1,7 +1,7 @@
 //! An array of numpy in its own format, `.npy`.
 
 /// An array as it stands in a file.
-pub struct Array {
+pub(super) struct Array {
     pub name: String,
     pub shape: Vec<usize>,
     pub values: Vec<f64>,
@@ -9,7 +9,7 @@ pub struct Array {
 }
 
 /// The arrays in a `.npy`: one, or one per named field.
-pub fn fields(bytes: &[u8], name: &str) -> std::result::Result<Vec<Array>, String> {
+pub(super) fn fields(bytes: &[u8], name: &str) -> std::result::Result<Vec<Array>, String> {
     let broken = || "the array is damaged or cut off; save it again".to_owned();
     if bytes.get(..6) != Some(b"\x93NUMPY") {
         return Err("this is no array of numpy".to_owned());

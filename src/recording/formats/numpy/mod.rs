@@ -9,4 +9,4 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use table::{Table, is_npz, npy, npz};
+pub(crate) use table::{Table, is_npz, npy, npz};

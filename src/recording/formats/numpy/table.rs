@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The columns of all arrays.
 #[derive(Debug, Default)]
-pub struct Table {
+pub(crate) struct Table {
     /// Names of the columns.
     pub header: Vec<String>,
     /// Their values.
@@ -16,7 +16,7 @@ pub struct Table {
 }
 
 /// Whether a ZIP archive holds arrays of numpy.
-pub fn is_npz(path: &Path) -> bool {
+pub(crate) fn is_npz(path: &Path) -> bool {
     let Ok(bytes) = std::fs::read(path) else { return false };
     entries(&bytes).is_some_and(|entries| entries.iter().any(|entry| entry.name.ends_with(".npy")))
 }
@@ -25,7 +25,7 @@ pub fn is_npz(path: &Path) -> bool {
 ///
 /// # Errors
 /// A damaged file, or one without arrays of numbers.
-pub fn npz(path: &Path) -> Result<Table> {
+pub(crate) fn npz(path: &Path) -> Result<Table> {
     let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
     let broken = |problem: &str| Error::input(path, None, "numpy", problem);
     let entries = entries(&bytes).ok_or_else(|| broken("the archive is damaged or cut off; save it again"))?;
@@ -44,7 +44,7 @@ pub fn npz(path: &Path) -> Result<Table> {
 ///
 /// # Errors
 /// A damaged file, or an array without names.
-pub fn npy(path: &Path) -> Result<Table> {
+pub(crate) fn npy(path: &Path) -> Result<Table> {
     let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
     let arrays = fields(&bytes, "").map_err(|problem| Error::input(path, None, "numpy", problem))?;
     if let [Array { name, shape, .. }] = arrays.as_slice()

@@ -13,7 +13,7 @@ const JOINTS: &str = "tauscope.joints";
 const PROVENANCE: &str = "tauscope.provenance.";
 
 /// The entries of a recording.
-pub fn metadata(recording: &Recording) -> Vec<KeyValue> {
+pub(super) fn metadata(recording: &Recording) -> Vec<KeyValue> {
     let joints = serde_json::Value::from(recording.joints.clone()).to_string();
     let mut entries = vec![KeyValue::new(ROBOT.into(), recording.robot.clone()), KeyValue::new(JOINTS.into(), joints)];
     let provenance = recording.provenance.iter();
@@ -25,7 +25,7 @@ pub fn metadata(recording: &Recording) -> Vec<KeyValue> {
 ///
 /// # Errors
 /// An entry that is no list of names.
-pub fn own_joints(path: &Path, metadata: &HashMap<String, String>) -> Result<Option<Vec<String>>> {
+pub(super) fn own_joints(path: &Path, metadata: &HashMap<String, String>) -> Result<Option<Vec<String>>> {
     let names = metadata.get(JOINTS).map(|text| serde_json::from_str(text)).transpose();
     names.map_err(|error| {
         Error::input(path, None, JOINTS, format!("this entry of the metadata must be a JSON array of names: {error}"))
@@ -33,7 +33,7 @@ pub fn own_joints(path: &Path, metadata: &HashMap<String, String>) -> Result<Opt
 }
 
 /// Adds the entries of a file to its recording.
-pub fn describe(metadata: &HashMap<String, String>, recording: &mut Recording) {
+pub(super) fn describe(metadata: &HashMap<String, String>, recording: &mut Recording) {
     recording.robot = metadata.get(ROBOT).cloned().unwrap_or_default();
     recording.provenance = provenance(metadata);
 }

@@ -34,7 +34,7 @@ fn builder(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>> {
 
 impl Table {
     /// Reads the file's metadata on its columns, and how long its lists are.
-    pub fn open(path: &Path) -> Result<Table> {
+    pub(crate) fn open(path: &Path) -> Result<Table> {
         let builder = builder(path)?;
         let metadata = builder.metadata().file_metadata().key_value_metadata();
         let metadata: HashMap<String, String> = metadata
@@ -97,7 +97,7 @@ impl Table {
 
     /// Reads the columns `used`; the others stay empty. `header` names them in messages. Empty cells are NaN where `lenient`,
     /// else an error.
-    pub fn rows(&self, path: &Path, header: &[String], used: &[usize], lenient: bool) -> Result<Vec<Vec<f64>>> {
+    pub(crate) fn rows(&self, path: &Path, header: &[String], used: &[usize], lenient: bool) -> Result<Vec<Vec<f64>>> {
         let builder = builder(path)?;
         let roots: BTreeSet<usize> = used.iter().map(|&column| self.places[column].0).collect();
         let projection = ProjectionMask::roots(builder.parquet_schema(), roots.iter().copied());
@@ -119,7 +119,7 @@ impl Table {
     }
 
     /// Adds the file's metadata on the recording.
-    pub fn describe(&self, recording: &mut Recording) {
+    pub(crate) fn describe(&self, recording: &mut Recording) {
         describe(&self.metadata, recording);
     }
 }

@@ -4,7 +4,7 @@ use arrow_array::{Array, ArrayRef, FixedSizeListArray, Float64Array, LargeListAr
 use arrow_schema::DataType;
 
 /// The elements of a list.
-pub fn elements(array: &ArrayRef, row: usize) -> Option<ArrayRef> {
+pub(super) fn elements(array: &ArrayRef, row: usize) -> Option<ArrayRef> {
     let any = array.as_any();
     if array.is_null(row) {
         return None;
@@ -16,7 +16,7 @@ pub fn elements(array: &ArrayRef, row: usize) -> Option<ArrayRef> {
 }
 
 /// Adds the values of an array to a column; of lists those at `place`. An empty cell is NaN where `lenient`, else an error.
-pub fn append(
+pub(super) fn append(
     array: &ArrayRef,
     place: Option<usize>,
     column: &mut Vec<f64>,

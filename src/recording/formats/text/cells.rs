@@ -3,7 +3,7 @@
 use super::quotes::OPEN_QUOTE;
 
 /// What programs write for a value that is not there.
-pub fn is_empty(cell: &[u8]) -> bool {
+pub(super) fn is_empty(cell: &[u8]) -> bool {
     let cell = cell.trim_ascii();
     cell.is_empty()
         || ["none", "null", "na", "n/a", "-", "--", "missing", "<na>"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
@@ -13,7 +13,7 @@ pub fn is_empty(cell: &[u8]) -> bool {
         || cell.strip_prefix(b"-").unwrap_or(cell).starts_with(b"nan(")
 }
 
-pub fn not_a_number(cell: &[u8]) -> String {
+pub(super) fn not_a_number(cell: &[u8]) -> String {
     let cell = String::from_utf8_lossy(cell).replace(char::from(OPEN_QUOTE), "\"");
     match cell.trim() {
         "" => "the cell is empty; a number goes here".to_owned(),
@@ -23,7 +23,7 @@ pub fn not_a_number(cell: &[u8]) -> String {
 }
 
 /// A cell as a number; `decimal_comma` takes 1,5 for 1.5.
-pub fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
+pub(super) fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
     let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
     let plain = cell.parse().ok();
     if plain.is_none()
@@ -40,7 +40,7 @@ pub fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
 }
 
 /// Seconds of a date with a time, from 1970, or of a time of day, from midnight: `2024-05-01 12:00:00.004`, `5/1/2024 12:00:00 PM`.
-pub fn date(cell: &[u8]) -> Option<f64> {
+pub(super) fn date(cell: &[u8]) -> Option<f64> {
     let cell = std::str::from_utf8(cell.trim_ascii()).ok()?;
     let (day, clock) = match cell.split_once(['T', ' ']) {
         Some((day, clock)) if !day.contains(':') => (Some(day), clock),
@@ -91,7 +91,7 @@ fn days_from_1970(year: i64, month: i64, day: i64) -> i64 {
 }
 
 /// The parts of a cell that is a list, `[0.1, 0.2]` or `array('d', [0.1, 0.2])`; none of another cell.
-pub fn list(cell: &str) -> Vec<&str> {
+pub(super) fn list(cell: &str) -> Vec<&str> {
     let Some(start) = cell.rfind('[').or(cell.starts_with('(').then_some(0)) else { return Vec::new() };
     if start > 0 && !cell.starts_with("array(") {
         return Vec::new();
@@ -105,7 +105,7 @@ pub fn list(cell: &str) -> Vec<&str> {
 }
 
 /// The parts of a cell in a column of lists, or the cell itself.
-pub fn of_width(cell: &str, width: usize) -> Vec<String> {
+pub(super) fn of_width(cell: &str, width: usize) -> Vec<String> {
     match width {
         1 => vec![cell.to_owned()],
         _ => list(cell).into_iter().map(str::to_owned).collect(),

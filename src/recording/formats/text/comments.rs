@@ -5,7 +5,7 @@ use super::separators::SEPARATORS;
 
 /// Lines above the header that begin with `#` or `%` become blank, so that places in the file stay what they are. Where
 /// numbers follow the last of them, as numpy writes it, it is the header.
-pub fn blank_comments(bytes: &mut [u8]) {
+pub(super) fn blank_comments(bytes: &mut [u8]) {
     let mut start = 0;
     while matches!(bytes.get(start), Some(b'#' | b'%')) {
         let line = |from: usize| from + bytes[from..].iter().take_while(|byte| **byte != b'\n').count();

@@ -7,7 +7,7 @@ const SHOWS: usize = 1000;
 
 /// The text of a file: without a byte order mark, from UTF-16 (as Windows writes "Unicode text"), and with a line feed behind each line
 /// where there are carriage returns alone. None of what is no text.
-pub fn utf8_lines(mut bytes: Vec<u8>) -> Option<Vec<u8>> {
+pub(super) fn utf8_lines(mut bytes: Vec<u8>) -> Option<Vec<u8>> {
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());
     }

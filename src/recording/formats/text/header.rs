@@ -41,7 +41,7 @@ fn count(line: &[u8], separator: u8) -> usize {
 /// Makes blank what stands above the header without being marked as a comment: lines with other numbers of cells than the rows
 /// of numbers below. Joins a second line below the header to it, of units or of joints: its cells come behind the names. Lengths
 /// stay, so that places in the file stay what they are, where no second line is joined.
-pub fn blank_titles(bytes: &mut Vec<u8>) {
+pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
     let Some((separator, width, first)) = rows(bytes) else { return };
     let lines = lines(bytes);
     let above: Vec<(usize, usize, bool)> =

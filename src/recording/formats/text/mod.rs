@@ -12,4 +12,4 @@ mod quotes;
 mod separators;
 mod table;
 
-pub use table::Text;
+pub(crate) use table::Text;

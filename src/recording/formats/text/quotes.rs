@@ -1,11 +1,11 @@
 //! Quotes that are not closed.
 
 /// Stands for the quotes of a line in which one is not closed.
-pub const OPEN_QUOTE: u8 = 0x01;
+pub(super) const OPEN_QUOTE: u8 = 0x01;
 
 /// A quote that is not closed would swallow all lines up to the next one: no cell of a log goes over several lines, so
 /// that such a line is broken, and its quotes are none.
-pub fn without_open_quotes(bytes: &mut [u8]) {
+pub(super) fn without_open_quotes(bytes: &mut [u8]) {
     if !bytes.contains(&b'"') {
         return;
     }

@@ -11,7 +11,7 @@ use ::csv::{ByteRecord, ReaderBuilder};
 use std::path::Path;
 
 /// A table in text, of which the header is understood.
-pub struct Text {
+pub(crate) struct Text {
     /// The file with what stands above the header taken out, line for line.
     bytes: Vec<u8>,
     separator: u8,
@@ -25,7 +25,7 @@ pub struct Text {
 }
 
 /// A row that does not hold a number in every column.
-pub struct BadRow {
+pub(crate) struct BadRow {
     /// Where the row starts (or the blank lines before it), in bytes.
     pub start: usize,
     /// The column.
@@ -36,7 +36,7 @@ pub struct BadRow {
 
 /// The rows that hold numbers.
 #[derive(Default)]
-pub struct Rows {
+pub(crate) struct Rows {
     /// Values of the columns in use, indexed as the header.
     pub columns: Vec<Vec<f64>>,
     /// Where each row starts, in bytes.
@@ -50,7 +50,7 @@ impl Text {
     ///
     /// # Errors
     /// An unreadable or empty file, or one that is no text.
-    pub fn open(path: &Path) -> Result<Text> {
+    pub(crate) fn open(path: &Path) -> Result<Text> {
         let bytes = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
         Text::new(path, bytes)
     }
@@ -59,7 +59,7 @@ impl Text {
     ///
     /// # Errors
     /// Those of [`Text::open`].
-    pub fn new(path: &Path, bytes: Vec<u8>) -> Result<Text> {
+    pub(crate) fn new(path: &Path, bytes: Vec<u8>) -> Result<Text> {
         let Some(mut bytes) = encoding::utf8_lines(bytes) else {
             let problem = "the file is no text; export it as CSV";
             return Err(Error::input(path, None, "header", problem));
@@ -123,7 +123,7 @@ impl Text {
     ///
     /// # Errors
     /// A file without rows, and what `reject` returns.
-    pub fn rows(
+    pub(crate) fn rows(
         &self,
         path: &Path,
         header: &[String],
@@ -197,7 +197,7 @@ impl Text {
     }
 
     /// Cells of one column as they stand in the file.
-    pub fn cells(&self, column: usize) -> Vec<String> {
+    pub(crate) fn cells(&self, column: usize) -> Vec<String> {
         let (raw, _) = self.places()[column];
         let mut reader = self.reader();
         let mut record = ByteRecord::new();
@@ -218,12 +218,12 @@ impl Text {
     }
 
     /// Number of the first line with content at or after a place in the file.
-    pub fn line_at(&self, start: usize) -> usize {
+    pub(crate) fn line_at(&self, start: usize) -> usize {
         self.lines(&[start])[0]
     }
 
     /// Lines of increasing places in the file, each that of the first line with content from there on.
-    pub fn lines(&self, starts: &[usize]) -> Vec<usize> {
+    pub(crate) fn lines(&self, starts: &[usize]) -> Vec<usize> {
         let (mut line, mut seen) = (1, 0);
         starts
             .iter()

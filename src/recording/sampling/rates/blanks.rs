@@ -19,7 +19,7 @@ const BRIDGED: f64 = 4.0;
 
 /// Of rows with blanks, those of the slower of positions and torques are kept, and the other signals are brought to their times.
 /// Nothing is done where the blanks are gaps. Returns what was done.
-pub fn without_blanks(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
+pub(crate) fn without_blanks(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
     let count = lines.len();
     let held: Vec<usize> = columns.iter().map(|values| values.iter().filter(|v| v.is_finite()).count()).collect();
     let of = |table: &[usize]| -> Vec<usize> {

@@ -2,11 +2,11 @@
 
 /// Where a signal changes by more than so many of its steps, mostly, it is not within one of them in the next row: what repeats
 /// there was not measured anew.
-pub const DIGITS: f64 = 3.5;
+pub(super) const DIGITS: f64 = 3.5;
 
 /// Whether few digits may be why the signals `of` repeat between the rows `new`. They are not where one signal changes in most of
 /// these rows, and mostly by several of its smallest changes.
-pub fn may_be_why(columns: &[Vec<f64>], of: &[usize], new: &[usize]) -> bool {
+pub(super) fn may_be_why(columns: &[Vec<f64>], of: &[usize], new: &[usize]) -> bool {
     !of.iter().any(|&column| {
         let values = &columns[column];
         let rows = new.iter().filter(|row| **row > 0);

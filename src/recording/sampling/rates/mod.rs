@@ -12,6 +12,6 @@ mod rows;
 mod tests;
 mod whole;
 
-pub use blanks::without_blanks;
-pub use repeats::without_repeats;
-pub use whole::without_whole;
+pub(crate) use blanks::without_blanks;
+pub(crate) use repeats::without_repeats;
+pub(crate) use whole::without_whole;

@@ -16,7 +16,7 @@ const SLOWEST_HZ: f64 = 50.0;
 
 /// Of values that are repeated while the other signals go on, the rows of new ones are kept. Time is in seconds. Nothing is done
 /// where they do not come at a rate, or at a slow one. Returns what was done.
-pub fn without_repeats(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
+pub(crate) fn without_repeats(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
     let changes = |table: &[usize]| -> Vec<bool> {
         let used: Vec<&[f64]> =
             table.iter().filter(|column| **column != ABSENT).map(|column| columns[*column].as_slice()).collect();

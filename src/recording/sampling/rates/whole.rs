@@ -35,7 +35,7 @@ const MOVES: f64 = 0.1;
 const LIVE: usize = 4;
 
 /// Leaves out rows that repeat the one before whole, as far as they are no rest, and returns what was done. Time is in seconds.
-pub fn without_whole(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
+pub(crate) fn without_whole(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut Vec<usize>) -> Option<String> {
     let time = layout.time();
     let stamps = &columns[time];
     let signals: Vec<usize> = {

@@ -17,7 +17,7 @@ const ID_BYTES: i32 = 16;
 
 /// Times of the rows on a timeline.
 #[derive(Debug, Clone)]
-pub struct Index {
+pub(crate) struct Index {
     name: &'static str,
     times: ArrayRef,
     sorted: bool,
@@ -25,19 +25,19 @@ pub struct Index {
 
 impl Index {
     /// Times from the start, s.
-    pub fn seconds(name: &'static str, seconds: impl IntoIterator<Item = f64>) -> Self {
+    pub(crate) fn seconds(name: &'static str, seconds: impl IntoIterator<Item = f64>) -> Self {
         let times: Vec<i64> = seconds.into_iter().map(nanoseconds).collect();
         let sorted = times.is_sorted();
         Index { name, times: numbers::<DurationNanosecondType>(times), sorted }
     }
 
     /// The date of one row, ns since 1970.
-    pub fn date(name: &'static str, date: i64) -> Self {
+    pub(crate) fn date(name: &'static str, date: i64) -> Self {
         Index { name, times: numbers::<TimestampNanosecondType>([date]), sorted: true }
     }
 
     /// The number of one row.
-    pub fn number(name: &'static str, number: i64) -> Self {
+    pub(crate) fn number(name: &'static str, number: i64) -> Self {
         Index { name, times: numbers::<Int64Type>([number]), sorted: true }
     }
 
@@ -50,13 +50,13 @@ impl Index {
 }
 
 /// A time in whole nanoseconds.
-pub fn nanoseconds(seconds: f64) -> i64 {
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
     (1e9 * seconds).round() as i64
 }
 
 /// The rows of `entity` at the times of `indices`; without indices, one row that holds at all times. Every row has the
 /// same number of values of a component. Returned is the chunk's identity too.
-pub fn chunk(
+pub(super) fn chunk(
     ids: &mut Ids,
     entity: &str,
     indices: &[Index],

@@ -11,11 +11,11 @@ use std::sync::Arc;
 
 /// Components that the viewer draws together. The name leaves rerun's prefix out: `archetypes.Boxes3D`.
 #[derive(Debug, Clone, Copy)]
-pub struct Archetype(pub &'static str);
+pub(crate) struct Archetype(pub &'static str);
 
 /// A component of an entity, with its values one after the other.
 #[derive(Debug, Clone)]
-pub struct Component {
+pub(crate) struct Component {
     /// `rerun.archetypes.Boxes3D`.
     pub archetype: String,
     /// `Boxes3D:half_sizes`.
@@ -28,7 +28,7 @@ pub struct Component {
 
 impl Archetype {
     /// A component of this archetype; `kind` is its type without rerun's prefix, `components.HalfSize3D`.
-    pub fn component(self, field: &str, kind: &str, values: ArrayRef) -> Component {
+    pub(crate) fn component(self, field: &str, kind: &str, values: ArrayRef) -> Component {
         let short = self.0.rsplit('.').next().unwrap_or(self.0);
         Component {
             archetype: format!("rerun.{}", self.0),
@@ -40,34 +40,36 @@ impl Archetype {
 }
 
 /// Numbers, or the numbers of an enumeration.
-pub fn numbers<T: ArrowPrimitiveType>(values: impl IntoIterator<Item = T::Native>) -> ArrayRef {
+pub(crate) fn numbers<T: ArrowPrimitiveType>(values: impl IntoIterator<Item = T::Native>) -> ArrayRef {
     Arc::new(PrimitiveArray::<T>::from_iter_values(values))
 }
 
 /// Vectors and quaternions.
-pub fn tuples<T: ArrowPrimitiveType, const N: usize>(values: impl IntoIterator<Item = [T::Native; N]>) -> ArrayRef {
+pub(crate) fn tuples<T: ArrowPrimitiveType, const N: usize>(
+    values: impl IntoIterator<Item = [T::Native; N]>,
+) -> ArrayRef {
     let parts = numbers::<T>(values.into_iter().flatten());
     Arc::new(FixedSizeListArray::new(item::<T>(), N as i32, parts, None))
 }
 
 /// Texts.
-pub fn texts(values: impl IntoIterator<Item = impl AsRef<str>>) -> ArrayRef {
+pub(crate) fn texts(values: impl IntoIterator<Item = impl AsRef<str>>) -> ArrayRef {
     Arc::new(StringArray::from_iter_values(values))
 }
 
 /// Yes or no.
-pub fn flag(value: bool) -> ArrayRef {
+pub(crate) fn flag(value: bool) -> ArrayRef {
     Arc::new(BooleanArray::from(vec![value]))
 }
 
 /// The bytes of a file.
-pub fn blob(bytes: Vec<u8>) -> ArrayRef {
+pub(crate) fn blob(bytes: Vec<u8>) -> ArrayRef {
     let offsets = OffsetBuffer::from_lengths([bytes.len()]);
     Arc::new(ListArray::new(item::<UInt8Type>(), offsets, numbers::<UInt8Type>(bytes), None))
 }
 
 /// A range of times, ns, from and to a time of the timeline.
-pub fn interval(from: i64, to: i64) -> ArrayRef {
+pub(crate) fn interval(from: i64, to: i64) -> ArrayRef {
     let ends = [("start", boundary(from)), ("end", boundary(to))];
     let columns = ends.map(|(name, end)| (Arc::new(Field::new(name, end.data_type().clone(), true)), end));
     Arc::new(StructArray::from(columns.to_vec()))

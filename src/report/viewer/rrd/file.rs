@@ -22,7 +22,7 @@ const ACTIVATION: u64 = 3;
 
 /// A file that is being written.
 #[derive(Debug)]
-pub struct RrdFile<W> {
+pub(crate) struct RrdFile<W> {
     to: W,
     ids: Ids,
 }
@@ -32,7 +32,7 @@ impl<W: Write> RrdFile<W> {
     ///
     /// # Errors
     /// Those of writing.
-    pub fn new(mut to: W) -> io::Result<Self> {
+    pub(crate) fn new(mut to: W) -> io::Result<Self> {
         /// LZ4 compression, protocol buffers, nothing else.
         const OPTIONS: [u8; 4] = [1, 2, 0, 0];
         to.write_all(b"RRF2")?;
@@ -42,7 +42,7 @@ impl<W: Write> RrdFile<W> {
     }
 
     /// Identities of what is in the file.
-    pub fn ids(&mut self) -> &mut Ids {
+    pub(crate) fn ids(&mut self) -> &mut Ids {
         &mut self.ids
     }
 
@@ -50,7 +50,7 @@ impl<W: Write> RrdFile<W> {
     ///
     /// # Errors
     /// Those of writing.
-    pub fn store(&mut self, kind: StoreKind, name: Option<&str>) -> io::Result<Store> {
+    pub(crate) fn store(&mut self, kind: StoreKind, name: Option<&str>) -> io::Result<Store> {
         let store = Store { kind, id: format!("rec_{:032x}", self.ids.other()) };
         let info = message::store_info(self.ids.row(), &store, VERSION);
         self.message(STORE, &info)?;
@@ -65,7 +65,13 @@ impl<W: Write> RrdFile<W> {
     ///
     /// # Errors
     /// Those of writing.
-    pub fn log(&mut self, store: &Store, entity: &str, at: &[Index], components: &[Component]) -> io::Result<()> {
+    pub(crate) fn log(
+        &mut self,
+        store: &Store,
+        entity: &str,
+        at: &[Index],
+        components: &[Component],
+    ) -> io::Result<()> {
         let (id, batch) = chunk(&mut self.ids, entity, at, components).map_err(into_io)?;
         if batch.num_rows() == 0 {
             return Ok(());
@@ -81,7 +87,7 @@ impl<W: Write> RrdFile<W> {
     ///
     /// # Errors
     /// Those of writing.
-    pub fn activate(&mut self, blueprint: &Store) -> io::Result<()> {
+    pub(crate) fn activate(&mut self, blueprint: &Store) -> io::Result<()> {
         self.message(ACTIVATION, &message::activation(blueprint))
     }
 
@@ -89,7 +95,7 @@ impl<W: Write> RrdFile<W> {
     ///
     /// # Errors
     /// Those of writing.
-    pub fn finish(mut self) -> io::Result<()> {
+    pub(crate) fn finish(mut self) -> io::Result<()> {
         // There is no index of the chunks, so the viewer reads the whole file.
         self.message(END, &Message::default())?;
         self.to.flush()

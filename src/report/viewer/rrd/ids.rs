@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 ///
 /// Nothing that is shown depends on these numbers, so they need no recorded seed.
 #[derive(Debug)]
-pub struct Ids {
+pub(crate) struct Ids {
     start: u64,
     file: u64,
     next: u64,
@@ -15,32 +15,32 @@ pub struct Ids {
 
 impl Ids {
     /// Identities of a new file.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let start = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
         Ids { start, file: RandomState::new().build_hasher().finish(), next: 0 }
     }
 
     /// When the file was begun, ns since 1970.
-    pub fn start(&self) -> i64 {
+    pub(crate) fn start(&self) -> i64 {
         self.start as i64
     }
 
     /// Of a row, a chunk or a message: the later of two is the greater.
-    pub fn row(&mut self) -> u128 {
+    pub(crate) fn row(&mut self) -> u128 {
         self.next += 1;
         // Half the range is left for the rows of the file.
         u128::from(self.start) << 64 | u128::from(self.file / 2 + self.next)
     }
 
     /// Of a recording or a view.
-    pub fn other(&mut self) -> u128 {
+    pub(crate) fn other(&mut self) -> u128 {
         self.next += 1;
         u128::from(self.file) << 64 | u128::from(self.next)
     }
 }
 
 /// An identity as the viewer writes it in paths.
-pub fn uuid(id: u128) -> String {
+pub(crate) fn uuid(id: u128) -> String {
     let hex = format!("{id:032x}");
     [&hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..]].join("-")
 }

@@ -5,7 +5,7 @@ const APPLICATION: &str = "tauscope";
 
 /// What a store holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StoreKind {
+pub(crate) enum StoreKind {
     /// Data.
     Recording = 1,
     /// A layout of the viewer.
@@ -14,7 +14,7 @@ pub enum StoreKind {
 
 /// A store that a message is about.
 #[derive(Debug, Clone)]
-pub struct Store {
+pub(crate) struct Store {
     /// What it holds.
     pub kind: StoreKind,
     /// Its identity.
@@ -23,11 +23,11 @@ pub struct Store {
 
 /// Fields of a message, encoded.
 #[derive(Debug, Default, PartialEq)]
-pub struct Message(Vec<u8>);
+pub(super) struct Message(Vec<u8>);
 
 impl Message {
     /// The bytes of the message.
-    pub fn bytes(&self) -> &[u8] {
+    pub(super) fn bytes(&self) -> &[u8] {
         &self.0
     }
 
@@ -60,7 +60,7 @@ impl Message {
 }
 
 /// Announces a store; `version` is that of the file's header.
-pub fn store_info(row: u128, store: &Store, version: [u8; 4]) -> Message {
+pub(super) fn store_info(row: u128, store: &Store, version: [u8; 4]) -> Message {
     /// A writer that is none of rerun's own.
     const OTHER: u64 = 6;
     let writer = Message::default().block(1, concat!("tauscope ", env!("CARGO_PKG_VERSION")).as_bytes());
@@ -71,7 +71,7 @@ pub fn store_info(row: u128, store: &Store, version: [u8; 4]) -> Message {
 }
 
 /// A chunk of a store: its Arrow stream of `size` bytes, compressed to `lz4`.
-pub fn arrow(store: &Store, chunk: u128, is_static: bool, size: usize, lz4: &[u8]) -> Message {
+pub(super) fn arrow(store: &Store, chunk: u128, is_static: bool, size: usize, lz4: &[u8]) -> Message {
     const LZ4: u64 = 2;
     const ARROW_STREAM: u64 = 1;
     Message::default()
@@ -85,7 +85,7 @@ pub fn arrow(store: &Store, chunk: u128, is_static: bool, size: usize, lz4: &[u8
 }
 
 /// Makes the layout in `store` the one that is shown, now and whenever the viewer is reset.
-pub fn activation(store: &Store) -> Message {
+pub(super) fn activation(store: &Store) -> Message {
     Message::default().block(1, &store_id(store).0).number(2, 1).number(3, 1)
 }
 

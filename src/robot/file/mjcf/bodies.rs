@@ -51,7 +51,7 @@ impl<'a> Bodies<'a> {
     ///
     /// # Errors
     /// If a number is malformed, a name occurs twice or an axis has no direction.
-    pub fn of(root: &'a Element, models: &'a Models) -> Result<Self> {
+    pub(super) fn of(root: &'a Element, models: &'a Models) -> Result<Self> {
         let mut bodies = Bodies {
             models,
             links: Vec::new(),

@@ -45,7 +45,7 @@ impl Compiler {
     ///
     /// # Errors
     /// If a value is none that MuJoCo knows, or coordinates are global.
-    pub fn of(root: &Element) -> Result<Self> {
+    pub(super) fn of(root: &Element) -> Result<Self> {
         let mut compiler = Compiler {
             radians: false,
             sequence: vec!['x', 'y', 'z'],
@@ -101,7 +101,7 @@ impl Compiler {
     }
 
     /// An angle in the model's unit, in rad.
-    pub fn angle(&self, value: f64) -> f64 {
+    pub(super) fn angle(&self, value: f64) -> f64 {
         if self.radians { value } else { value / 180.0 * PI }
     }
 
@@ -122,7 +122,7 @@ impl Compiler {
     ///
     /// # Errors
     /// If numbers are malformed, or an axis has no direction.
-    pub fn pose(&self, element: &Settled) -> Result<Pose> {
+    pub(super) fn pose(&self, element: &Settled) -> Result<Pose> {
         let translation = element.vector("pos")?.unwrap_or_default();
         Ok(Pose { rotation: self.rotation(element)?, translation })
     }

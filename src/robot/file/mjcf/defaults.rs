@@ -22,7 +22,7 @@ pub(super) struct Defaults {
 
 impl Defaults {
     /// The classes of a model.
-    pub fn of(root: &Element) -> Self {
+    pub(super) fn of(root: &Element) -> Self {
         let mut defaults = Defaults::default();
         defaults.classes.insert(MAIN.to_owned(), Class::new());
         for top in root.all("default") {
@@ -52,7 +52,7 @@ impl Defaults {
     ///
     /// # Errors
     /// If the element's class is not there.
-    pub fn apply<'a>(&'a self, element: &'a Element, childclass: Option<&str>) -> Result<Settled<'a>> {
+    pub(super) fn apply<'a>(&'a self, element: &'a Element, childclass: Option<&str>) -> Result<Settled<'a>> {
         let class = element.get("class").or(childclass).unwrap_or(MAIN);
         let Some(class) = self.classes.get(class) else {
             return Err(element.error(format!("there is no default class `{class}`")));
@@ -82,28 +82,28 @@ pub(super) struct Settled<'a> {
 
 impl<'a> Settled<'a> {
     /// An element that has no defaults.
-    pub fn plain(element: &'a Element) -> Self {
+    pub(super) fn plain(element: &'a Element) -> Self {
         Settled { element, defaults: None }
     }
 
     /// The value of an attribute, its own or by default.
-    pub fn get(&self, name: &str) -> Option<&'a str> {
+    pub(super) fn get(&self, name: &str) -> Option<&'a str> {
         let default = || self.defaults.and_then(|defaults| defaults.get(name)).map(String::as_str);
         self.element.get(name).or_else(default)
     }
 
     /// The numbers of an attribute; see [`Element::numbers`].
-    pub fn numbers(&self, name: &str, count: [usize; 2]) -> Result<Option<Vec<f64>>> {
+    pub(super) fn numbers(&self, name: &str, count: [usize; 2]) -> Result<Option<Vec<f64>>> {
         self.get(name).map(|text| self.element.numbers(name, text, count)).transpose()
     }
 
     /// The first number of an attribute, of up to ten.
-    pub fn number(&self, name: &str) -> Result<Option<f64>> {
+    pub(super) fn number(&self, name: &str) -> Result<Option<f64>> {
         Ok(self.numbers(name, [1, 10])?.map(|values| values[0]))
     }
 
     /// Three numbers.
-    pub fn vector(&self, name: &str) -> Result<Option<nalgebra::Vector3<f64>>> {
+    pub(super) fn vector(&self, name: &str) -> Result<Option<nalgebra::Vector3<f64>>> {
         Ok(self.numbers(name, [3, 3])?.map(|v| nalgebra::Vector3::new(v[0], v[1], v[2])))
     }
 }

@@ -115,23 +115,23 @@ fn tag_of(node: &Node) -> String {
 
 impl Element {
     /// The value of an attribute.
-    pub fn get(&self, name: &str) -> Option<&str> {
+    pub(super) fn get(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(own, _)| own == name).map(|(_, value)| value.as_str())
     }
 
     /// All attributes.
-    pub fn attributes(&self) -> impl Iterator<Item = (&str, &str)> {
+    pub(super) fn attributes(&self) -> impl Iterator<Item = (&str, &str)> {
         self.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 
     /// Sets the model that this element and all within it belong to.
-    pub fn belong_to(&mut self, model: usize) {
+    pub(super) fn belong_to(&mut self, model: usize) {
         self.model = model;
         self.children.iter_mut().for_each(|child| child.belong_to(model));
     }
 
     /// Puts a prefix before the values of attributes, here and in all elements within.
-    pub fn prefix(&mut self, prefix: &str, names: &[&str]) {
+    pub(super) fn prefix(&mut self, prefix: &str, names: &[&str]) {
         for (_, value) in self.attributes.iter_mut().filter(|(name, _)| names.contains(&name.as_str())) {
             value.insert_str(0, prefix);
         }
@@ -139,7 +139,7 @@ impl Element {
     }
 
     /// Puts a suffix behind the values of attributes, here and in all elements within.
-    pub fn suffix(&mut self, suffix: &str, names: &[&str]) {
+    pub(super) fn suffix(&mut self, suffix: &str, names: &[&str]) {
         for (_, value) in self.attributes.iter_mut().filter(|(name, _)| names.contains(&name.as_str())) {
             value.push_str(suffix);
         }
@@ -147,7 +147,7 @@ impl Element {
     }
 
     /// An empty frame in the place of this element; attributes without a value are left out.
-    pub fn frame(&self, attributes: &[(&str, &str)]) -> Element {
+    pub(super) fn frame(&self, attributes: &[(&str, &str)]) -> Element {
         let given = attributes.iter().filter(|(_, value)| !value.is_empty());
         Element {
             tag: "frame".to_owned(),
@@ -160,12 +160,12 @@ impl Element {
     }
 
     /// Number of elements within this one.
-    pub fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         self.children.iter().map(|child| 1 + child.size()).sum()
     }
 
     /// The first element of a kind and name within this one.
-    pub fn find(&self, tag: &str, name: &str) -> Option<&Element> {
+    pub(super) fn find(&self, tag: &str, name: &str) -> Option<&Element> {
         if self.tag == tag && self.get("name") == Some(name) {
             return Some(self);
         }
@@ -173,17 +173,17 @@ impl Element {
     }
 
     /// All children of this name.
-    pub fn all(&self, tag: &'static str) -> impl Iterator<Item = &Element> {
+    pub(super) fn all(&self, tag: &'static str) -> impl Iterator<Item = &Element> {
         self.children.iter().filter(move |child| child.tag == tag)
     }
 
     /// The first child of this name.
-    pub fn first(&self, tag: &'static str) -> Option<&Element> {
+    pub(super) fn first(&self, tag: &'static str) -> Option<&Element> {
         self.children.iter().find(|child| child.tag == tag)
     }
 
     /// The error that something is wrong with this element.
-    pub fn error(&self, problem: impl Into<String>) -> Error {
+    pub(super) fn error(&self, problem: impl Into<String>) -> Error {
         let name = self.get("name").map_or(String::new(), |name| format!(" `{name}`"));
         Error::input(&*self.file, Some(self.line), format!("<{}>{name}", self.tag), problem)
     }
@@ -192,7 +192,7 @@ impl Element {
     ///
     /// # Errors
     /// If there are fewer or more, or one is malformed, not finite or, but for those of drives, beyond 1e9.
-    pub fn numbers(&self, name: &str, text: &str, [least, most]: [usize; 2]) -> Result<Vec<f64>> {
+    pub(super) fn numbers(&self, name: &str, text: &str, [least, most]: [usize; 2]) -> Result<Vec<f64>> {
         let words: Vec<&str> = text.split_whitespace().collect();
         if words.len() < least || words.len() > most {
             let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };

@@ -18,5 +18,5 @@ mod shapes;
 mod tests;
 mod write;
 
-pub use reader::read;
+pub(crate) use reader::read;
 pub use write::to_mjcf;

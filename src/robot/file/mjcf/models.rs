@@ -25,7 +25,7 @@ impl Models {
     ///
     /// # Errors
     /// If a setting is unknown, or an attached model cannot be read.
-    pub fn of(root: &mut Element) -> Result<Self> {
+    pub(super) fn of(root: &mut Element) -> Result<Self> {
         let mut models = Models(Vec::new());
         models.add(root, 0)?;
         Ok(models)
@@ -86,17 +86,17 @@ impl Models {
     }
 
     /// The settings of the model that an element belongs to.
-    pub fn compiler(&self, element: &Element) -> &Compiler {
+    pub(super) fn compiler(&self, element: &Element) -> &Compiler {
         &self.0[element.model].0
     }
 
     /// The settings of the main model.
-    pub fn main(&self) -> &Compiler {
+    pub(super) fn main(&self) -> &Compiler {
         &self.0[0].0
     }
 
     /// Angles that were taken as multiples of 15 degrees, in all models.
-    pub fn rounded(&self) -> usize {
+    pub(super) fn rounded(&self) -> usize {
         self.0.iter().map(|(compiler, _)| compiler.rounded.get()).sum()
     }
 
@@ -104,7 +104,7 @@ impl Models {
     ///
     /// # Errors
     /// If its class is not there.
-    pub fn settled<'a>(&'a self, element: &'a Element, class: Class<'a>) -> Result<Settled<'a>> {
+    pub(super) fn settled<'a>(&'a self, element: &'a Element, class: Class<'a>) -> Result<Settled<'a>> {
         let class = class.filter(|(_, model)| *model == element.model).map(|(class, _)| class);
         self.0[element.model].1.apply(element, class)
     }
@@ -113,7 +113,7 @@ impl Models {
     ///
     /// # Errors
     /// See [`Compiler::pose`].
-    pub fn pose(&self, element: &Element) -> Result<Pose> {
+    pub(super) fn pose(&self, element: &Element) -> Result<Pose> {
         self.compiler(element).pose(&Settled::plain(element))
     }
 }

@@ -12,7 +12,7 @@ pub(super) struct Names {
 
 impl Names {
     /// The names that elements of a kind have anywhere in a model.
-    pub fn of(root: &Element, tag: &str) -> Self {
+    pub(super) fn of(root: &Element, tag: &str) -> Self {
         let mut given = HashSet::new();
         let mut open = vec![root];
         while let Some(element) = open.pop() {
@@ -27,7 +27,7 @@ impl Names {
     ///
     /// # Errors
     /// If another element has the same name.
-    pub fn name(&mut self, element: &Element, wanted: &str) -> Result<String> {
+    pub(super) fn name(&mut self, element: &Element, wanted: &str) -> Result<String> {
         match element.get("name") {
             Some(name) if self.used.insert(name.to_owned()) => Ok(name.to_owned()),
             Some(_) => Err(element.error("another element of this kind has the same name; rename one")),
@@ -36,7 +36,7 @@ impl Names {
     }
 
     /// A name that nothing else has: the wanted one, with a number if need be.
-    pub fn unique(&mut self, wanted: String) -> String {
+    pub(super) fn unique(&mut self, wanted: String) -> String {
         let (mut name, mut number) = (wanted.clone(), 1);
         while self.given.contains(&name) || !self.used.insert(name.clone()) {
             number += 1;

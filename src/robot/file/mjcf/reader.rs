@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 /// # Errors
 /// Names file, line and element for: unreadable or malformed files, names that occur twice, classes that are not there,
 /// numbers that are malformed or not finite, axes without direction.
-pub fn read(source: &XmlText) -> Result<Description> {
+pub(crate) fn read(source: &XmlText) -> Result<Description> {
     let path = &source.path;
     let mut root = element::load(source)?;
     if root.tag != "mujoco" {

@@ -6,25 +6,25 @@ use nalgebra::{Rotation3, Vector3};
 use roxmltree::Node;
 
 /// Type of a joint in lower case; empty where the file gives none.
-pub fn joint_type(joint: &Node) -> String {
+pub(super) fn joint_type(joint: &Node) -> String {
     attribute(joint, "type").unwrap_or_default().to_ascii_lowercase()
 }
 
 /// URDF pose (fixed-axis roll, pitch, yaw) whose numbers are known to be finite, or do not matter.
-pub fn pose_of(given: &urdf_rs::Pose) -> Pose {
+pub(crate) fn pose_of(given: &urdf_rs::Pose) -> Pose {
     let ([x, y, z], [roll, pitch, yaw]) = (given.xyz.0, given.rpy.0);
     Pose { rotation: Rotation3::from_euler_angles(roll, pitch, yaw).into_inner(), translation: Vector3::new(x, y, z) }
 }
 
 /// A pose as fixed-axis roll, pitch and yaw, the URDF's convention.
-pub fn origin(pose: &Pose) -> String {
+pub(super) fn origin(pose: &Pose) -> String {
     let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
     let [x, y, z]: [f64; 3] = pose.translation.into();
     format!("<origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>")
 }
 
 /// The element of a body, about its centre of mass.
-pub fn inertial(body: &Inertia) -> String {
+pub(super) fn inertial(body: &Inertia) -> String {
     let (center, tensor) = (body.center_of_mass(), body.tensor_about_center());
     format!(
         "<inertial><origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/><mass value=\"{:?}\"/><inertia ixx=\"{:?}\" \
@@ -43,7 +43,7 @@ pub fn inertial(body: &Inertia) -> String {
 }
 
 /// The element of a drive.
-pub fn dynamics(drive: &Drive) -> String {
+pub(super) fn dynamics(drive: &Drive) -> String {
     let Drive { viscous, coulomb, armature } = drive;
     format!("<dynamics damping=\"{viscous:?}\" friction=\"{coulomb:?}\" armature=\"{armature:?}\"/>")
 }

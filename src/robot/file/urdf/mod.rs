@@ -20,6 +20,6 @@ mod units;
 mod write;
 
 pub use edit::with_parameters;
-pub use elements::pose_of;
-pub use reader::{looks, read};
+pub(crate) use elements::pose_of;
+pub(crate) use reader::{looks, read};
 pub use write::to_urdf;

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// Names file, line and element for: unreadable or malformed files, links and joints that form no tree, numbers that are
 /// malformed or not finite, a zero axis, limits that contradict themselves.
-pub fn read(source: XmlText) -> Result<Description> {
+pub(crate) fn read(source: XmlText) -> Result<Description> {
     let (source, notes) = settled::of(source)?;
     describe(&source, notes)
 }
@@ -32,7 +32,7 @@ pub fn read(source: XmlText) -> Result<Description> {
 ///
 /// # Errors
 /// If the file cannot be read any longer.
-pub fn looks(path: &Path) -> Result<urdf_rs::Robot> {
+pub(crate) fn looks(path: &Path) -> Result<urdf_rs::Robot> {
     let (source, _) = settled::settled(path)?;
     parsed(&source, &source.parse()?, true)
 }

@@ -40,7 +40,7 @@ pub(super) struct Sizes<'a, 'i> {
 
 impl<'a, 'i> Sizes<'a, 'i> {
     /// Reads what numbers there are; what is malformed counts as absent.
-    pub fn of(document: &'a Document<'i>) -> Self {
+    pub(super) fn of(document: &'a Document<'i>) -> Self {
         let root = document.root_element();
         let joints: Vec<JointNumbers> = children(&root, "joint").map(|node| joint(node)).collect();
         let inertials = children(&root, "link").filter_map(|link| child(&link, "inertial"));

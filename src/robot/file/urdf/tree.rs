@@ -21,7 +21,7 @@ impl<'a> Tree<'_, 'a, '_> {
     /// # Errors
     /// If a name occurs twice, a joint ends at a link that is not there, a link has two parents, the joints form a cycle, or
     /// joints move in more than one tree.
-    pub fn main(&self, notes: &mut Vec<String>) -> Result<Vec<usize>> {
+    pub(super) fn main(&self, notes: &mut Vec<String>) -> Result<Vec<usize>> {
         let index = self.unique("link", self.links)?;
         self.unique("joint", self.joints)?;
         let mut parent: Vec<Option<usize>> = vec![None; self.links.len()];

@@ -138,6 +138,11 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Whether it is a load at the flange, with the ten inertial parameters of a body.
+    fn is_load(&self) -> bool {
+        false
+    }
+
     /// Quantities by which practitioners know it.
     fn derived(&self, p: &[f64], joint: usize, robot: &Robot) -> Vec<Derived> {
         let _ = (p, joint, robot);

@@ -31,6 +31,12 @@ const COARSE: f64 = 3.5;
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
 
+/// A torque that differs from both neighbours by so many times its usual change (that which nine of ten do not exceed) stands out; of a
+/// share of all samples that do, more is another fault.
+const STANDS_OUT: f64 = 20.0;
+const USUAL_CHANGE: f64 = 0.9;
+const FEW: f64 = 0.02;
+
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
 /// digits that even steps do not keep.
 pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
@@ -50,6 +56,7 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
             out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
             continue;
         }
+        out.extend(torque_spike(&view.place("tau", joint), &logged.time, own));
         if !coarse(own) {
             out.extend(clipped(view, joint, tau));
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
@@ -144,6 +151,28 @@ fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let count = q.windows(3).filter(|x| is_spike(x)).count();
     let text = format!("{count} samples stand out from both neighbours by more than any joint can move; remove them");
     let place = format!("{} at {:.4} s", view.place("q", joint), view.log.time[at]);
+    Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
+}
+
+/// Torques that stand out from both neighbours: of a message that was read wrongly, or a count that ran over.
+fn torque_spike(place: &str, time: &[f64], tau: &[f64]) -> Option<Finding> {
+    let usual = size_quantile(tau.windows(2).map(|pair| pair[1] - pair[0]), USUAL_CHANGE);
+    let limit = STANDS_OUT * usual.max(resolution(tau));
+    let is_spike = |x: &[f64]| {
+        let (to, from) = (x[1] - x[0], x[2] - x[1]);
+        to * from < 0.0 && to.abs().min(from.abs()) > limit
+    };
+    let count = tau.windows(3).filter(|x| is_spike(x)).count();
+    let at = tau.windows(3).position(is_spike)? + 1;
+    // Many are no accidents: a drive that chatters, another fault.
+    if count as f64 > FEW * tau.len() as f64 {
+        return None;
+    }
+    let text = format!(
+        "{count} samples stand out from both neighbours by more than {STANDS_OUT:.0} times as much as torque usually changes; leave their cells empty: \
+         least squares follows them"
+    );
+    let place = format!("{place} at {:.4} s", time[at]);
     Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
 }
 
@@ -315,4 +344,34 @@ fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Fin
                     without direction, or an absolute value); log the torques with their signs";
         Finding::new(Kind::UnsignedTorque, Severity::Warning, all_torques(view), text)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random;
+    use rand::RngExt;
+
+    /// Torque with friction's jumps and white noise of 1 N m, with spikes of a size.
+    #[test]
+    fn torques_that_stand_out_are_spikes() {
+        let mut source = random::stream(4, "noise", 0);
+        let torque: Vec<f64> = (0..4000)
+            .map(|row| 20.0 * (0.003 * f64::from(row)).sin().signum() + source.random_range(-1.7..1.7))
+            .collect();
+        let time: Vec<f64> = (0..4000).map(|row| 0.002 * f64::from(row)).collect();
+        let found = |count: usize, size: f64| {
+            let mut spoilt = torque.clone();
+            (0..count).for_each(|k| spoilt[100 + 37 * k] += size);
+            torque_spike("tau1", &time, &spoilt).map(|finding| finding.text)
+        };
+        assert_eq!(found(0, 0.0), None);
+        for count in [1, 30] {
+            assert!(found(count, 100.0).unwrap().starts_with(&format!("{count} samples")));
+        }
+        // Twenty times the change that nine of ten do not exceed, 2.3 N m: 46 N m.
+        assert!(found(3, 35.0).is_none() && found(3, 60.0).is_some());
+        // Every fiftieth sample is no accident.
+        assert!(found(79, 100.0).is_some() && found(90, 100.0).is_none());
+    }
 }

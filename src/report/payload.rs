@@ -48,6 +48,20 @@ pub(crate) fn text(payload: &Payload) -> String {
     lines.join("\n")
 }
 
+/// A load that a diagnosis found, in a sentence or two.
+pub(crate) fn weighed(payload: &Payload) -> Vec<String> {
+    let number = |quantity: &Option<Quantity>| quantity.as_ref().map_or("not determined".to_owned(), both);
+    let mass = number(&payload.mass_kg);
+    let center = payload.center_m.each_ref().map(number).join(", ");
+    let frame = &payload.frame;
+    let load = format!(
+        "Load weighed by itself, as a body that can exist (`tauscope payload` says more): mass {mass} kg, centre ({center}) m in the \
+         frame of the {frame}, {}.",
+        payload.scaled_by
+    );
+    [load].into_iter().chain(payload.disagreement().map(|text| format!("Note: {text}."))).collect()
+}
+
 fn headline(payload: &Payload) -> String {
     match (payload.verdict, &payload.mass_kg, payload.mass_below_kg) {
         (Verdict::Load, Some(mass), _) => format!("Verdict: a load of {} kg was added", both(mass)),

@@ -145,6 +145,8 @@ fn what_both_lack_cancels_where_logs_follow_the_motions_of_the_reference() {
         let one = diagnosis.derived[0].iter().find(|one| one.name == name).unwrap();
         assert_estimated(one.value, one.std, truth);
     }
+    let load = diagnosis.load.as_ref().unwrap().mass_kg.unwrap();
+    assert!((load.value - 1.5).abs() < 4.0 * load.standard_error && load.standard_error < 0.01, "{load:?}");
     // The bodies of the arm stay as the reference shows them, the load hangs on its last link.
     let extended = conclusion.extended().unwrap();
     assert!(extended.effects.is_empty() && extended.robot.joints[4].inertia.mass() > 1.0);

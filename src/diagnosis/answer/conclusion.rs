@@ -21,6 +21,7 @@ use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
+use crate::payload::Payload;
 use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::scenario::Measured;
@@ -107,7 +108,21 @@ pub(super) fn conclude<'a>(
         map,
         unfinished: watch.has_ended(),
     };
-    answer(session, searched, circumstances, options)
+    let mut concluded = answer(session, searched, circumstances, options)?;
+    concluded.diagnosis.load = weighed(robot, input, &concluded.diagnosis.found);
+    Ok(concluded)
+}
+
+/// The load since the reference logs where one was `found`: with no other effect to share it with, and as a body that can exist.
+fn weighed(robot: &Robot, input: &Input, found: &[Found]) -> Option<Payload> {
+    let has_load = found.iter().any(|found| found.member.placed.effect.is_load());
+    if input.reference.is_empty() || !has_load {
+        return None;
+    }
+    let after = input.train.iter().chain(&input.test).copied();
+    let weighed = Payload::between(robot).before(input.reference.iter().copied()).after(after).run();
+    // What it cannot weigh is in its own words of no use here: the finding stands.
+    weighed.inspect_err(|problem| tracing::debug!(%problem, "the load is not weighed")).ok()
 }
 
 /// The arm as its reference logs show it, with the effects found there: they were there before the change.
@@ -300,6 +315,7 @@ fn answer<'a>(
         rejected,
         unexplained,
         map,
+        load: None,
         unfinished,
         next_experiment,
         evidence,

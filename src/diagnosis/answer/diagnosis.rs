@@ -14,6 +14,7 @@ use crate::diagnosis::search::{Alternative, Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{LIBRARY, Nature, Parameter, Placed};
 use crate::error::Result;
+use crate::payload::Payload;
 use crate::robot::Robot;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -126,6 +127,8 @@ pub struct Diagnosis {
     pub inertias: Option<Gain>,
     /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.
     pub map: ResidualMap,
+    /// The load that was added since the reference logs, weighed by itself, where one was found.
+    pub load: Option<Payload>,
     /// Whether the search was ended before it was done: effects may be missing, and rivals of names.
     pub unfinished: bool,
     /// Structure without a name.

@@ -9,6 +9,7 @@ use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Rejected, Verdict};
 use crate::diagnosis::variance::{JointMap, Line, Part};
+use crate::payload::Payload;
 use crate::quality::Kind;
 use crate::robot::Robot;
 use crate::simulation::engine::EngineKind;
@@ -49,6 +50,9 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     reference: Vec<Finding>,
     findings: Vec<Finding>,
+    /// The load added since the reference logs, as `tauscope payload` weighs it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<Payload>,
     /// Effects found that do not matter, not in the extended model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     smaller_findings: Vec<SmallerFinding>,
@@ -287,6 +291,7 @@ impl Document {
             baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
             reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
             findings: findings(robot, diagnosis),
+            load: diagnosis.load.clone(),
             smaller_findings: diagnosis.minor.iter().map(|minor| SmallerFinding::new(robot, minor)).collect(),
             rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
             criteria: diagnosis.scope.criteria,

@@ -75,6 +75,10 @@ impl Effect for Payload {
         Some(spread(SHARE * arm_mass(robot), REACH_M))
     }
 
+    fn is_load(&self) -> bool {
+        true
+    }
+
     fn derived(&self, p: &[f64], _: usize, robot: &Robot) -> Vec<Derived> {
         p.try_into().map_or(Vec::new(), |body| load(&Inertia(body), &Pose::identity(), robot.reach()))
     }

@@ -56,11 +56,6 @@ impl Effect for TorqueOffset {
         Some("friction_asymmetry")
     }
 
-    /// No amplifier is off by more.
-    fn largest_share(&self) -> Option<f64> {
-        Some(0.5)
-    }
-
     fn distort_torque(&self, p: &[f64], signal: &mut [f64], _: f64) {
         for value in signal {
             *value += p[0];

@@ -10,6 +10,11 @@ use std::path::Path;
 /// Share of the rows with the stamp of the row before, but other values, from which on the clock is coarse.
 const COARSE: f64 = 0.05;
 
+/// A row that comes after less than this share of the usual step (that which nine of ten do not exceed) comes in a burst with the
+/// one before: stamps are then those of arrival.
+const BURST: f64 = 0.1;
+const USUAL: f64 = 0.9;
+
 /// A step this many times longer than the coarse clock's, or than rows are apart, is a gap.
 const GAP: f64 = 4.0;
 
@@ -95,6 +100,7 @@ pub(crate) fn clock(
     }
     let used = layout.used();
     let time = layout.time();
+    clock.mended.extend(bursts(&mut columns[time]));
     let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);
     let stamps = &columns[time];
     let repeated: Vec<usize> = (1..stamps.len()).filter(|&row| stamps[row] == stamps[row - 1]).collect();
@@ -111,6 +117,36 @@ pub(crate) fn clock(
         columns[time] = spread;
     }
     Ok(clock)
+}
+
+/// Rows that come in bursts, evenly sampled or not, are stamped as they arrived: they are spread evenly.
+fn bursts(time: &mut Vec<f64>) -> Option<String> {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.iter().any(|step| step.is_nan() || *step < 0.0) {
+        return None;
+    }
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get((USUAL * steps.len() as f64) as usize)?;
+    let close = |step: f64| step > 0.0 && step < BURST * usual;
+    let count = steps.iter().filter(|step| close(**step)).count();
+    if (count as f64) < COARSE * time.len() as f64 {
+        return None;
+    }
+    let mut stamps = time.clone();
+    for row in 1..stamps.len() {
+        if close(time[row] - time[row - 1]) {
+            stamps[row] = stamps[row - 1];
+        }
+    }
+    let (spread, _) = spread(&stamps);
+    let rate = (spread.len() - 1) as f64 / (spread[spread.len() - 1] - spread[0]);
+    *time = spread;
+    Some(format!(
+        "rows come in bursts: {:.0} % of them are stamped within {:.3} ms of the row before, as they arrived; they are spread evenly, at \
+         {rate:.1} Hz; log the time of the measurement if you can",
+        100.0 * count as f64 / time.len() as f64,
+        1e3 * BURST * usual
+    ))
 }
 
 /// Share of steps that go back.
@@ -156,11 +192,18 @@ fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
         let (low, high) =
             signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
         let changes = signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
-        let digit = changes.fold(f64::INFINITY, f64::min);
+        let mut changes: Vec<f64> = changes.collect();
+        changes.sort_by(f64::total_cmp);
+        let digit = changes.first().copied().unwrap_or(f64::INFINITY);
+        // Noise of a joint that stands, or hardly moves, alternates too: by its own usual change.
+        let usual = changes.get(changes.len() / 2).copied().unwrap_or(f64::INFINITY);
         let apart = |x: &[f64]| {
             let (to, from) = (x[1] - x[0], x[2] - x[1]);
             let least = to.abs().min(from.abs());
-            to * from < 0.0 && least > ALTERNATING * (x[2] - x[0]).abs() && least > FAR * (high - low)
+            to * from < 0.0
+                && least > ALTERNATING * (x[2] - x[0]).abs()
+                && least > FAR * (high - low)
+                && least > ALTERNATING * usual
         };
         let count = signal.windows(3).filter(|x| apart(x)).count() as f64;
         signal.len() >= FEWEST_OF_TWO && high - low > DIGITS * digit && count > OF_SLOWER * signal.len() as f64
@@ -229,6 +272,39 @@ mod tests {
         let uneven: Vec<f64> = (0..100).map(|row| 0.05 * f64::from((row * row / 120) / 2)).collect();
         let (spread, _) = super::spread(&uneven);
         assert!(spread.windows(2).all(|pair| pair[1] > pair[0]));
+    }
+
+    /// Pairs of rows at 100 Hz, the second of each just behind the first.
+    #[test]
+    fn bursts_are_spread_evenly() {
+        let pairs = |apart: f64| -> Vec<f64> {
+            (0..400).map(|row| 0.02 * f64::from(row / 2) + if row % 2 == 1 { apart } else { 0.0 }).collect()
+        };
+        for apart in [1e-5, 1e-4, 1e-3] {
+            let mut time = pairs(apart);
+            assert!(bursts(&mut time).unwrap().contains("100.0 Hz"), "{apart}");
+            assert!(time.windows(2).all(|pair| ((pair[1] - pair[0]) - 0.01).abs() < 1e-4));
+        }
+        // An uneven clock is none of bursts, and neither is one with a pair or two.
+        let mut uneven = pairs(0.004);
+        assert!(bursts(&mut uneven).is_none() && uneven == pairs(0.004));
+        let mut even: Vec<f64> = (0..400).map(|row| 0.01 * f64::from(row)).collect();
+        even[7] = even[6] + 1e-5;
+        assert!(bursts(&mut even).is_none());
+    }
+
+    /// White noise of an encoder on a joint that stands, or drifts by little; and a slower source of other positions among the rows.
+    #[test]
+    fn noise_of_a_joint_at_rest_is_no_second_source() {
+        let mut source = crate::random::stream(3, "noise", 0);
+        let noise: Vec<f64> = (0..4000).map(|_| rand::RngExt::random_range(&mut source, -2e-4..2e-4)).collect();
+        for drift in [0.0, 1e-6, 1e-5] {
+            let still: Vec<f64> = noise.iter().enumerate().map(|(row, v)| v + drift * row as f64).collect();
+            assert!(of_two_sources(&[&still]).is_none(), "{drift}");
+        }
+        let moving: Vec<f64> = (0..4000).map(|row| (0.005 * f64::from(row)).sin()).collect();
+        let mixed: Vec<f64> = moving.iter().enumerate().map(|(row, q)| if row % 7 == 3 { 0.4 } else { *q }).collect();
+        assert!(of_two_sources(&[&noise, &moving]).is_none() && of_two_sources(&[&noise, &mixed]).is_some());
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::diagnosis::{
 };
 use crate::quality::with_logs;
 use crate::report::console::{by_joint, significant, table};
+use crate::report::payload;
 use crate::robot::Robot;
 
 /// Effects not found, and parameters of an effect, that the lines mention.
@@ -52,6 +53,7 @@ pub(crate) fn lines(
         let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
     }
+    lines.extend(diagnosis.load.iter().flat_map(payload::weighed));
     lines.extend(smaller(robot, diagnosis));
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;

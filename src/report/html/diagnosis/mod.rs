@@ -17,6 +17,7 @@ use crate::quality::with_logs;
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::report::diagnosis::impacts;
+use crate::report::payload;
 use crate::report::svg::Color;
 use crate::report::viewer::{joined, joined_time, offsets};
 use crate::robot::Robot;
@@ -241,6 +242,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
              test.",
         ));
     }
+    blocks.extend(diagnosis.load.iter().flat_map(payload::weighed).map(|text| Block::text(sentence(&text))));
     blocks.extend(shown(robot, diagnosis).into_iter().map(|text| Block::text(sentence(&format!("{text}.")))));
     if let Some(low_pass) = diagnosis.logs.passband {
         blocks.push(Block::text(format!(

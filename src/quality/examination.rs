@@ -112,18 +112,19 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let (about_velocity, factor) = velocity::findings(&view);
         findings.extend(about_velocity);
         units.time_factor = factor;
+        // Torques are compared with motion in true time.
+        let in_true_time = factor.map(|factor| in_true_time(view.log, factor));
+        let view = in_true_time.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
         let in_other = |kind| other_unit && are_in_other(kind, &summaries, robot, &endless);
         (units.degrees, units.millimetres) = (in_other(JointKind::Revolute), in_other(JointKind::Prismatic));
         units.velocities_are_si = (units.degrees || units.millimetres) && velocity::is_si(&view);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {
             let (found, condition) = torque::findings(&view, &mut summaries, robot);
-            // Nothing is known of times where the clock is wrong.
-            let clock_is_wrong = findings.iter().any(|finding| finding.kind == Kind::ClockFactor);
-            findings.extend(found.into_iter().filter(|finding| finding.kind != Kind::DeadTime || !clock_is_wrong));
+            findings.extend(found);
             condition_number = condition;
             let unsigned = channels::without_sign(&view, &findings);
-            let mut log = longest.unwrap_or(even);
+            let mut log = in_true_time.or(longest).unwrap_or(even);
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
             comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
         }
@@ -142,6 +143,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings,
     };
     Ok((report, comparable))
+}
+
+/// The log in true time, where the clock runs wrong by a factor.
+fn in_true_time(log: &Recording, factor: f64) -> Recording {
+    let mut log = log.clone();
+    log.time.iter_mut().for_each(|time| *time *= factor);
+    log
 }
 
 /// The log with zeros where a joint has no torque, which the checks of motion do not look at.

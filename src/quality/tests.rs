@@ -73,6 +73,14 @@ fn assert_found(kind: Kind, place: &str, robot: Option<&Robot>, fault: impl Fn(&
     assert!(found.iter().all(|(k, _)| *k == kind), "{kind:?} at {place}, but also others: {found:?}");
 }
 
+/// Torques are compared with motion in true time: none of them is of another size.
+#[test]
+fn a_clock_that_runs_wrong_is_the_only_fault() {
+    for factor in [0.625, 2.0] {
+        assert_found(Kind::ClockFactor, "t", Some(&irb()), |log| log.time.iter_mut().for_each(|t| *t *= factor));
+    }
+}
+
 #[test]
 fn clean_logs_have_no_finding() {
     let planar = arm("tests/reference/skew7.urdf");

@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example:\n  tauscope inspect monday.csv tuesday.csv --robot arm.urdf")]
 pub(crate) struct Arguments {
     /// Log: .csv, .parquet, .npz, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are examined together.
-    #[arg(required = true)]
+    /// Default: those of the dataset.
+    #[arg(required_unless_present = "dataset")]
     log: Vec<PathBuf>,
     #[command(flatten)]
     arm: ArmArguments,
@@ -33,10 +34,16 @@ pub(crate) struct Arguments {
 /// Examines the logs and prints the findings; a log that cannot be used is an error after the report.
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
+    let mut files = match &dataset {
+        Some(dataset) if arguments.log.is_empty() => dataset.files(),
+        _ => arguments.log.clone(),
+    };
+    // Parts of one log are examined together.
+    files.dedup();
     let file = arguments.arm.file(dataset.as_ref());
-    let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &arguments.log);
+    let open = |file: PathBuf| arguments.arm.open(&file, Trust::Structure, dataset.as_ref(), &files);
     let mut arm = file.map(open).transpose()?;
-    let [first, others @ ..] = &arguments.log[..] else { return Err(Error::request("LOG", "give a log")) };
+    let [first, others @ ..] = &files[..] else { return Err(Error::request("LOG", "give a log")) };
     if arguments.convert.is_some() && !others.is_empty() {
         return Err(Error::request("--convert", "takes one log; give the logs one by one"));
     }
@@ -52,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         }
     };
     let read = |log: &PathBuf| Ok((log.clone(), read(log)?));
-    let mut logs = [arguments.log.iter().map(read).collect::<Result<Vec<(PathBuf, Sieved)>>>()?];
+    let mut logs = [files.iter().map(read).collect::<Result<Vec<(PathBuf, Sieved)>>>()?];
     // A converted log keeps the joints that stand still.
     let converted = arguments.convert.as_ref().map(|path| convert(path, first, &logs[0][0].1)).transpose()?;
     if let Some(arm) = &mut arm {
@@ -64,12 +71,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     stages.begin("examining the log");
     let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
     let corrected = match &robot {
-        Some(robot) => correct(arguments, global, dataset.as_ref(), robot, &together)?,
+        Some(robot) => correct((arguments, &files), global, dataset.as_ref(), robot, &together)?,
         None => None,
     };
     stages.finish();
-    let each: Vec<(&Path, &quality::Report)> =
-        arguments.log.iter().map(PathBuf::as_path).zip(&together.reports).collect();
+    let each: Vec<(&Path, &quality::Report)> = files.iter().map(PathBuf::as_path).zip(&together.reports).collect();
     let result = report::together(each[0], &each[1..], robot.as_ref());
     print::result(global, report::SCHEMA, &result, || {
         let texts = report::texts(&each, robot.as_ref());
@@ -92,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
 /// Writes the corrected description, if something is wrong with the given one; returns its path.
 fn correct(
-    arguments: &Arguments,
+    (arguments, files): (&Arguments, &[PathBuf]),
     global: &Global,
     dataset: Option<&Dataset>,
     robot: &Robot,
@@ -105,9 +111,9 @@ fn correct(
         return Ok(None);
     }
     let description = verdict.map(|verdict| &verdict.description);
-    let name = arguments.log[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
+    let name = files[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
-    let named = Named { robot: arguments.arm.robot.clone(), train: arguments.log.clone(), test: Vec::new() };
+    let named = Named { robot: arguments.arm.robot.clone(), train: files.to_vec(), test: Vec::new() };
     if !corrected::write(&folder, dataset, &named, robot, description, units)? {
         return Ok(None);
     }

@@ -215,3 +215,20 @@ fn criterion(judged: &Judged) -> f64 {
     let shapes = shapes(judged.candidate.placed.effect).len() as f64;
     (2.0 * log_survival(judged.test.statistic, judged.test.freedom)).max(-f64::MAX) + 2.0 * shapes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Placed, find};
+
+    #[test]
+    fn a_load_changes_sooner_than_a_link_and_no_other_law_does() {
+        let candidate = |name: &str| {
+            let placed = Placed::typical(find(name).unwrap(), 0);
+            Candidate { placed, log: None, columns: Vec::new() }
+        };
+        let sooner = |one: &str, other: &str| changes_sooner(&candidate(one), &candidate(other));
+        assert!(sooner("payload", "link_inertia_error") && !sooner("link_inertia_error", "payload"));
+        assert!(!sooner("payload", "coulomb_friction") && !sooner("time_delay", "link_inertia_error"));
+    }
+}

@@ -51,14 +51,18 @@ pub(crate) fn text(payload: &Payload) -> String {
 /// A load that a diagnosis found, in a sentence or two.
 pub(crate) fn weighed(payload: &Payload) -> Vec<String> {
     let number = |quantity: &Option<Quantity>| quantity.as_ref().map_or("not determined".to_owned(), both);
-    let mass = number(&payload.mass_kg);
-    let center = payload.center_m.each_ref().map(number).join(", ");
-    let frame = &payload.frame;
-    let load = format!(
-        "Load weighed by itself, as a body that can exist (`tauscope payload` says more): mass {mass} kg, centre ({center}) m in the \
-         frame of the {frame}, {}.",
-        payload.scaled_by
-    );
+    let load = match &payload.mass_kg {
+        None => "Load weighed by itself: these logs do not determine its mass; `tauscope payload` says what they do."
+            .to_owned(),
+        Some(mass) => format!(
+            "Load weighed by itself, as a body that can exist (`tauscope payload` says more): mass {} kg, centre ({}) m in the frame of the \
+             {}, {}.",
+            both(mass),
+            payload.center_m.each_ref().map(number).join(", "),
+            payload.frame,
+            payload.scaled_by
+        ),
+    };
     [load].into_iter().chain(payload.disagreement().map(|text| format!("Note: {text}."))).collect()
 }
 

@@ -215,7 +215,9 @@ pub(crate) fn impacts(play: &Play) -> String {
 
 /// The parameters that are printed: those with the names that practitioners use, else the first few.
 fn values(parameters: &[NamedParameter]) -> String {
-    let named = parameters.iter().position(|parameter| ["mass", "tilt"].contains(&parameter.name)).unwrap_or(0);
+    // By what practitioners call it, where there is such a quantity.
+    let known = ["mass", "first_moment_x", "tilt"];
+    let named = parameters.iter().position(|parameter| known.contains(&parameter.name)).unwrap_or(0);
     let shown = parameters[named..].iter().take(MENTIONED);
     let each = shown.map(|p| match p.std.is_finite() {
         true => format!("{} {} +- {}", p.name, significant(p.value), with_unit(significant(p.std), p.unit)),

@@ -17,6 +17,9 @@ const TOO_FAST: f64 = 5.0;
 const WITHIN: f64 = 1.05;
 const NOT_FASTER: f64 = 1.5;
 
+/// Whole turns by which angles may be away; those that are farther count something else.
+const TURNS_AWAY: f64 = 2.0;
+
 /// Units of one kind of joint.
 struct Units {
     si: &'static str,
@@ -64,6 +67,11 @@ pub(super) fn other_unit(
 ) -> Option<(String, bool)> {
     let units = if turns { TURNS } else { SLIDES };
     let largest = summary.range[0].abs().max(summary.range[1].abs());
+    // Angles that were kept within a whole turn may be turns away from where the joint says it is.
+    let turn = if turns { TAU * units.ratio } else { f64::INFINITY };
+    let away = (0.5 * (summary.range[0] + summary.range[1]) / turn).round();
+    let away = if (1.0..=TURNS_AWAY).contains(&away.abs()) { away * turn } else { 0.0 };
+    let nearest = (summary.range[0] - away).abs().max((summary.range[1] - away).abs());
     let (bound, fastest) =
         limits.map_or((f64::INFINITY, f64::INFINITY), |l| (l.lower.abs().max(l.upper.abs()), l.velocity));
     let fastest = if endless { fastest.min(FASTEST_ENDLESS) } else { fastest };
@@ -76,7 +84,7 @@ pub(super) fn other_unit(
         true => (too_fast, speed_fits),
         false => (
             largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest },
-            largest / units.ratio < bound.min(units.largest) * WITHIN,
+            nearest / units.ratio < bound.min(units.largest) * WITHIN,
         ),
     };
     let Units { si, other, else_, .. } = units;
@@ -131,6 +139,18 @@ mod tests {
             unexplained: None,
             dead_time_s: None,
         }
+    }
+
+    /// Degrees kept between 0 and 360 and then unwrapped: a joint at -20 deg is at 340.
+    #[test]
+    fn degrees_may_be_whole_turns_away() {
+        let in_degrees = |range: [f64; 2]| {
+            other_unit(&summary(range, 60.0), Some(limits(3.0, 3.0)), true, false).map(|(_, other)| other)
+        };
+        assert_eq!([in_degrees([340.0, 417.0]), in_degrees([-20.0, 57.0])], [Some(true); 2]);
+        assert_eq!(in_degrees([80_000.0, 80_020.0]), Some(false));
+        // Not even a whole turn brings it within the limits.
+        assert_eq!(in_degrees([180.0 - 2.0, 180.0 + 2.0]), Some(false));
     }
 
     fn limits(bound: f64, velocity: f64) -> Limits {

@@ -9,7 +9,7 @@ use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Rejected, Verdict};
 use crate::diagnosis::variance::{JointMap, Line, Part};
-use crate::payload::Payload;
+use crate::payload::{self, Payload, Quantity};
 use crate::quality::Kind;
 use crate::robot::Robot;
 use crate::simulation::engine::EngineKind;
@@ -52,7 +52,7 @@ pub(super) struct Document {
     findings: Vec<Finding>,
     /// The load added since the reference logs, as `tauscope payload` weighs it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    load: Option<Payload>,
+    load: Option<Load>,
     /// Effects found that do not matter, not in the extended model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     smaller_findings: Vec<SmallerFinding>,
@@ -221,6 +221,34 @@ enum QualityKind {
     Notice(&'static str),
 }
 
+/// What is known of a load added since the reference logs; what the logs do not determine is none.
+#[derive(Debug, Serialize)]
+struct Load {
+    verdict: payload::Verdict,
+    frame: String,
+    mass_kg: Option<Quantity>,
+    center_m: [Option<Quantity>; 3],
+    first_moment_kg_m: [Option<Quantity>; 3],
+    inertia_kg_m2: [Option<Quantity>; 6],
+    scaled_by: &'static str,
+    notes: Vec<String>,
+}
+
+impl Load {
+    fn of(load: &Payload) -> Self {
+        Load {
+            verdict: load.verdict,
+            frame: load.frame.clone(),
+            mass_kg: load.mass_kg,
+            center_m: load.center_m,
+            first_moment_kg_m: load.first_moment_kg_m,
+            inertia_kg_m2: load.inertia_kg_m2,
+            scaled_by: load.scaled_by,
+            notes: load.not_determined.iter().chain(&load.notes).cloned().collect(),
+        }
+    }
+}
+
 impl Document {
     /// The answer as `diagnosis.json` holds it.
     pub(super) fn new(robot: &Robot, conclusion: &Conclusion, faults: &[DataFault]) -> Document {
@@ -291,7 +319,7 @@ impl Document {
             baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
             reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
             findings: findings(robot, diagnosis),
-            load: diagnosis.load.clone(),
+            load: diagnosis.load.as_ref().map(Load::of),
             smaller_findings: diagnosis.minor.iter().map(|minor| SmallerFinding::new(robot, minor)).collect(),
             rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
             criteria: diagnosis.scope.criteria,

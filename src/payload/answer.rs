@@ -2,7 +2,6 @@
 
 use super::controllers::Controllers;
 use super::equations::Change;
-use super::shares::disagreement;
 use serde::Serialize;
 
 /// Schema of `payload.json`.
@@ -153,11 +152,6 @@ pub struct Payload {
 }
 
 impl Payload {
-    /// A sentence where joints disagree about the load.
-    pub(crate) fn disagreement(&self) -> Option<String> {
-        disagreement(&self.joints)
-    }
-
     /// Whether nothing contradicts what was expected; true where nothing was.
     pub fn is_as_expected(&self) -> bool {
         self.expected.as_ref().is_none_or(|comparison| comparison.agrees)

@@ -1,6 +1,6 @@
 //! What each joint shows of the load: a check of the torque constants of the joints against each other.
 
-use super::answer::{JointShare, Quantity};
+use super::answer::{JointShare, Payload, Quantity};
 use super::equations::Equations;
 use super::estimate::Estimate;
 use super::sums::JointRows;
@@ -68,6 +68,13 @@ pub(super) fn shares(robot: &Robot, equations: &Equations, estimate: &Estimate) 
         }
     };
     equations.joints.iter().enumerate().map(of).collect()
+}
+
+impl Payload {
+    /// A sentence where joints disagree about the load.
+    pub(crate) fn disagreement(&self) -> Option<String> {
+        disagreement(&self.joints)
+    }
 }
 
 /// A sentence where joints disagree about the load.

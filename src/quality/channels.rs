@@ -139,6 +139,13 @@ fn wrapped(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     Some(Finding::new(Kind::Wrapped, Severity::Warning, place, text))
 }
 
+/// The first sample that is a spike by itself and its two neighbours, and how many there are.
+fn spikes(signal: &[f64], is_spike: impl Fn(&[f64]) -> bool) -> Option<(usize, usize)> {
+    let mut places = signal.windows(3).enumerate().filter(|(_, x)| is_spike(x)).map(|(at, _)| at + 1);
+    let first = places.next()?;
+    Some((first, 1 + places.count()))
+}
+
 fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let fastest = FASTEST * view.period;
     let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
@@ -147,8 +154,7 @@ fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
         let (to, from) = (x[1] - x[0], x[2] - x[1]);
         to.abs() > limit && from.abs() > limit && to * from < 0.0 && to.abs().min(from.abs()) < 0.9 * TAU
     };
-    let at = q.windows(3).position(is_spike)? + 1;
-    let count = q.windows(3).filter(|x| is_spike(x)).count();
+    let (at, count) = spikes(q, is_spike)?;
     let text = format!("{count} samples stand out from both neighbours by more than any joint can move; remove them");
     let place = format!("{} at {:.4} s", view.place("q", joint), view.log.time[at]);
     Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
@@ -162,8 +168,7 @@ fn torque_spike(place: &str, time: &[f64], tau: &[f64]) -> Option<Finding> {
         let (to, from) = (x[1] - x[0], x[2] - x[1]);
         to * from < 0.0 && to.abs().min(from.abs()) > limit
     };
-    let count = tau.windows(3).filter(|x| is_spike(x)).count();
-    let at = tau.windows(3).position(is_spike)? + 1;
+    let (at, count) = spikes(tau, is_spike)?;
     // Many are no accidents: a drive that chatters, another fault.
     if count as f64 > FEW * tau.len() as f64 {
         return None;

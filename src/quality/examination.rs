@@ -4,6 +4,7 @@ use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::are_in_other;
 use super::report::{Report, Together, UnitChanges};
+use super::velocity::in_true_time;
 use super::view::View;
 use super::{channels, clock, motion, torque, velocity};
 use crate::error::Result;
@@ -113,8 +114,12 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings.extend(about_velocity);
         units.time_factor = factor;
         // Torques are compared with motion in true time.
-        let in_true_time = factor.map(|factor| in_true_time(view.log, factor));
-        let view = in_true_time.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
+        let corrected = factor.map(|factor| {
+            let mut log = view.log.clone();
+            in_true_time(&mut log.time, factor);
+            log
+        });
+        let view = corrected.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
         let in_other = |kind| other_unit && are_in_other(kind, &summaries, robot, &endless);
         (units.degrees, units.millimetres) = (in_other(JointKind::Revolute), in_other(JointKind::Prismatic));
         units.velocities_are_si = (units.degrees || units.millimetres) && velocity::is_si(&view);
@@ -124,7 +129,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             findings.extend(found);
             condition_number = condition;
             let unsigned = channels::without_sign(&view, &findings);
-            let mut log = in_true_time.or(longest).unwrap_or(even);
+            let mut log = corrected.or(longest).unwrap_or(even);
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
             comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
         }
@@ -143,13 +148,6 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings,
     };
     Ok((report, comparable))
-}
-
-/// The log in true time, where the clock runs wrong by a factor.
-fn in_true_time(log: &Recording, factor: f64) -> Recording {
-    let mut log = log.clone();
-    log.time.iter_mut().for_each(|time| *time *= factor);
-    log
 }
 
 /// The log with zeros where a joint has no torque, which the checks of motion do not look at.

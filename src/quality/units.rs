@@ -3,6 +3,7 @@
 use super::examination::examine_together;
 use super::finding::Kind;
 use super::report::{Report, Together, UnitChanges};
+use super::velocity::in_true_time;
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
@@ -37,7 +38,7 @@ impl UnitChanges {
             }
         }
         if let Some(factor) = self.time_factor {
-            time.iter_mut().for_each(|t| *t *= factor);
+            in_true_time(time, factor);
         }
     }
 

@@ -122,6 +122,11 @@ fn clock_factor(view: &View, logged: &Channels, moving: &[bool]) -> Option<f64> 
     (shared && possible).then_some(median)
 }
 
+/// Times of a clock that runs wrong by a factor as true ones.
+pub(super) fn in_true_time(time: &mut [f64], factor: f64) {
+    time.iter_mut().for_each(|t| *t *= factor);
+}
+
 fn clock_finding(factor: f64, joints: usize) -> Finding {
     let others = match joints {
         1 => "; a velocity in another unit is the other cause, which a log of one joint does not separate",

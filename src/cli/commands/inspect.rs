@@ -70,8 +70,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let sieved: Vec<Sieved> = logs.into_iter().map(|(_, sieved)| sieved).collect();
     stages.begin("examining the log");
     let together = quality::examine_together(&sieved.iter().collect::<Vec<_>>(), robot.as_ref())?;
+    let named = Named { robot: arguments.arm.robot.clone(), train: files.clone(), test: Vec::new() };
     let corrected = match &robot {
-        Some(robot) => correct((arguments, &files), global, dataset.as_ref(), robot, &together)?,
+        Some(robot) => correct(&named, global, dataset.as_ref(), robot, &together)?,
         None => None,
     };
     stages.finish();
@@ -98,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
 /// Writes the corrected description, if something is wrong with the given one; returns its path.
 fn correct(
-    (arguments, files): (&Arguments, &[PathBuf]),
+    named: &Named,
     global: &Global,
     dataset: Option<&Dataset>,
     robot: &Robot,
@@ -111,10 +112,9 @@ fn correct(
         return Ok(None);
     }
     let description = verdict.map(|verdict| &verdict.description);
-    let name = files[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
+    let name = named.train[0].file_stem().map_or("log".into(), |stem| stem.to_string_lossy());
     let folder = ResultFolder::create(global.folder(&format!("inspect_{name}")))?;
-    let named = Named { robot: arguments.arm.robot.clone(), train: files.to_vec(), test: Vec::new() };
-    if !corrected::write(&folder, dataset, &named, robot, description, units)? {
+    if !corrected::write(&folder, dataset, named, robot, description, units)? {
         return Ok(None);
     }
     Ok(Some(folder.finish()?.join(corrected::FILE)))

@@ -167,12 +167,8 @@ impl<'a> Session<'a> {
     }
 
     /// Whether the last of `members` turns the sign of one found before that has one sign only: both then describe the same, and
-    /// the former with a law that cannot be.
-    ///
-    /// # Errors
-    /// If a log is too short to differentiate.
-    pub fn turns_unphysical(&self, members: &[Member], whitener: &Whitener) -> Result<bool> {
-        let solved = self.solved(members, whitener)?;
+    /// the former with a law that cannot be. `solved` is the fit of all of them.
+    pub fn turns_unphysical(&self, members: &[Member], solved: &Solved) -> bool {
         let earlier = &members[..members.len().saturating_sub(1)];
         let blocks = self.blocks(earlier).members;
         let turned = earlier.iter().zip(&blocks).filter(|(member, _)| !member.held).find(|(member, block)| {
@@ -182,18 +178,13 @@ impl<'a> Session<'a> {
         if let Some((member, _)) = turned {
             tracing::debug!(family = ?member.candidate.family(), "turns unphysical");
         }
-        Ok(turned.is_some())
+        turned.is_some()
     }
 
-    /// How many amplitudes of all `members` but the last the training rows determine without that one and not with it.
-    ///
-    /// # Errors
-    /// If a log is too short to differentiate.
-    pub fn undetermined_by_last(&self, members: &[Member], whitener: &Whitener) -> Result<usize> {
-        let Some((_, earlier)) = members.split_last().filter(|(_, earlier)| !earlier.is_empty()) else { return Ok(0) };
-        let [with, without] = [self.solved(members, whitener)?, self.solved(earlier, whitener)?];
+    /// How many amplitudes of `earlier` members the training rows determine in the fit `without` one more, and not in that `with` it.
+    pub fn undetermined_by_one_more(&self, earlier: &[Member], [without, with]: &[Solved; 2]) -> usize {
         let places = self.blocks(earlier).members.into_iter().flat_map(|block| block.amplitudes);
-        Ok(places.filter(|&place| without.std(place).is_finite() && with.std(place).is_infinite()).count())
+        places.filter(|&place| without.std(place).is_finite() && with.std(place).is_infinite()).count()
     }
 
     /// Residual of the held-out rows when the model is fitted to the training rows.
@@ -209,7 +200,15 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn residual_on(&self, data: &DataSet, members: &[Member], whitener: &Whitener) -> Result<Column> {
-        Ok(data.residual(&self.model.columns(data, members)?, &self.solved(members, whitener)?.values))
+        self.residual_of(data, members, &self.solved(members, whitener)?)
+    }
+
+    /// Residual of either data set under a fit of the model with `members`.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn residual_of(&self, data: &DataSet, members: &[Member], solved: &Solved) -> Result<Column> {
+        Ok(data.residual(&self.model.columns(data, members)?, &solved.values))
     }
 
     /// Residual of the baseline on either data set: as it was before the change, where one is in question.
@@ -217,13 +216,18 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn baseline_residual_on(&self, data: &DataSet, whitener: &Whitener) -> Result<Column> {
-        let DataSet { rows, baseline, torque, .. } = &self.logs.train;
-        if rows.before == 0 {
-            return self.residual_on(data, &[], whitener);
+        match self.logs.train.rows.before {
+            0 => self.residual_on(data, &[], whitener),
+            _ => Ok(data.residual(&data.baseline, &self.baseline_before(whitener))),
         }
+    }
+
+    /// Parameters of the baseline by the training logs from before the change alone.
+    pub fn baseline_before(&self, whitener: &Whitener) -> Vec<f64> {
+        let DataSet { rows, baseline, torque, .. } = &self.logs.train;
         let mut before = rows.clone();
         before.valid.iter_mut().for_each(|valid| valid[rows.changed_from()..].fill(false));
         let whitener = whitener.on(&before);
-        Ok(data.residual(&data.baseline, &solve(&whitener.apply_all(baseline), &whitener.apply(torque)).values))
+        solve(&whitener.apply_all(baseline), &whitener.apply(torque)).values
     }
 }

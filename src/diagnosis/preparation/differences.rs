@@ -8,7 +8,7 @@
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{DataSet, Session};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, solve};
+use crate::diagnosis::regression::Column;
 use crate::error::Result;
 use crate::identification::equal_states::{EqualState, MATCHED, matched};
 use std::ops::Range;
@@ -45,7 +45,7 @@ impl Session<'_> {
                 shares.iter().all(|share| *share >= MATCHED).then_some(([train_pair, test_pair], shares))
             });
         let Some((pairs, shares)) = pairs else { return Ok(()) };
-        let arm = arm_before(train, whitener);
+        let arm = self.baseline_before(whitener);
         let [train, test] = pairs.map(|pair| pair.differences(&arm));
         (self.logs.train, self.logs.test) = (train, test);
         for (set, share) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(shares) {
@@ -53,14 +53,6 @@ impl Session<'_> {
         }
         self.renew_errors()
     }
-}
-
-/// Parameters of the baseline by the reference logs among the training logs.
-fn arm_before(train: &DataSet, whitener: &Whitener) -> Vec<f64> {
-    let mut before = train.rows.clone();
-    before.valid.iter_mut().for_each(|valid| valid[train.rows.changed_from()..].fill(false));
-    let whitener = whitener.on(&before);
-    solve(&whitener.apply_all(&train.baseline), &whitener.apply(&train.torque)).values
 }
 
 impl<'a> Pair<'a> {

@@ -6,9 +6,9 @@ use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Candidate, FLAT, Member, Session, is_level, slope_beyond};
+use crate::diagnosis::model::{Candidate, DataSet, FLAT, Member, Session, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, Projection};
+use crate::diagnosis::regression::{Column, Projection, Solved};
 use crate::effects::{Hidden, Nature, Placed, Site};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
@@ -209,13 +209,13 @@ impl Trial<'_> {
         ]);
         let bound = gains.lower_bound();
         let refused = |failed, asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked, failed }));
-        let undetermined = self.session.undetermined_by_last(&held_out.with, &held_out.whitener)?;
+        let undetermined = self.session.undetermined_by_one_more(self.members, &held_out.solved);
         let earlier = Judgement::at_most(Gate::EarlierParameters, undetermined as f64, 0.0);
         if !earlier.passed {
             return refused(earlier, false);
         }
         if held_out.whitener.much_is_left(&winner.candidate.joints()) {
-            let turned = self.session.turns_unphysical(&held_out.with, &held_out.whitener)?;
+            let turned = self.session.turns_unphysical(&held_out.with, &held_out.solved[1]);
             let signs = Judgement::at_most(Gate::EarlierSigns, f64::from(u8::from(turned)), 0.0);
             if let Some(failed) = Judgement::first_failed(alone.into_iter().chain([signs])) {
                 return refused(failed, false);
@@ -260,16 +260,18 @@ impl Trial<'_> {
             Some(whitener) => whitener,
             None => session.noise_under(&session.model.columns(&session.logs.train, &with)?),
         };
-        let before = session.held_out_residual(members, &whitener)?;
-        let after = session.held_out_residual(&with, &whitener)?;
+        let solved = [session.solved(members, &whitener)?, session.solved(&with, &whitener)?];
+        let residuals = |data: &DataSet| -> Result<[Column; 2]> {
+            Ok([session.residual_of(data, members, &solved[0])?, session.residual_of(data, &with, &solved[1])?])
+        };
+        let [before, after] = residuals(&session.logs.test)?;
         let joints = winner.candidate.joints();
         let test = &session.logs.test.rows;
         let on_held_out = whitener.on(test);
         let gains = match winner.candidate.log {
             None => Gains::new(&on_held_out, &before, &after, &joints, test.len()),
             Some(_) => {
-                let before = session.residual_on(&session.logs.train, members, &whitener)?;
-                let after = session.residual_on(&session.logs.train, &with, &whitener)?;
+                let [before, after] = residuals(&session.logs.train)?;
                 Gains::new(&whitener, &before, &after, &joints, session.logs.train.rows.len())
             }
         };
@@ -277,7 +279,7 @@ impl Trial<'_> {
         let adjusted_for_errors = Gains::adjusted_for(&on_held_out, &before, &after, &joints, &errors, test.len());
         let bound = gains.lower_bound();
         tracing::debug!(bound, share = gains.share(), "held-out gain");
-        Ok(HeldOut { with, whitener, on_held_out, residuals: [before, after], gains, adjusted_for_errors })
+        Ok(HeldOut { with, solved, whitener, on_held_out, residuals: [before, after], gains, adjusted_for_errors })
     }
 }
 
@@ -285,6 +287,8 @@ impl Trial<'_> {
 struct HeldOut {
     /// The model with it.
     with: Vec<Member>,
+    /// The fits to the training logs without and with it.
+    solved: [Solved; 2],
     /// The noise as that sees it, on either kind of logs.
     whitener: Whitener,
     on_held_out: Whitener,

@@ -193,10 +193,13 @@ fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
             signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
         let changes = signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
         let mut changes: Vec<f64> = changes.collect();
-        changes.sort_by(f64::total_cmp);
-        let digit = changes.first().copied().unwrap_or(f64::INFINITY);
+        let digit = changes.iter().copied().fold(f64::INFINITY, f64::min);
+        if signal.len() < FEWEST_OF_TWO || high - low <= DIGITS * digit {
+            return false;
+        }
         // Noise of a joint that stands, or hardly moves, alternates too: by its own usual change.
-        let usual = changes.get(changes.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let middle = changes.len() / 2;
+        let usual = *changes.select_nth_unstable_by(middle, f64::total_cmp).1;
         let apart = |x: &[f64]| {
             let (to, from) = (x[1] - x[0], x[2] - x[1]);
             let least = to.abs().min(from.abs());
@@ -206,7 +209,7 @@ fn of_two_sources(positions: &[&[f64]]) -> Option<String> {
                 && least > ALTERNATING * usual
         };
         let count = signal.windows(3).filter(|x| apart(x)).count() as f64;
-        signal.len() >= FEWEST_OF_TWO && high - low > DIGITS * digit && count > OF_SLOWER * signal.len() as f64
+        count > OF_SLOWER * signal.len() as f64
     };
     positions.iter().any(|signal| alternates(&signal) || visited(&signal)).then(|| {
         "the rows alternate between two sources: two programs write the joints' states, as two publishers on one topic do; stop \

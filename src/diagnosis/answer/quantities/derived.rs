@@ -15,7 +15,8 @@ pub struct Derived {
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// Its standard deviation, by the delta method from those of the parameters between blocks; infinite where the logs do not determine it by itself.
+    /// Its standard deviation, by the delta method from those of the parameters between blocks; infinite where the logs do not determine
+    /// it by itself.
     pub std: f64,
     /// Its unit.
     pub unit: &'static str,

@@ -21,27 +21,47 @@ fn hidden(effect: &str, joint: usize, parameters: &[f64]) -> Placed {
     Placed { effect: find(effect).unwrap(), joint, parameters: parameters.to_vec() }
 }
 
-fn rms(logs: &[Recording], joint: usize) -> f64 {
-    let torques = || logs.iter().flat_map(|log| log.tau.channel(joint));
-    (torques().map(|tau| tau * tau).sum::<f64>() / torques().count() as f64).sqrt()
+fn rms(signals: impl Iterator<Item = f64> + Clone) -> f64 {
+    (signals.clone().map(|x| x * x).sum::<f64>() / signals.count() as f64).sqrt()
 }
 
-/// An offset that is most of a wrist's torque can be that of a drive that could do much more, and not of one that works near its limit.
+fn torques(logs: &[Recording]) -> impl Iterator<Item = f64> + Clone {
+    logs.iter().flat_map(|log| log.tau.channel(WRIST)).copied()
+}
+
+fn positions(logs: &[Recording]) -> impl Iterator<Item = f64> + Clone {
+    logs.iter().flat_map(|log| log.q.channel(WRIST)).copied()
+}
+
+/// What of one law is found in logs of a wrist whose drive can do `effort`.
+fn named_under(effort: f64, logs: &[Recording], law: &str) -> Vec<(&'static str, usize, Vec<&'static str>)> {
+    let mut robot = SETUP.known.clone();
+    robot.joints[WRIST].limits.effort = effort;
+    names(&diagnosed(&robot, logs, &[law]))
+}
+
+/// An offset may have any size: a wrong zero of a torque sensor is no force that a drive could not bear.
 #[test]
-fn an_offset_larger_than_the_torque_of_an_idle_wrist_is_an_offset() {
-    let offset = 0.8 * rms(&logs(&SETUP, 41, 1), WRIST);
+fn an_offset_larger_than_the_torque_of_a_wrist_is_an_offset() {
+    let offset = 0.8 * rms(torques(&logs(&SETUP, 41, 1)));
     let logs = logs(&with(&[hidden("torque_offset", WRIST, &[offset])]), 41, 3);
-    assert!(offset > 0.5 * rms(&logs, WRIST), "{offset}");
-    let of = |effort: f64| {
-        let mut robot = SETUP.known.clone();
-        robot.joints[WRIST].limits.effort = effort;
-        names(&diagnosed(&robot, &logs, &["torque_offset"]))
-    };
-    // Half of a tenth of the limit, which is a third more or less than the offset.
-    let limit = 20.0 * offset;
-    let named = of(1.3 * limit);
+    assert!(offset > 0.5 * rms(torques(&logs)), "{offset}");
+    let named = named_under(10.0 * offset, &logs, "torque_offset");
     assert!(matches!(named[..], [("torque_offset", WRIST, _)]), "{named:?}");
-    assert!(of(0.7 * limit).is_empty());
+}
+
+/// Hoses do not carry an arm: their torque is at most half of that of their joint, or of a tenth of what its drive can do.
+#[test]
+fn hoses_that_are_most_of_the_torque_of_an_idle_wrist_are_hoses() {
+    let quiet = logs(&SETUP, 44, 1);
+    let stiffness = 2.0 * rms(torques(&quiet)) / rms(positions(&quiet));
+    let logs = logs(&with(&[hidden("joint_spring", WRIST, &[stiffness, 0.0])]), 44, 3);
+    let spring = stiffness * rms(positions(&logs));
+    assert!(spring > 0.5 * rms(torques(&logs)), "{spring}");
+    let limit = 20.0 * spring;
+    let named = named_under(1.3 * limit, &logs, "joint_spring");
+    assert!(matches!(named[..], [("joint_spring", WRIST, _)]), "{named:?}");
+    assert!(named_under(0.7 * limit, &logs, "joint_spring").is_empty());
 }
 
 #[test]

@@ -186,19 +186,20 @@ fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let shortest = ((0.02 / view.period) as usize).max(5);
     let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
     let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
-    let (start, length) = runs(q).find(|&(start, length)| {
+    let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
+    let (start, length) = runs(q).filter(|(_, length)| *length >= shortest).find(|&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
         let runs_on = velocity.is_some_and(|qd| {
             // The first samples of a joint that stops may still have the speed of before.
             let speed = size_quantile(qd[start..end].iter().copied(), 0.5);
-            speed > STICKS * size_quantile(qd.iter().copied(), 0.95) && speed * length as f64 * view.period > PATH
+            speed > STICKS * fastest && speed * length as f64 * view.period > PATH
         });
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
         let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);
         let stops_dead =
             end == q.len() && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
-        length >= shortest && (makes_up || runs_on || stops_dead)
+        makes_up || runs_on || stops_dead
     })?;
     let seconds = length as f64 * view.period;
     let text = format!("the position is frozen for {seconds:.3} s while the joint moves on; cut this part out");

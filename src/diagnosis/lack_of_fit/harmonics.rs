@@ -3,8 +3,10 @@
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, log_survival};
+use nalgebra::Complex;
 
 /// Orders that are tried, per turn, in steps that a motion of a few rad resolves.
+const FIRST_ORDER: f64 = 1.0;
 const LAST_ORDER: f64 = 64.0;
 const ORDER_STEP: f64 = 0.5;
 
@@ -48,13 +50,55 @@ pub(super) struct Harmonic {
 
 /// All orders that are tried.
 fn orders() -> impl Iterator<Item = f64> {
-    (0..).map(|k| 1.0 + ORDER_STEP * f64::from(k)).take_while(|order| *order <= LAST_ORDER)
+    (0..).map(|k| FIRST_ORDER + ORDER_STEP * f64::from(k)).take_while(|order| *order <= LAST_ORDER)
+}
+
+/// Waves of a joint's position at one order after the other, `[log][time]`: each is the one before turned on, since a sine of every sample
+/// at every order takes longer than all else of the test.
+struct Waves {
+    now: Vec<Vec<Complex<f64>>>,
+    step: Vec<Vec<Complex<f64>>>,
+}
+
+impl Waves {
+    /// Those of the first order.
+    fn new(rows: &Rows, joint: usize) -> Self {
+        let at = |order: f64| -> Vec<Vec<Complex<f64>>> {
+            let wave = |q: &f64| Complex::cis(order * q);
+            rows.logs.iter().map(|log| log.motion.q.channel(joint).iter().map(wave).collect()).collect()
+        };
+        Waves { now: at(FIRST_ORDER), step: at(ORDER_STEP) }
+    }
+
+    /// Goes on to the next order.
+    fn advance(&mut self) {
+        for (now, step) in self.now.iter_mut().flatten().zip(self.step.iter().flatten()) {
+            *now *= step;
+        }
+    }
+
+    /// One part of them over the rows.
+    fn over(&self, rows: &Rows, part: fn(&Complex<f64>) -> f64) -> Vec<f64> {
+        let logs = rows.logs.iter().zip(&self.now);
+        logs.flat_map(|(log, now)| log.as_logged(&now.iter().map(part).collect::<Vec<f64>>())).collect()
+    }
 }
 
 impl Spectrum {
     /// That of `joint` in a whitened residual.
     pub(super) fn new(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize) -> Self {
-        let each: Vec<Power> = orders().filter_map(|order| power(rows, whitener, residual, joint, order)).collect();
+        let whitened = |signal| {
+            let parts = whitener.apply(&Column::on(joint, signal)).parts;
+            parts.into_iter().next().map(|(_, values)| values).unwrap_or_default()
+        };
+        let constant = whitened(vec![1.0; rows.len()]);
+        let mut waves = Waves::new(rows, joint);
+        let mut each = Vec::new();
+        for order in orders() {
+            let signals = [whitened(waves.over(rows, |wave| wave.re)), whitened(waves.over(rows, |wave| wave.im))];
+            each.extend(power(rows, whitener.places(joint), residual.part(joint), [&constant, &signals[0], &signals[1]], order));
+            waves.advance();
+        }
         let mut sizes: Vec<f64> = each.iter().map(|power| power.statistic / power.freedom as f64).collect();
         sizes.sort_by(f64::total_cmp);
         let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0).max(1.0);
@@ -82,16 +126,16 @@ impl Spectrum {
     }
 }
 
-/// The power at one order; None where the joint turns too little for it.
-fn power(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, order: f64) -> Option<Power> {
-    let wave = |f: fn(f64) -> f64| {
-        let signal = rows.signal(|log| log.motion.q.channel(joint).iter().map(|q| f(order * q)).collect());
-        whitener.apply(&Column::on(joint, signal))
-    };
-    let waves = [whitener.apply(&Column::on(joint, vec![1.0; rows.len()])), wave(f64::cos), wave(f64::sin)];
-    let [constant, cosine, sine] = waves.each_ref().map(|wave| wave.part(joint).unwrap_or_default());
-    let residual = residual.part(joint)?;
-    let places = whitener.places(joint);
+/// The power at one order in the residual of a joint at `places` of the rows, by a constant, the cosine and the sine there, all whitened;
+/// None where the joint turns too little for it.
+fn power(
+    rows: &Rows,
+    places: &[usize],
+    residual: Option<&[f64]>,
+    signals: [&[f64]; 3],
+    order: f64,
+) -> Option<Power> {
+    let residual = residual?;
     let (mut statistic, mut freedom) = (0.0, 0);
     let mut first = 0;
     while first < places.len() {
@@ -104,7 +148,7 @@ fn power(rows: &Rows, whitener: &Whitener, residual: &Column, joint: usize, orde
             continue;
         }
         let mut basis: Vec<Vec<f64>> = Vec::new();
-        for (index, signal) in [constant, cosine, sine].into_iter().enumerate() {
+        for (index, signal) in signals.into_iter().enumerate() {
             let mut rest = signal[window.clone()].to_vec();
             let norm = dot(&rest, &rest).sqrt();
             for direction in &basis {

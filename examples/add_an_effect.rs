@@ -73,7 +73,10 @@ fn main() -> Result<()> {
         let mut log = run.recording;
         if let Some(truth) = log.truth.clone() {
             let motion = Motion { q: truth.q.clone(), qd: truth.qd.clone(), qdd: truth.qdd.clone() };
-            let added = contribution(&hidden, &Along::new(&setup.known, &chain, &log.time, &motion, 0.01));
+            let added = contribution(
+                std::slice::from_ref(&hidden),
+                &Along::new(&setup.known, &chain, &log.time, &motion, 0.01),
+            );
             log.tau.as_mut_slice().iter_mut().zip(added.as_slice()).for_each(|(tau, added)| *tau += added);
         }
         log

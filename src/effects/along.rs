@@ -52,6 +52,45 @@ impl<'a> Along<'a> {
     }
 }
 
+/// A torque along a motion, held for the joints on which it acts: most laws act on one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Contribution {
+    joints: Vec<Option<Vec<f64>>>,
+}
+
+impl Contribution {
+    /// None yet, on so many joints.
+    fn none(dof: usize) -> Self {
+        Contribution { joints: vec![None; dof] }
+    }
+
+    /// The torque on a joint over time, N m (N for one that slides); None where it does not act.
+    pub fn on(&self, joint: usize) -> Option<&[f64]> {
+        self.joints.get(joint)?.as_deref()
+    }
+
+    /// The torque on a joint to write, of so many `samples`.
+    fn on_mut(&mut self, joint: usize, samples: usize) -> &mut [f64] {
+        self.joints[joint].get_or_insert_with(|| vec![0.0; samples])
+    }
+
+    /// Adds a factor of it to torques, `[joint][time]`.
+    pub fn add_to(&self, factor: f64, sum: &mut Channels) {
+        let acting = self.joints.iter().enumerate().filter_map(|(joint, torque)| Some((joint, torque.as_ref()?)));
+        for (joint, torque) in acting {
+            sum.channel_mut(joint).iter_mut().zip(torque).for_each(|(value, more)| *value += factor * more);
+        }
+    }
+}
+
+impl From<Channels> for Contribution {
+    /// Joints without torque are left out.
+    fn from(torque: Channels) -> Self {
+        let acts = |signal: &[f64]| signal.iter().any(|value| *value != 0.0);
+        Contribution { joints: torque.iter().map(|signal| acts(signal).then(|| signal.to_vec())).collect() }
+    }
+}
+
 /// Direction of motion along a measured velocity: tanh(v / width), the sign smoothed over the width in which noise
 /// makes it unreliable; a width of zero gives the plain sign.
 #[inline]
@@ -67,12 +106,12 @@ pub fn direction(velocity: f64, width: f64) -> f64 {
     }
 }
 
-/// Torque, `[joint][time]`, that each placed effect adds along a motion: its law at the joints, and what the
-/// bodies it alters need more. Effects in gears and sensors add nothing here.
-pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
-    let dof = along.robot.dof();
+/// Torque that each placed effect adds along a motion: its law at the joints, and what the bodies it alters need more. Effects
+/// in gears and sensors add nothing here.
+pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Contribution> {
+    let (dof, samples) = (along.robot.dof(), along.samples());
     let needs_load = placed.iter().any(|one| one.effect.about().uses_acceleration);
-    let mut torques: Vec<Channels> = placed.iter().map(|one| altered_bodies(one, along)).collect();
+    let mut torques: Vec<Contribution> = placed.iter().map(|one| altered_bodies(one, along)).collect();
     let mut memories: Vec<Vec<f64>> = placed.iter().map(|one| vec![0.0; one.effect.memory()]).collect();
     let remembers = memories.iter().any(|memory| !memory.is_empty());
     let needs_frames = placed.iter().any(|one| one.effect.uses_frames());
@@ -81,7 +120,7 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
         acting.fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| [all[0].min(own[0]), all[1].max(own[1])]);
     let (mut now, mut last) = (Frame::new(dof), Frame::new(dof));
     let mut out = vec![0.0; dof];
-    for sample in 0..along.samples() {
+    for sample in 0..samples {
         if !remembers && !(from..=to).contains(&along.time[sample]) {
             continue;
         }
@@ -105,7 +144,7 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
             one.effect.torque(&one.parameters, one.joint, &instant, memory, &mut out);
             for (channel, &value) in out.iter().enumerate() {
                 if value != 0.0 {
-                    torque.channel_mut(channel)[sample] += value;
+                    torque.on_mut(channel, samples)[sample] += value;
                 }
             }
         }
@@ -113,17 +152,19 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Channels> {
     torques
 }
 
-/// [`contributions`] of a single effect.
-pub fn contribution(placed: &Placed, along: &Along) -> Channels {
-    contributions(std::slice::from_ref(placed), along).swap_remove(0)
+/// [`contributions`] of several effects together, `[joint][time]`.
+pub fn contribution(placed: &[Placed], along: &Along) -> Channels {
+    let mut sum = Channels::zeros(along.robot.dof(), along.samples());
+    contributions(placed, along).iter().for_each(|torque| torque.add_to(1.0, &mut sum));
+    sum
 }
 
 /// Torque that altered bodies and rotors need more than those of the arm as it is known.
-fn altered_bodies(placed: &Placed, along: &Along) -> Channels {
+fn altered_bodies(placed: &Placed, along: &Along) -> Contribution {
     let mut altered = along.robot.clone();
     placed.effect.alter(&placed.parameters, placed.joint, &mut altered);
     if altered == *along.robot {
-        return Channels::zeros(along.robot.dof(), along.samples());
+        return Contribution::none(along.robot.dof());
     }
     let mut torque = inverse_dynamics(&Chain::new(&altered), &altered.inertial_parameters(), along.motion);
     for joint in 0..along.robot.dof() {
@@ -133,7 +174,7 @@ fn altered_bodies(placed: &Placed, along: &Along) -> Channels {
             *value += rotor * a - known;
         }
     }
-    torque
+    torque.into()
 }
 
 /// One sample of everything, gathered from the channels.

@@ -34,7 +34,7 @@ mod signals;
 mod testing;
 
 pub use about::{About, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-pub use along::{Along, contribution, contributions, direction};
+pub use along::{Along, Contribution, contribution, contributions, direction};
 pub(crate) use bodies::seen_from_parent;
 pub use bodies::{BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, Payload, RotorInertia};
 pub use catalogue::{LIBRARY, find};

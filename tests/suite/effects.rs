@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use tauscope::channels::Channels;
 use tauscope::dynamics::{Chain, Motion};
-use tauscope::effects::{Along, CoulombFriction, Effect, LIBRARY, Placed, Role, Scope, ViscousFriction, contributions};
+use tauscope::effects::{Along, CoulombFriction, Effect, LIBRARY, Placed, Role, Scope, ViscousFriction, contribution};
 use tauscope::random;
 use tauscope::robot::{self, InertiaCheck, Robot};
 
@@ -84,14 +84,7 @@ impl Arm {
 
     /// Torque that a few effects add together.
     fn torque(&self, placed: &[Placed]) -> Channels {
-        let along = Along::new(&self.robot, &self.chain, &self.time, &self.motion, 0.0);
-        let mut sum = Channels::zeros(self.robot.dof(), self.time.len());
-        for torque in contributions(placed, &along) {
-            for (value, more) in sum.as_mut_slice().iter_mut().zip(torque.as_slice()) {
-                *value += more;
-            }
-        }
-        sum
+        contribution(placed, &Along::new(&self.robot, &self.chain, &self.time, &self.motion, 0.0))
     }
 
     /// All that an effect changes: torque at the joints, then the logged torque and position of one joint, less what they

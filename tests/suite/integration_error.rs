@@ -81,7 +81,7 @@ fn a_natively_stepped_run_shows_its_step() {
     let rigid = inverse_dynamics(&chain, &setup.plant.inertial_parameters(), &motion);
     let along = Along::new(&setup.plant, &chain, &truth.time, &motion, 0.0);
     let unit = Placed { effect: &IntegrationError, joint: 0, parameters: vec![1.0] };
-    let column = contribution(&unit, &along);
+    let column = contribution(&[unit], &along);
     let (mut cross, mut square, mut total) = (0.0, 0.0, 0.0);
     for sample in 2..motion.samples() - 2 {
         // A joint that comes to rest within a step shakes all others.

@@ -75,9 +75,7 @@ pub fn torque(robot: &Robot, effects: &[Placed], time: &[f64], motion: &Motion) 
         sum.channel_mut(joint).iter_mut().zip(qdd).for_each(|(value, a)| *value += spec.drive.armature * a);
     }
     let along = Along::new(robot, &chain, time, motion, 0.0);
-    for torque in contributions(effects, &along) {
-        sum.as_mut_slice().iter_mut().zip(torque.as_slice()).for_each(|(value, more)| *value += more);
-    }
+    contributions(effects, &along).iter().for_each(|torque| torque.add_to(1.0, &mut sum));
     sum
 }
 

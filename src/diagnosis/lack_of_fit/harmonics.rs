@@ -96,7 +96,13 @@ impl Spectrum {
         let mut each = Vec::new();
         for order in orders() {
             let signals = [whitened(waves.over(rows, |wave| wave.re)), whitened(waves.over(rows, |wave| wave.im))];
-            each.extend(power(rows, whitener.places(joint), residual.part(joint), [&constant, &signals[0], &signals[1]], order));
+            each.extend(power(
+                rows,
+                whitener.places(joint),
+                residual.part(joint),
+                [&constant, &signals[0], &signals[1]],
+                order,
+            ));
             waves.advance();
         }
         let mut sizes: Vec<f64> = each.iter().map(|power| power.statistic / power.freedom as f64).collect();
@@ -128,13 +134,7 @@ impl Spectrum {
 
 /// The power at one order in the residual of a joint at `places` of the rows, by a constant, the cosine and the sine there, all whitened;
 /// None where the joint turns too little for it.
-fn power(
-    rows: &Rows,
-    places: &[usize],
-    residual: Option<&[f64]>,
-    signals: [&[f64]; 3],
-    order: f64,
-) -> Option<Power> {
+fn power(rows: &Rows, places: &[usize], residual: Option<&[f64]>, signals: [&[f64]; 3], order: f64) -> Option<Power> {
     let residual = residual?;
     let (mut statistic, mut freedom) = (0.0, 0);
     let mut first = 0;

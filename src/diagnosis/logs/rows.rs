@@ -153,7 +153,12 @@ impl Rows {
     /// These logs, and `others` after them.
     pub fn and(&self, others: &Rows) -> Rows {
         let (mut all, first) = (self.clone(), self.len());
-        all.rich = OnceLock::new();
+        all.rich = self.rich.get().zip(others.rich.get()).map_or_else(OnceLock::new, |(own, others)| {
+            let joint = |(own, others): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| -> Vec<Vec<f64>> {
+                own.iter().zip(others).map(|(own, others)| [own.as_slice(), others].concat()).collect()
+            };
+            OnceLock::from(own.iter().zip(others).map(joint).collect::<Vec<_>>())
+        });
         all.logs.extend(others.logs.iter().cloned());
         all.starts.extend(others.starts[1..].iter().map(|start| first + start));
         all.valid.iter_mut().zip(&others.valid).for_each(|(valid, other)| valid.extend(other));

@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows, passes_all};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
-use crate::effects::{Along, Placed, Scope, Site, contributions, direction};
+use crate::effects::{Along, Contribution, Placed, Scope, Site, contributions, direction};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
-const BATCH: usize = 12;
+const BATCH: usize = 24;
 
 /// Rounds in which the twist of an elastic gear settles.
 const GEAR_ROUNDS: usize = 3;
@@ -115,7 +115,7 @@ impl Arm {
                 let inertial = self.known.inertial_parameters();
                 let logs: Vec<Channels> =
                     rows.logs.par_iter().map(|log| inverse_dynamics(&self.chain, &inertial, &log.motion)).collect();
-                over_rows(rows, &logs)
+                all_over_rows(rows, &logs)
             }
         }
     }
@@ -177,7 +177,7 @@ impl Arm {
 
     /// Torque of the arm as found over the rows.
     pub fn all_torque(&self, rows: &Rows) -> Column {
-        over_rows(rows, &self.along(rows))
+        all_over_rows(rows, &self.along(rows))
     }
 
     /// Torque of the arm as found along `other` motions of the logs less `along` the smooth ones, over the rows.
@@ -196,7 +196,7 @@ impl Arm {
             torque.as_mut_slice().iter_mut().zip(along.as_slice()).for_each(|(value, along)| *value -= along);
             Ok(torque)
         });
-        Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
+        Ok(all_over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
     }
 
     /// Second derivative of the torque that the gears of the arm as found carry, over the rows, N m/s2.
@@ -212,7 +212,7 @@ impl Arm {
             }
             Ok(bend)
         });
-        Ok(over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
+        Ok(all_over_rows(rows, &each.collect::<Result<Vec<Channels>>>()?))
     }
 
     /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
@@ -268,7 +268,6 @@ impl Arm {
     /// # Errors
     /// If a log is too short to differentiate.
     pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows, moved: Moved) -> Result<Vec<Column>> {
-        let absent = |log: &Log| vec![Channels::zeros(rows.dof(), log.time.len()); BATCH];
         // What laws may ask about a motion is worked out once for all batches, where there are such laws.
         let asked = [Site::Joint, Site::Integrator]
             .map(|site| placed.iter().any(|one| law_site(one) == Some(site)).then_some(site));
@@ -289,22 +288,23 @@ impl Arm {
                 let logs = rows.logs.iter().zip(&sites).enumerate();
                 let logs = logs.map(|(k, (log, sites))| match acting.contains(&k) {
                     true => self.added_to(batch, log, sites, moved),
-                    false => Ok(absent(log)),
+                    false => Ok(vec![Contribution::default(); batch.len()]),
                 });
-                let logs: Vec<Vec<Channels>> = logs.collect::<Result<_>>()?;
-                Ok((0..batch.len())
-                    .map(|index| {
-                        let of_logs: Vec<&Channels> = logs.iter().map(|log| &log[index]).collect();
-                        over_rows(rows, &of_logs)
-                    })
-                    .collect())
+                let logs: Vec<Vec<Contribution>> = logs.collect::<Result<_>>()?;
+                Ok((0..batch.len()).map(|index| over_rows(rows, |log, joint| logs[log][index].on(joint))).collect())
             })
             .collect::<Result<_>>()?;
         Ok(batches.into_iter().flatten().collect())
     }
 
-    fn added_to(&self, batch: &[Placed], log: &Log, sites: &[(Site, Along)], moved: Moved) -> Result<Vec<Channels>> {
-        let mut out: Vec<Option<Channels>> = vec![None; batch.len()];
+    fn added_to(
+        &self,
+        batch: &[Placed],
+        log: &Log,
+        sites: &[(Site, Along)],
+        moved: Moved,
+    ) -> Result<Vec<Contribution>> {
+        let mut out: Vec<Option<Contribution>> = vec![None; batch.len()];
         for (site, along) in sites {
             let of_site: Vec<usize> = (0..batch.len()).filter(|&k| law_site(&batch[k]) == Some(*site)).collect();
             if of_site.is_empty() {
@@ -326,7 +326,7 @@ impl Arm {
                         to_move = Some(self.torque_to_move(log, plain, moved)?);
                     }
                     let before = to_move.as_ref().filter(|_| is_shift(placed.effect)).unwrap_or(plain);
-                    self.changed(placed, log, before)?
+                    self.changed(placed, log, before)?.into()
                 }
             };
             all.push(torque);
@@ -438,12 +438,25 @@ fn law_site(placed: &Placed) -> Option<Site> {
     }
 }
 
-/// Torque of all logs at their own rate as a column over the rows.
-fn over_rows<T: std::borrow::Borrow<Channels>>(rows: &Rows, logs: &[T]) -> Column {
+/// The torque that `of` gives for a log, at its own rate, and a joint as a column over the rows; None where there is none.
+fn over_rows<'a>(rows: &Rows, of: impl Fn(usize, usize) -> Option<&'a [f64]>) -> Column {
+    let logs = || 0..rows.logs.len();
     Column::new((0..rows.dof()).map(|joint| {
-        let each = rows.logs.iter().zip(logs);
-        each.flat_map(|(log, torque)| log.as_logged(torque.borrow().channel(joint))).collect()
+        match logs().all(|log| of(log, joint).is_none()) {
+            true => Vec::new(),
+            false => logs()
+                .flat_map(|log| match of(log, joint) {
+                    Some(torque) => rows.logs[log].as_logged(torque),
+                    None => vec![0.0; rows.starts[log + 1] - rows.starts[log]],
+                })
+                .collect(),
+        }
     }))
+}
+
+/// Torques of all logs, `[joint][time]`, at their own rates as a column over the rows.
+fn all_over_rows(rows: &Rows, logs: &[Channels]) -> Column {
+    over_rows(rows, |log, joint| Some(logs[log].channel(joint)))
 }
 
 #[cfg(test)]

@@ -244,9 +244,16 @@ pub(crate) fn rich(rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
     ];
     let positions: [fn(f64) -> f64; 4] = [f64::cos, f64::sin, |q| (2.0 * q).cos(), |q| (2.0 * q).sin()];
     for position in positions {
-        columns.push(law(&|q, _| position(q)));
-        columns.push(law(&|q, v| position(q) * v.signum()));
-        columns.push(law(&|q, v| position(q) * v));
+        let at = rows.logs.iter().map(|log| log.motion.q.channel(joint).iter().map(|&q| position(q)).collect());
+        let at: Vec<Vec<f64>> = at.collect();
+        let factors: [fn(f64) -> f64; 3] = [|_| 1.0, f64::signum, |v| v];
+        for factor in factors {
+            let logs = rows.logs.iter().zip(&at).flat_map(|(log, at)| {
+                let speed = log.motion.qd.channel(joint);
+                log.as_logged(&at.iter().zip(speed).map(|(at, &v)| at * factor(v)).collect::<Vec<f64>>())
+            });
+            columns.push(logs.collect());
+        }
     }
     columns
 }

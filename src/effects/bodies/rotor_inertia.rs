@@ -75,7 +75,7 @@ mod tests {
         let along = Along::new(&robot, &chain, &[0.0], &motion, 0.0);
         let torque = |inertia: f64| {
             let placed = Placed { effect: &RotorInertia, joint: 0, parameters: vec![inertia] };
-            contribution(&placed, &along).channel(0)[0]
+            contribution(&[placed], &along).channel(0)[0]
         };
         assert!((torque(40.0) + 60.0).abs() < 1e-12, "{}", torque(40.0));
         assert_eq!(torque(0.0), 0.0);

@@ -49,17 +49,21 @@ impl<'a> Parts<'a> {
                 contributions(&all, &along)
             }
         };
-        let mut units = torques.split_off(silent.len());
-        for (unit, (effect, _)) in units.iter_mut().zip(owner.amplitudes()) {
-            let base = torques[effect].as_slice();
-            unit.as_mut_slice().iter_mut().zip(base).for_each(|(value, b)| *value -= b);
-        }
+        let units = torques.split_off(silent.len());
+        let with_units = units.iter().zip(owner.amplitudes());
+        let amplitudes = with_units.map(|(unit, (effect, _))| {
+            let mut torque = Channels::zeros(model.dof(), link.samples());
+            unit.add_to(1.0, &mut torque);
+            torques[effect].add_to(-1.0, &mut torque);
+            torque
+        });
+        let amplitudes = amplitudes.collect();
         let bodies = Self::bodies(owner, prepared, link);
         let mut parts = Parts {
             owner,
             base: vec![OnceCell::new(); model.dof()],
             link,
-            amplitudes: units,
+            amplitudes,
             known: bodies.clone(),
             bodies,
             motor: &prepared.motion,
@@ -70,8 +74,8 @@ impl<'a> Parts<'a> {
                 sum.resize(column.len(), 0.0);
                 sum.iter_mut().zip(column).for_each(|(value, x)| *value += scale * x);
             };
-            for torque in &torques {
-                add(1.0, torque.channel(joint));
+            for torque in torques.iter().filter_map(|torque| torque.on(joint)) {
+                add(1.0, torque);
             }
             for &(parameter, value) in &owner.nominal {
                 if let Some(column) = parts.column(parameter, joint) {

@@ -358,7 +358,7 @@ mod tests {
             let table = standard_columns(&chain, joint, &standard, [&motion; 2], 0.05);
             for (column, effect) in [&ViscousFriction as &'static dyn Effect, &CoulombFriction].into_iter().enumerate()
             {
-                let law = contribution(&Placed { effect, joint, parameters: vec![1.0] }, &along);
+                let law = contribution(&[Placed { effect, joint, parameters: vec![1.0] }], &along);
                 assert_eq!(table.channel(column), law.channel(joint));
             }
         }

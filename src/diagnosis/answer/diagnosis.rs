@@ -9,7 +9,7 @@ use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
 use crate::diagnosis::logs::LowPass;
 use crate::diagnosis::model::{Family, Member, Session, is_candidate, is_wanted, places};
 use crate::diagnosis::regression::rms;
-use crate::diagnosis::relevance::Minor;
+use crate::diagnosis::relevance::{Minor, nearest};
 use crate::diagnosis::search::{Alternative, Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
 use crate::effects::{LIBRARY, Nature, Parameter, Placed};
@@ -139,6 +139,14 @@ pub struct Diagnosis {
     pub next_experiment: String,
     /// What the answer rests on, row by row.
     pub evidence: Evidence,
+}
+
+impl Diagnosis {
+    /// The law that comes nearest to what stays unexplained on a joint: one that was found there and explains no more than generic
+    /// functions do.
+    pub fn nearest(&self, joint: usize) -> Option<&Minor> {
+        nearest(&self.minor, joint)
+    }
 }
 
 /// The answer in a word; `inertias`: whether those of the description are wrong as a whole.
@@ -321,6 +329,7 @@ pub(super) fn next_experiment(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::criteria::{Gate, Judgement};
     use crate::diagnosis::model::Candidate;
     use crate::diagnosis::search::Accepted;
     use crate::effects::{Placed, find};
@@ -360,6 +369,19 @@ mod tests {
         // Of 3, 0.95 or 0.85: less than the noise.
         assert_eq!(left(3.0, 0.95, &[structure(true)]), Verdict::Unexplained);
         assert_eq!(left(3.0, 0.85, &[structure(true)]), Verdict::Named);
+    }
+
+    #[test]
+    fn the_nearest_law_is_the_largest_that_smooth_functions_replace() {
+        let minor = |gate, size: f64| Minor {
+            found: spring([1.0, 1.0], [1.0, 1.0]),
+            failed: Judgement::at_most(gate, 1.0, 0.0),
+            size: vec![size, size],
+        };
+        let all = [minor(Gate::BeyondStructure, 0.2), minor(Gate::Strength, 0.9), minor(Gate::BeyondStructure, 0.4)];
+        assert_eq!(nearest(&all, 0).unwrap().size[0], 0.4);
+        assert!(nearest(&all, 1).is_none(), "a spring acts on its joint alone");
+        assert!(nearest(&all[1..2], 0).is_none());
     }
 
     #[test]

@@ -203,6 +203,9 @@ struct Unexplained {
     structure: &'static str,
     /// Null where none was worked out.
     family_wise_p: Option<f64>,
+    /// The law that comes nearest; absent where none was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nearest: Option<&'static str>,
 }
 
 #[derive(Debug, Serialize)]
@@ -272,6 +275,7 @@ impl Document {
             share: left.share,
             structure: left.structure,
             family_wise_p: left.family_wise_p,
+            nearest: diagnosis.nearest(left.joint).map(|minor| minor.found.member.candidate.family().effect),
         });
         let mut data_quality = qualities(robot, faults);
         let held_out = "no test log was given: the last part of every training log was held out";

@@ -10,6 +10,10 @@ use crate::error::Result;
 use crate::signal::ZeroPhaseLowPass;
 use std::f64::consts::TAU;
 
+/// Standard deviation of the torque constant of a drive over what is taken for it: catalogues give motors' torque constants to 10 %, and gears
+/// lose as much more.
+const GAIN_SPREAD: f64 = 0.15;
+
 /// Columns of the errors of one data set, for the arm as found. None before anything was fitted.
 #[derive(Debug, Clone, Default)]
 pub struct ErrorsInVariables {
@@ -20,6 +24,9 @@ pub struct ErrorsInVariables {
     /// The second derivative of the torque, on each joint: what shifts or spreads torque in time holds it, and the noise of the
     /// encoders is in it always the same way as in the torque (errors in variables: Fuller, Measurement Error Models, 1987).
     pub bend: Vec<Column>,
+    /// The torque of loads that were found, on each joint: drives show it with gains of their own, so that one load leaves a share of
+    /// its torque on every joint.
+    pub loads: Vec<Column>,
     /// Standard deviation of the factor of `bend`, s2: noise near the lowest cut-off of the positions is in the torque and, more by the
     /// square of the angular frequency, in its second derivative.
     bend_spread: f64,
@@ -33,11 +40,11 @@ pub struct Nuisances {
 }
 
 impl ErrorsInVariables {
-    /// Along the motion of `rows`.
+    /// Along the motion of `rows`, of an arm that carries loads with the torque `loads`.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn new(arm: &Arm, rows: &Rows) -> Result<Self> {
+    pub fn new(arm: &Arm, rows: &Rows, loads: Column) -> Result<Self> {
         let along = arm.along(rows);
         let cutoffs_hz = rows.logs.iter().flat_map(|log| &log.low_pass).map(ZeroPhaseLowPass::cutoff_hz);
         let lowest_hz = cutoffs_hz.fold(f64::INFINITY, f64::min);
@@ -47,6 +54,7 @@ impl ErrorsInVariables {
             smoothing: of_joints(arm.departure(rows, &along, |_, log| log.smoothed_again())?),
             beyond: if is_smoother { of_joints(arm.departure(rows, &along, whole)?) } else { Vec::new() },
             bend: of_joints(arm.bend(rows)?),
+            loads: of_joints(loads),
             bend_spread: (TAU * lowest_hz).powi(-2),
         })
     }
@@ -74,6 +82,9 @@ impl ErrorsInVariables {
             if is_shift(placed.effect) { (f64::INFINITY, f64::INFINITY) } else { (1.0, self.bend_spread) };
         nuisances.add(&self.smoothing, error);
         nuisances.add(&self.beyond, error);
+        if !placed.effect.is_load() {
+            nuisances.add(&self.loads, GAIN_SPREAD);
+        }
         if placed.effect.gear(&placed.parameters).is_none() {
             nuisances.add(&self.bend, bend);
         }
@@ -142,17 +153,29 @@ mod tests {
     use super::*;
     use crate::channels::Channels;
     use crate::diagnosis::logs::FEWEST_ROWS;
+    use crate::effects::find;
     use crate::recording::Recording;
 
-    #[test]
-    fn reversals_are_counted_by_their_direction() {
+    fn swinging() -> Rows {
         let time: Vec<f64> = (0..10_000).map(|k| f64::from(k) / 500.0).collect();
         let swing = |t: &f64| (std::f64::consts::TAU * 0.4 * t).sin();
         let q = Channels::from_vectors(&[time.iter().map(swing).collect()]);
         let tau = Channels::zeros(1, time.len());
         let log = Recording { joints: vec!["a".into()], time, q, tau, ..Default::default() };
-        let rows = Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap();
-        let columns = at_reversals(&rows, 0);
+        Rows::new(&[&log], 5.0, FEWEST_ROWS).unwrap()
+    }
+
+    #[test]
+    fn gains_of_drives_are_nuisances_of_all_effects_but_loads() {
+        let errors = ErrorsInVariables { loads: vec![Column::on(0, vec![1.0])], ..Default::default() };
+        let of = |name: &str| errors.of_effect(&Placed::typical(find(name).unwrap(), 0), &swinging());
+        assert_eq!(of("joint_spring").spread(), [GAIN_SPREAD]);
+        assert!(of("payload").spread().is_empty());
+    }
+
+    #[test]
+    fn reversals_are_counted_by_their_direction() {
+        let columns = at_reversals(&swinging(), 0);
         // Half a period of 5 Hz is five rows of 20 ms to either side. It turns downwards at 0.625 s and upwards at 1.875 s.
         let at = |lag: usize, row: usize| columns[lag].part(0).unwrap()[row];
         assert_eq!(columns.len(), 11);

@@ -1,8 +1,9 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
-use super::arm::Arm;
+use super::arm::{Arm, Moved};
 use super::arm_model::ArmModel;
 use super::blocks::ParameterBlocks;
+use super::candidates::columns_in;
 use super::cut_off::flat_level;
 use super::data_set::DataSet;
 use super::errors_in_variables::{ErrorsInVariables, Nuisances};
@@ -10,7 +11,7 @@ use super::member::Member;
 use super::prepared::PreparedLogs;
 use super::roles::{is_level, is_shift, linear, shapes};
 use crate::diagnosis::noise::Whitener;
-use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, solve};
+use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, combined, solve};
 use crate::effects::Placed;
 use crate::error::Result;
 
@@ -120,7 +121,6 @@ impl<'a> Session<'a> {
     pub fn settle(&mut self, members: &mut [Member], whitener: &Whitener) -> Result<()> {
         let solved = self.solved(members, whitener)?;
         self.model.arm = self.arm_with(&solved);
-        self.renew_errors()?;
         let blocks = self.blocks(members);
         for (member, block) in members.iter_mut().zip(&blocks.members).filter(|(member, _)| !member.held) {
             let effect = member.placed.effect;
@@ -144,15 +144,24 @@ impl<'a> Session<'a> {
                 }
             }
         }
-        Ok(())
+        self.renew_errors(members)
     }
 
-    /// Takes errors in variables along the logs for the arm as it is.
+    /// Takes errors in variables along the logs for the arm as it is, with the loads among `members`.
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn renew_errors(&mut self) -> Result<()> {
-        let along = |data: &DataSet| ErrorsInVariables::new(&self.model.arm, &data.rows);
+    pub fn renew_errors(&mut self, members: &[Member]) -> Result<()> {
+        let ArmModel { arm, .. } = &self.model;
+        let along = |data: &DataSet| {
+            let mut loads = Column::default();
+            for Member { candidate, factors, .. } in members.iter().filter(|member| member.placed.effect.is_load()) {
+                let placed = std::slice::from_ref(&candidate.placed);
+                let columns = columns_in(arm, &data.rows, candidate.log, placed, Moved::Modelled)?.concat();
+                loads.add(1.0, &combined(&columns, factors));
+            }
+            ErrorsInVariables::new(arm, &data.rows, loads)
+        };
         self.errors = [along(&self.logs.train)?, along(&self.logs.test)?];
         Ok(())
     }

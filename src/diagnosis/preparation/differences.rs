@@ -51,7 +51,7 @@ impl Session<'_> {
         for (set, share) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(shares) {
             set.rows.equal_states = Some(share);
         }
-        self.renew_errors()
+        self.renew_errors(&[])
     }
 }
 

@@ -58,9 +58,10 @@ pub(crate) fn lines(
     for left in &diagnosis.unexplained {
         let joint = &robot.joints[left.joint].name;
         let percent = 100.0 * left.share;
-        let why = match left.structure == LOGS_DISAGREE {
-            true => ": these do not agree with the training logs".to_owned(),
-            false => format!(", and {} explains it", none(diagnosis)),
+        let why = match diagnosis.nearest(left.joint) {
+            _ if left.structure == LOGS_DISAGREE => ": these do not agree with the training logs".to_owned(),
+            Some(minor) => nearest(robot, minor),
+            None => format!(", and {} explains it", none(diagnosis)),
         };
         lines.push(format!("- {joint}: {percent:.0} % of the residual {}{why}", left.structure));
     }
@@ -197,6 +198,17 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
         robot.joints[joint].name,
         names.join("; ")
     ))
+}
+
+/// "; of the laws load_dependent_friction on joint_2 (coefficient 0.05) comes nearest, no better than any smooth function". Its standard
+/// deviations do not hold the scatter between blocks, as those of findings do: none is printed.
+fn nearest(robot: &Robot, minor: &Minor) -> String {
+    let found = finding(robot, &minor.found, &[]);
+    let parameters = found.parameters.iter().filter(|p| p.std.is_finite()).take(MENTIONED);
+    let values: Vec<String> =
+        parameters.map(|p| format!("{} {}", p.name, with_unit(significant(p.value), p.unit))).collect();
+    let name = place(robot, minor.found.member.candidate.family());
+    format!("; of the laws {name} ({}) comes nearest, no better than any smooth function", values.join(", "))
 }
 
 /// The joint on which a smaller effect is largest over all joints, and its size there.

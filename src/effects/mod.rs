@@ -7,7 +7,6 @@
 //!
 //! Sign convention: an effect's torque is what the motor must add because of it. Positions, velocities and accelerations
 //! are the motor's, seen at the joint side of the gear.
-
 //!
 //! | question | module |
 //! |---|---|
@@ -18,11 +17,13 @@
 //! | all effects by name | `catalogue` |
 //! | the laws | `friction`, `bodies`, `gears`, `signals` |
 //! | torque along a motion that is known | `along` |
+//! | positions behind encoders' errors | `encoder` |
 
 mod about;
 mod along;
 mod bodies;
 mod catalogue;
+mod encoder;
 mod friction;
 mod gear;
 mod gears;
@@ -38,6 +39,7 @@ pub use along::{Along, Contribution, contribution, contributions, direction};
 pub(crate) use bodies::seen_from_parent;
 pub use bodies::{BaseTilt, ExternalContact, GravityBalancer, JointSpring, LinkInertiaError, Payload, RotorInertia};
 pub use catalogue::{LIBRARY, find};
+pub(crate) use encoder::behind_encoder;
 pub use friction::{
     CoulombFriction, FrictionAsymmetry, FrictionWarmUp, LoadDependentFriction, NonlinearViscousFriction,
     PositionDependentFriction, PreslidingHysteresis, StribeckFriction, ViscousFriction, drive_friction,

@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows, passes_all};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
-use crate::effects::{Along, Contribution, Placed, Scope, Site, contributions, direction};
+use crate::effects::{Along, Contribution, Placed, Scope, Site, behind_encoder, contributions, direction};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
@@ -27,9 +27,6 @@ const BELOW_SWING: f64 = 0.6;
 const SWING_ORDER: usize = 4;
 const SLOWEST_SWING_HZ: f64 = 1.5;
 const PLACES: usize = 10;
-
-/// Rounds in which the position behind an encoder's error is found.
-const ENCODER_ROUNDS: usize = 4;
 
 /// Mass and first moments, after which a link's moments of inertia come.
 const MOMENTS: usize = 4;
@@ -353,26 +350,15 @@ impl Arm {
     fn changed(&self, placed: &Placed, log: &Log, plain: &Channels) -> Result<Channels> {
         let mut torque = match placed.effect.gear(&placed.parameters) {
             Some(_) => self.torque(&log.motion, &self.behind_gear(placed, log)?),
-            None => {
-                let mut q = log.motion.q.clone();
-                placed.effect.distort_position(&placed.parameters, q.channel_mut(placed.joint));
-                match q == log.motion.q {
-                    true => plain.clone(),
-                    false => {
-                        // Where the encoder reads q + error(q), the joint is at q: found in rounds.
-                        let measured = log.motion.q.channel(placed.joint);
-                        let mut joint = measured.to_vec();
-                        for _ in 0..ENCODER_ROUNDS {
-                            let mut read = joint.clone();
-                            placed.effect.distort_position(&placed.parameters, &mut read);
-                            joint.iter_mut().zip(&read).zip(measured).for_each(|((q, read), seen)| *q += seen - read);
-                        }
-                        q.channel_mut(placed.joint).copy_from_slice(&joint);
-                        let motion = Log::motion_of(q, log.period)?;
-                        self.torque(&motion, &motion)
-                    }
+            None => match behind_encoder(std::iter::once(placed), log.motion.q.channel(placed.joint)) {
+                Some(behind) => {
+                    let mut q = log.motion.q.clone();
+                    q.channel_mut(placed.joint).copy_from_slice(&behind);
+                    let motion = Log::motion_of(q, log.period)?;
+                    self.torque(&motion, &motion)
                 }
-            }
+                None => plain.clone(),
+            },
         };
         let joints = match placed.effect.about().scope {
             Scope::Arm => 0..torque.channels(),

@@ -4,14 +4,11 @@ use super::parts::Parts;
 use super::signals::{derivatives, put_behind};
 use super::state::EffectModel;
 use crate::dynamics::Motion;
-use crate::effects::{DAMPING_TIME_S, Gear};
+use crate::effects::{DAMPING_TIME_S, Gear, behind_encoder};
 use crate::error::Result;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::recording::Recording;
 use std::borrow::Cow;
-
-/// Rounds in which encoder errors are taken back out of the measured positions.
-const UNDO_ROUNDS: usize = 4;
 
 /// Rounds in which links are put behind their gears.
 const GEAR_ROUNDS: usize = 4;
@@ -24,19 +21,8 @@ impl EffectModel<'_> {
         }
         let mut q = recording.q.clone();
         for joint in 0..self.model.dof() {
-            let distorted = |signal: &[f64]| -> Vec<f64> {
-                let mut read = signal.to_vec();
-                for placed in self.sensors(joint) {
-                    placed.effect.distort_position(&placed.parameters, &mut read);
-                }
-                read
-            };
-            let measured = recording.q.channel(joint);
-            for _ in 0..UNDO_ROUNDS {
-                let read = distorted(q.channel(joint));
-                for ((value, measured), read) in q.channel_mut(joint).iter_mut().zip(measured).zip(read) {
-                    *value += measured - read;
-                }
+            if let Some(behind) = behind_encoder(self.sensors(joint), recording.q.channel(joint)) {
+                q.channel_mut(joint).copy_from_slice(&behind);
             }
         }
         (q != recording.q).then(|| Recording { q, ..recording.clone() })

@@ -180,7 +180,7 @@ impl<'a> EffectModel<'a> {
     }
 
     /// The effects that distort the torque log of a joint.
-    pub(super) fn sensors(&self, joint: usize) -> impl Iterator<Item = &Placed> {
+    pub(super) fn sensors(&self, joint: usize) -> impl Iterator<Item = &Placed> + Clone {
         self.placed.iter().filter(move |placed| {
             let about = placed.effect.about();
             about.site == Site::Sensor && (about.scope == Scope::Arm || placed.joint == joint)

@@ -24,7 +24,7 @@ impl Channels {
         Channels { channels: vectors.len(), samples, data: vectors.concat() }
     }
 
-    /// From what appends each signal, told its index, to those before it.
+    /// From a closure that appends each signal, by its index, to those before it.
     ///
     /// # Panics
     /// If the signals differ in length.

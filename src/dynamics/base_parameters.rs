@@ -1,4 +1,4 @@
-//! Base parameters: the combinations of standard parameters that torque can tell apart.
+//! Base parameters: the combinations of standard parameters that torque determines.
 
 use super::nearly_dependent::{self, Kept, Near};
 use crate::linear::{OrthonormalBasis, inner_product, length};
@@ -13,7 +13,7 @@ const INDEPENDENT: f64 = 1e-5;
 /// Part of a unit column that must be left over the columns before it for it to be kept as it is.
 ///
 /// Below, the column is nearly a combination of others: angles rounded to two decimals leave 5e-3, axes as they were measured
-/// leave 1e-3. Its own column would make coefficients of a hundred and more, and no log would tell its parameter from theirs.
+/// leave 1e-3. Its own column would make coefficients of a hundred and more, and no log would separate its parameter from theirs.
 const SEPARATE: f64 = 1e-2;
 
 /// Length of a column, over the longest, from which it is kept before those it depends on. Friction has unit columns, and the mass at
@@ -54,7 +54,7 @@ pub struct BaseParameters {
 
 impl BaseParameters {
     /// Finds the base parameters that `observation` (rows of the regressor at random, noise-free states; one column per
-    /// standard parameter) can tell apart. Columns are taken in their order: a column that depends on those kept before it
+    /// standard parameter) can separate. Columns are taken in their order: a column that depends on those kept before it
     /// is regrouped into them, so the base stays on the proximal side. `names` are the standard parameters' symbols.
     ///
     /// The factorisation is a QR of columns of unit length ([`OrthonormalBasis`]); a column counts as dependent when less than 1e-5 of
@@ -127,7 +127,7 @@ impl BaseParameters {
         self.kept.len()
     }
 
-    /// Whether nothing can be told apart at all.
+    /// Whether nothing is determined at all.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }

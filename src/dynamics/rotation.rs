@@ -40,7 +40,7 @@ impl Fixed {
         if clean == Matrix3::identity() {
             return Fixed::None;
         }
-        // The cosine of a small angle is one to rounding, about whatever axis: only what stays apart tells it.
+        // The cosine of a small angle is one to rounding, about whatever axis: only the elements off the axis show it.
         let apart = |axis: usize, k: usize| k != axis && (clean[(axis, k)] != 0.0 || clean[(k, axis)] != 0.0);
         match (0..3).find(|&axis| clean[(axis, axis)] == 1.0 && !(0..3).any(|k| apart(axis, k))) {
             Some(axis) => {

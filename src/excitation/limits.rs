@@ -139,7 +139,7 @@ pub(crate) fn check<S: AsRef<str>>(
     check_kinds(reference, limits, rate_hz, joint_names, &vec![JointKind::Revolute; joint_names.len()])
 }
 
-/// Checks that `reference` keeps inside `limits` (one entry per joint), at all times where its law tells, else on samples
+/// Checks that `reference` keeps inside `limits` (one entry per joint), at all times where its law gives bounds, else on samples
 /// at `rate_hz`.
 ///
 /// # Errors

@@ -11,7 +11,7 @@
 //! (17) of the paper behind [`FreudensteinSequence`] ask. All are linear in their unknowns once the durations are fixed, so a motion
 //! that is too large for an arm can be scaled down to fit.
 //!
-//! [`limits`] tells whether a motion keeps inside an arm's limits, at all times and not only on samples. [`encoding`]
+//! [`limits`] checks whether a motion keeps inside an arm's limits, at all times and not only on samples. [`encoding`]
 //! turns a vector in the box [-1, 1]^n into a motion inside given limits, which is what a search over motions works on;
 //! [`random_sequence`] does so for the 1-3-5 law and draws motions at random. [`motion_file`] reads and writes motions.
 //!

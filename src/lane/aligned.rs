@@ -18,7 +18,7 @@ impl Aligned {
     /// So many zeros.
     pub(crate) fn zeros(len: usize) -> Self {
         let values = vec![0.0; len + LINE / size_of::<f64>() - 1];
-        // Where this cannot be told, the numbers are as good unaligned.
+        // Where the alignment is not known, the numbers are as good unaligned.
         let first = values.as_ptr().align_offset(LINE).min(values.len() - len);
         Aligned { values, first, len }
     }

@@ -71,7 +71,7 @@ impl Transaction {
 impl Drop for Transaction {
     fn drop(&mut self) {
         for step in self.done.drain(..).rev() {
-            // There is nobody left to tell of a second failure; the first one is reported.
+            // A second failure has nowhere to go; the first one is reported.
             let _ = match step {
                 Step::CreatedFolder(path) => std::fs::remove_dir(path),
                 Step::MovedAway { place, backup } => std::fs::rename(backup, place),

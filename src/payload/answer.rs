@@ -142,7 +142,7 @@ pub struct Payload {
     pub scaled_by: &'static str,
     /// Remarks on data and result, a sentence each.
     pub notes: Vec<String>,
-    /// The load beside the one that was expected.
+    /// The load against the one that was expected.
     pub expected: Option<Comparison>,
     /// The load as controllers take it, where mass and centre are determined.
     pub controllers: Option<Controllers>,

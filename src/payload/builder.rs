@@ -214,7 +214,7 @@ impl<'a> PayloadBuilder<'a> {
         let Determined { mut words, body, .. } = found.clone();
         let changed = self.changed(used);
         if !changed.is_empty() && found.mass.is_none() {
-            // What offsets cannot be told from is said, not printed as a number of its own.
+            // What is not separable from offsets is stated, not printed as a number of its own.
             if let Some(mass) = read(&best, &best.estimates.plain).mass {
                 words.push(format!(
                     "with {} free to change, torques of the load and of the joints are not separated; if nothing but the load changed, \

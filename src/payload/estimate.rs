@@ -119,7 +119,7 @@ impl<'a> Fitting<'a> {
         Estimates { plain, changed: self.fit(&chosen), free_offsets }
     }
 
-    /// The change that is most beyond doubt, beside those already `chosen`.
+    /// The change that is most significant with those already `chosen` in the model.
     fn next(&self, chosen: &[usize]) -> Option<usize> {
         let map = self.map(chosen);
         let normal = self.all.mapped(&map);

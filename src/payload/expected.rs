@@ -11,7 +11,7 @@ const DEVIATIONS: f64 = 2.0;
 /// Share of the expected mass by which it may differ besides: torque constants are known no better.
 const OF_THE_MASS: f64 = 0.05;
 
-/// Largest standard error of a mass over the expected one that can still confirm it: less than a third tells it from none.
+/// Largest standard error of a mass over the expected one that can still confirm it: less than a third separates it from none.
 const CONFIRMS: f64 = 0.3;
 
 /// A load that is expected.
@@ -67,7 +67,7 @@ impl Expected {
         Ok(())
     }
 
-    /// The load found beside this one.
+    /// The load found against this one.
     pub(super) fn compare(&self, found: &Payload) -> Comparison {
         let mut reasons = Vec::new();
         let mut agrees = true;

@@ -83,16 +83,16 @@ pub(super) fn disagreement(joints: &[JointShare]) -> Option<String> {
         let off = (share.value - 1.0).abs();
         off > LEAST && off > SIGNIFICANT * share.standard_error
     };
-    let told: Vec<String> = joints
+    let shown: Vec<String> = joints
         .iter()
         .filter_map(|joint| Some((joint, joint.share.filter(differs)?)))
         .map(|(joint, share)| format!("{} {:.2} +- {:.2}", joint.joint, share.value, share.standard_error))
         .collect();
-    (!told.is_empty()).then(|| {
+    (!shown.is_empty()).then(|| {
         format!(
             "joints disagree about the load (share of its torque that each shows: {}): their torque constants differ by as much, and \
              the standard errors do not hold that",
-            told.join(", ")
+            shown.join(", ")
         )
     })
 }

@@ -168,7 +168,7 @@ pub fn sensed(setup: &Setup, truth: &Truth, run: u64) -> Result<Recording> {
     })
 }
 
-/// Velocities as the tachometers tell them; central differences of the measured positions where there is none.
+/// Velocities as the tachometers read them; central differences of the measured positions where there is none.
 fn velocities(setup: &Setup, truth: &Truth, q: &Channels, run: u64) -> Result<Channels> {
     let period = 1.0 / setup.scenario.sensors.rate_hz;
     let mut qd = Channels::zeros(q.channels(), q.samples());

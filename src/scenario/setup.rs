@@ -13,7 +13,7 @@ use chacha20::ChaCha8Rng;
 use rand::RngExt;
 use std::path::Path;
 
-/// Names of the copies of a scenario's inputs beside its results.
+/// Names of the copies of a scenario's inputs among its results.
 const ROBOT_COPY: &str = "robot.urdf";
 const MOTION_COPY: &str = "motion.toml";
 const HELD_OUT_COPY: &str = "held_out.toml";

@@ -16,7 +16,7 @@ const LONGEST_STEP_S: f64 = 1e-3;
 /// Length of the smoothing window, s.
 const WINDOW_S: f64 = 0.12;
 
-/// What was measured of the arm beside its model.
+/// What was measured of the arm in addition to its model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Rate of the logs, Hz.

@@ -70,7 +70,7 @@ pub(super) fn conclude<'a>(
     if let Some(log) = logs.find(|log| log.rate_hz() < (1.0 - SLOW_CLOCK) * SLOWEST_RATE_HZ) {
         let problem = format!(
             "is sampled at {:.3} Hz, and a diagnosis needs {SLOWEST_RATE_HZ} Hz or more: it follows torque in steps of a \
-             fiftieth of a second, and could not tell starts, stops and reversals, impacts, ripple or delays apart from \
+             fiftieth of a second, and could not separate starts, stops and reversals, impacts, ripple or delays from \
              each other; log faster, or use `tauscope identify`, which takes any rate",
             log.rate_hz()
         );

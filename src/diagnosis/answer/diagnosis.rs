@@ -28,7 +28,7 @@ pub struct NotFound {
     /// What and where.
     pub family: Family,
     /// The smallest value of its first parameter that would have been found with a probability of 80 %; None where the
-    /// logs cannot tell it from the baseline.
+    /// logs do not separate it from the baseline.
     pub minimum_detectable: Option<f64>,
     /// Unit of that.
     pub unit: &'static str,
@@ -293,9 +293,9 @@ pub(super) fn next_experiment(
     let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
     if let Some((found, other)) = tied {
         let about = found.member.placed.effect.about();
-        let told = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
-        let told = told.unwrap_or("record motions of other speeds, ranges and loads");
-        return format!("to tell {} from {}: {told}", about.name, other.family.effect);
+        let how = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
+        let how = how.unwrap_or("record motions of other speeds, ranges and loads");
+        return format!("to tell {} from {}: {how}", about.name, other.family.effect);
     }
     if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
         return "the held-out logs do not go with the training logs: check that all are of one arm with one load, and give them as training \

@@ -110,7 +110,7 @@ pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<Stri
     let open: Vec<String> = open.collect();
     (!open.is_empty()).then(|| {
         format!(
-            "the training logs do not tell all that the held-out motions take; there the model is unsure of {}: what is said of these \
+            "the training logs do not determine all that the held-out motions take; there the model is unsure of {}: what is said of these \
              joints is as unsure. Identify from motions as rich as those; inertias that are believed (--trust nominal) ask less of them",
             open.join(", ")
         )

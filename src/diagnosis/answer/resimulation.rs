@@ -75,7 +75,7 @@ impl Replay {
         let fitted = &diagnosis.errors.extended_test_rms;
         let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
         if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
-            let problem = "the simulated arm does not follow the fitted model: the logs tell its drives or bodies too poorly \
+            let problem = "the simulated arm does not follow the fitted model: the logs determine its drives or bodies too poorly \
                            for a simulation (friction or inertia that would have to be negative)";
             return Err(Error::request(format!("joint `{}`", self.described.robot.joints[joint].name), problem));
         }

@@ -97,6 +97,6 @@ mod tests {
         change.add(-1.0, &before);
         let (change, push) = (change.part(1).unwrap(), push.part(1).unwrap());
         assert!(last.clone().all(|row| (change[row] - push[row]).abs() < 1e-9), "all of it is left where it is");
-        assert!((0..last.start).any(|row| change[row].abs() > 1.0), "and the other two are told by it");
+        assert!((0..last.start).any(|row| change[row].abs() > 1.0), "and the other two are predicted from it");
     }
 }

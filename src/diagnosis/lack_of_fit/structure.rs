@@ -28,7 +28,7 @@ pub struct Unexplained {
     pub instead_of: Vec<usize>,
 }
 
-/// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not told by its impacts, which the rows do not
+/// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not shown by its impacts, which the rows do not
 /// show.
 pub(super) fn is_weighed(member: &Member, joint: usize) -> bool {
     !member.held && member.placed.joints() == [joint]
@@ -238,7 +238,7 @@ impl<'a> Fitted<'a> {
     }
 
     /// A block as the structure of its joint, if the held-out rows show it too, and it is large enough or replaces a finding.
-    pub(super) fn told(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
+    pub(super) fn weighed(&self, place: &Place, block: &Block, again: &Block, seen: Seen) -> Option<Unexplained> {
         let (joint, structure) = (place.joint, block.structure);
         let Seen { under, whitened, test, p, family_wise_p } = seen;
         let Again { chance, gained, significant } =
@@ -256,8 +256,15 @@ impl<'a> Fitted<'a> {
         let weighs = certain || is_not_all;
         let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
-        let told = (shown && share > self.criteria.share_of_residual) || !instead_of.is_empty();
-        told.then_some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of })
+        let counts = (shown && share > self.criteria.share_of_residual) || !instead_of.is_empty();
+        counts.then_some(Unexplained {
+            joint,
+            share,
+            structure,
+            family_wise_p: Some(family_wise_p),
+            certain,
+            instead_of,
+        })
     }
 
     /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.

@@ -58,16 +58,16 @@ impl Fitted<'_> {
             if is_weaker && is_settled {
                 continue;
             }
-            let Some(mut told) = self.told(&place, &block, &again, seen) else { continue };
-            if told.instead_of.is_empty()
+            let Some(mut weighed) = self.weighed(&place, &block, &again, seen) else { continue };
+            if weighed.instead_of.is_empty()
                 && (is_weaker || best.as_ref().is_some_and(|best| !best.instead_of.is_empty()))
             {
                 continue;
             }
             let others = best.into_iter().flat_map(|best| best.instead_of);
-            let others: Vec<usize> = others.filter(|place| !told.instead_of.contains(place)).collect();
-            told.instead_of.extend(others);
-            best = Some(told);
+            let others: Vec<usize> = others.filter(|place| !weighed.instead_of.contains(place)).collect();
+            weighed.instead_of.extend(others);
+            best = Some(weighed);
         }
         best.or_else(|| self.wandering_harmonic(&place)).or_else(|| self.drift(&place))
     }

@@ -11,7 +11,7 @@ use crate::diagnosis::search::{Found, members};
 use crate::effects::{Parameter, Role};
 use crate::error::Result;
 
-/// Holds the parameters of the effects `found` that the training logs do not determine, by the scatter between their blocks; tells
+/// Holds the parameters of the effects `found` that the training logs do not determine, by the scatter between their blocks; returns
 /// whether there were any. All standard deviations then hold that scatter.
 ///
 /// # Errors

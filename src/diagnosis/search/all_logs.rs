@@ -19,7 +19,7 @@ use crate::error::Result;
 /// Candidates that may be refused one after the other before the search ends.
 const REFUSALS: usize = 3;
 
-/// Searches all logs of `session` for more than was `found`, and asks them what else explains that; tells whether more
+/// Searches all logs of `session` for more than was `found`, and asks them what else explains that; returns whether more
 /// was found. The `candidates` are those along the training logs.
 ///
 /// # Errors

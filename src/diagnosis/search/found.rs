@@ -43,7 +43,7 @@ pub struct Found {
     pub family_wise_p: f64,
     /// Lower bound (84 %) of the share of the held-out sum of squares that it takes away.
     pub gain_lower_bound: f64,
-    /// Root mean square of the held-out residual with those found before and with this one too, `[joint]`, N m; told when
+    /// Root mean square of the held-out residual with those found before and with this one too, `[joint]`, N m; known when
     /// the search has ended.
     pub rms: [Vec<f64>; 2],
     /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.

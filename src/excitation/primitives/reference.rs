@@ -35,7 +35,7 @@ pub trait Reference: Send + Sync {
         }
     }
 
-    /// Bounds on the motion of `joint` that hold at all times; `None` where only samples can tell.
+    /// Bounds on the motion of `joint` that hold at all times; `None` where only samples can show them.
     fn peaks(&self, joint: usize) -> Option<Peaks> {
         let _ = joint;
         None

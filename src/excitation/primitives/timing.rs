@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// How far the durations of a joint may sum up beside the duration of the motion, as a share of it.
+/// How far the durations of a joint may differ in sum from the duration of the motion, as a share of it.
 const SUM_TOLERANCE: f64 = 1e-9;
 
 /// Refuses a quantity that is not finite and above zero.
@@ -58,7 +58,7 @@ pub(crate) fn knots(joint: &str, durations_s: &[f64], duration_s: f64) -> Result
     }
     let last = durations_s.len();
     if knots[last - 1] >= duration_s {
-        return Err(Error::request(subject, "the last duration is too short to tell from zero; lengthen it"));
+        return Err(Error::request(subject, "the last duration is too short to differ from zero; lengthen it"));
     }
     knots[last] = duration_s;
     Ok(knots)

@@ -89,7 +89,7 @@ fn over<L: Lane>(value: L, divisor: f64) -> L {
 }
 
 /// The moves of one joint; it starts and ends at zero, so n durations go with n - 1 via points between them. Two equal
-/// via points in a row are a rest, and so is a zero beside either end.
+/// via points in a row are a rest, and so is a zero next to either end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointMoves {
@@ -102,7 +102,7 @@ pub struct JointMoves {
 /// Rest-to-rest moves of every joint, each with its own durations, that together last equally long.
 ///
 /// One move per joint with a common timing is not enough to excite an arm: the joints then move in proportion, and
-/// parallel joints cannot be told apart.
+/// parallel joints cannot be separated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
 pub struct FreudensteinSequence {

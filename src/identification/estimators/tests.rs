@@ -77,7 +77,7 @@ fn intervals_of_all_hold_the_truth_under_torque_noise() {
     for (name, estimate) in estimates(exact, &measured) {
         for ((value, truth), std) in estimate.beta.iter().zip(TRUTH).zip(estimate.std()) {
             assert!((value - truth).abs() < 4.0 * std, "{name}: {value} {truth} {std}");
-            // The joint with little noise tells each parameter to about noise over column length.
+            // The joint with little noise determines each parameter to about noise over column length.
             assert!(name == "ols" || std < 0.02, "{name}: {std}");
         }
     }

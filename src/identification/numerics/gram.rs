@@ -73,13 +73,13 @@ impl Gram {
     }
 
     /// Tells row, column and value of the entries of X'X on and below the diagonal.
-    pub(crate) fn each_entry(&self, mut tell: impl FnMut(usize, usize, f64)) {
+    pub(crate) fn each_entry(&self, mut visit: impl FnMut(usize, usize, f64)) {
         let width = self.lanes.width();
         let broad = breadth(width);
         for ((top, left), tile) in tiles(self.columns, broad).zip(self.sums.chunks_exact(TALL * broad * width)) {
             for (row, entries) in (top..self.columns).zip(tile.chunks_exact(broad * width)) {
                 for (column, parts) in (left..=row).zip(entries.chunks_exact(width)) {
-                    tell(row, column, sum(parts));
+                    visit(row, column, sum(parts));
                 }
             }
         }

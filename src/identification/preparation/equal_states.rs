@@ -13,7 +13,7 @@ const NEAR_VELOCITY: f64 = 0.2;
 /// Positions nearer than this are equal, rad or m: gravity's torque changes by a hundredth of itself at most.
 const SAME_POSITION: f64 = 0.01;
 
-/// Velocities nearer than this are equal, rad/s or m/s: sensors tell no less apart.
+/// Velocities nearer than this are equal, rad/s or m/s: sensors resolve no less.
 const SAME_VELOCITY: f64 = 0.02;
 
 /// Share of the rows after a change that must have an equal state before, so that differences are worth while: below it they see

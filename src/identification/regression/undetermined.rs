@@ -4,7 +4,7 @@
 //! that leaves a joint almost at rest does the same. The part of such a column that is orthogonal to the others is below the noise: its
 //! parameter is held at the description's value, and the others take over what it would have had.
 //!
-//! Base parameters that small tilts alone tell from others, which are merged into these ([`crate::dynamics::BaseParameters`]), are held until the log
+//! Base parameters that small tilts alone separate from others, which are merged into these ([`crate::dynamics::BaseParameters`]), are held until the log
 //! shows that they differ from the description: all that is held then is the little that the tilt makes of them.
 
 use super::joint_regression::JointRegression;
@@ -81,7 +81,7 @@ pub(crate) fn undetermined(
 const SURE: f64 = 3.0;
 
 /// Standard deviations by which a merged parameter differs from the description before it is a parameter of its own. At three, one in
-/// 370 is by chance; and one that is held wrongly makes less torque than three standard deviations of what the log tells of it.
+/// 370 is by chance; and one that is held wrongly makes less torque than three standard deviations of its estimate.
 const SHOWN: f64 = 3.0;
 
 /// The merged parameter that differs least from the description, if it does not show.

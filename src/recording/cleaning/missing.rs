@@ -91,7 +91,7 @@ pub(crate) fn constant_velocities(log: &mut Recording) -> Vec<String> {
     notes
 }
 
-/// The value of a signal that has the same in every row, if there are rows enough to tell.
+/// The value of a signal that has the same in every row, if there are rows enough to decide.
 fn in_every_row(signal: &[f64]) -> Option<f64> {
     let first = signal.first().copied().filter(|first| first.is_finite() && signal.len() >= FEWEST_ROWS)?;
     signal.iter().all(|value| *value == first).then_some(first)

@@ -1,4 +1,4 @@
-//! A blueprint, which tells the viewer its layout: views with their properties, in containers.
+//! A blueprint, which gives the viewer its layout: views with their properties, in containers.
 
 use super::rrd::{Archetype, Component, Index, RrdFile, Store, StoreKind, flag, numbers, texts, tuples, uuid};
 use arrow_array::types::{Float32Type, UInt8Type, UInt32Type};

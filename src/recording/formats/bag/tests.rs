@@ -114,7 +114,7 @@ fn garbage_in_a_log_is_found_by_its_checksums() {
     for (name, checked) in [("bare.mcap", true), ("mcap/mcap.mcap", false), ("mcap_messages/mcap_messages.mcap", false)]
     {
         let whole = std::fs::read(bag(name)).unwrap();
-        let (mut told, mut source) = (0, random::stream(5, "garbage", 0));
+        let (mut noticed, mut source) = (0, random::stream(5, "garbage", 0));
         for _ in 0..150 {
             let mut bytes = whole.clone();
             let (start, length) = (source.random_range(8..whole.len() - 8), source.random_range(1..200));
@@ -123,19 +123,19 @@ fn garbage_in_a_log_is_found_by_its_checksums() {
             std::fs::write(&path, &bytes).unwrap();
             match lenient::load(&path, Some(&arm()), &ColumnMap::default()) {
                 Ok(sieved) => {
-                    told += usize::from(!sieved.rejected.is_empty() || sieved.recording.samples() < SAMPLES);
+                    noticed += usize::from(!sieved.rejected.is_empty() || sieved.recording.samples() < SAMPLES);
                     if checked {
                         assert_true_values(&sieved.recording);
                     }
                 }
                 Err(error) => {
-                    told += 1;
+                    noticed += 1;
                     let error = error.to_string();
                     assert!(error.contains("garbage.mcap: ") && error.len() < 400, "{error}");
                 }
             }
         }
-        assert!(told > if checked { 75 } else { 50 }, "{name}: {told}");
+        assert!(noticed > if checked { 75 } else { 50 }, "{name}: {noticed}");
     }
 }
 

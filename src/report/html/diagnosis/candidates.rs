@@ -73,7 +73,7 @@ pub(super) fn not_found(robot: &Robot, diagnosis: &Diagnosis) -> Section {
         vec![
             Block::text(
                 "The smallest size that would have been found with a probability of 80 % on these logs. A dash: these logs \
-                 cannot tell it from the model. An effect of the whole arm, or between two joints, stands under its first.",
+                 do not separate it from the model. An effect of the whole arm, or between two joints, stands under its first.",
             ),
             Block::Folded(
                 format!("Minimum detectable sizes of {} effects", rows.len()),

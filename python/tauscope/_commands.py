@@ -52,7 +52,7 @@ def diagnose(
         max_findings=max_findings,
         candidates=_list("candidates", candidates),
         least_share=least_share,
-        budget=f"{budget!r}s" if isinstance(budget, (int, float)) else budget,
+        budget=_time(budget),
         no_resimulation=not resimulation,
         engine=engine,
     )
@@ -174,14 +174,17 @@ def excite(
     criterion: str = "compromise",
     kappa_weight: float | None = None,
     evaluations: int | None = None,
-    budget_s: float | None = None,
+    budget: float | str | None = None,
     starts: int = 1,
     grid_hz: float = 50.0,
     compare: bool = False,
     seed: int | None = None,
     out: PathLike | None = None,
 ) -> Answer:
-    """Searches for an excitation motion inside all limits. ``answer.file("motion.toml")`` is the motion."""
+    """Searches for an excitation motion inside all limits. ``answer.file("motion.toml")`` is the motion.
+
+    ``budget`` is the time for the search, s.
+    """
     call = Call("excite")
     call.arguments.append(call.scenario(scenario))
     call.options(
@@ -191,7 +194,7 @@ def excite(
         criterion=criterion,
         kappa_weight=kappa_weight,
         evaluations=evaluations,
-        budget_s=budget_s,
+        budget=_time(budget),
         starts=starts,
         grid_hz=grid_hz,
         compare=compare,
@@ -313,6 +316,11 @@ def command(*arguments: str | os.PathLike[str], out: PathLike | None = None) -> 
     words = [os.fspath(word) for word in arguments]
     call = Call(words[0], *words[1:])
     return call.run(out)
+
+
+def _time(time: float | str | None) -> str | None:
+    """A time as the command line takes it; a number is in seconds."""
+    return f"{time!r}s" if isinstance(time, (int, float)) else time
 
 
 def _list(name: str, values: Any) -> list[Any] | None:

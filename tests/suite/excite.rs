@@ -76,7 +76,7 @@ fn an_interrupt_leaves_the_best_motion_on_disk() {
 #[test]
 fn a_budget_of_time_ends_the_search() {
     let folder = tempfile::tempdir().unwrap();
-    let output = excite(folder.path(), &["--budget-s", "0.5", "--kind", "quintic"]).output().unwrap();
+    let output = excite(folder.path(), &["--budget", "500ms", "--kind", "quintic"]).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     assert_valid(&folder.path().join("motion.toml"), 10.0);
 }
@@ -96,7 +96,8 @@ fn infeasible_requests_name_the_limit_and_write_nothing() {
     assert!(message.contains("joint_2") && message.contains("acceleration"), "{message}");
     let main = Path::new(ROOT).join("scenarios/irb1600.toml");
     assert!(run(&main, &["--duration", "0.01"]).contains("duration"));
-    assert!(run(&main, &["--budget-s", "0"]).contains("--budget-s"));
+    assert!(run(&main, &["--budget", "0"]).contains("--budget"));
+    assert!(run(&main, &["--budget-s", "0"]).contains("give a time above zero"), "the option's former name");
     assert!(run(&main, &["--kind", "sine"]).contains("possible values"));
     assert!(!file.exists());
 }

@@ -1,6 +1,8 @@
 //! `tauscope diagnose`: what the model of an arm misses, from logs. [`Diagnosis::of`] does the work; this file reads and writes.
 
-use crate::cli::shared::{ArmArguments, BAD_INPUT, DONE, Global, LogArguments, corrected, interrupt, print, progress};
+use crate::cli::shared::{
+    ArmArguments, BAD_INPUT, DONE, Global, LogArguments, corrected, interrupt, print, progress, time,
+};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
@@ -78,20 +80,6 @@ pub(crate) struct Arguments {
     /// Forward dynamics of that simulation: rapier, or the project's own, the same to rounding.
     #[arg(long, value_enum, default_value = "rapier", help_heading = "Simulation")]
     engine: EngineKind,
-}
-
-/// A time in seconds, milliseconds or minutes: "60", "60s", "500ms", "1.5min".
-fn time(text: &str) -> std::result::Result<Duration, String> {
-    let number = text.trim_end_matches(char::is_alphabetic);
-    let unit = match &text[number.len()..] {
-        "ms" => 1e-3,
-        "" | "s" => 1.0,
-        "min" | "m" => 60.0,
-        _ => f64::NAN,
-    };
-    let seconds = number.trim().parse::<f64>().map_or(f64::NAN, |value| value * unit);
-    let time = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
-    time.ok_or_else(|| "give a time above zero, as 60s or 2min".into())
 }
 
 /// Diagnoses and writes the results folder.
@@ -259,17 +247,4 @@ fn present(arguments: &Arguments, scenario: Option<&Scenario>, robot: &Robot) ->
         spec.place(robot).map_err(|problem| Error::input(path, None, "effect", problem))
     };
     scenario.effects.iter().map(place).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_in_seconds_and_minutes() {
-        for (text, seconds) in [("60", 60), ("60s", 60), ("2min", 120), ("0.5m", 30), ("3000ms", 3)] {
-            assert_eq!(time(text), Ok(Duration::from_secs(seconds)), "{text}");
-        }
-        assert!(["", "0", "-1s", "nan", "5 parsecs", "s"].iter().all(|text| time(text).is_err()));
-    }
 }

@@ -1,6 +1,6 @@
 //! `tauscope excite`: search for an excitation motion, or compare the parametrisations.
 
-use crate::cli::shared::{DONE, Global, interrupt, print, progress};
+use crate::cli::shared::{DONE, Global, interrupt, print, progress, time};
 use crate::design::comparison::{Judge, compare};
 use crate::design::criterion::KAPPA_WEIGHT;
 use crate::design::excite::{Outcome, Request, excite};
@@ -29,7 +29,7 @@ const SPEED_PROBES: u64 = 200;
 /// Arguments of `tauscope excite`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  tauscope excite scenarios/irb1600.toml --duration 20 --budget-s 60 --out motion.toml"
+    after_help = "Example:\n  tauscope excite scenarios/irb1600.toml --duration 20 --budget 60s --out motion.toml"
 )]
 pub(crate) struct Arguments {
     /// Scenario file: arm, limits, torque noise, rate of the log.
@@ -50,12 +50,12 @@ pub(crate) struct Arguments {
     /// Weight of ln kappa in the compromise D + W ln kappa.
     #[arg(long, help_heading = "Search", value_name = "W", default_value_t = KAPPA_WEIGHT)]
     kappa_weight: f64,
-    /// Total number of evaluations; makes the search reproducible to the byte. Default: 30000, or what fits into --budget-s.
+    /// Total number of evaluations; makes the search reproducible to the byte. Default: 30000, or what fits into --budget.
     #[arg(long, help_heading = "Search", value_name = "N")]
     evaluations: Option<usize>,
-    /// Stop after this time and keep the best motion so far, s.
-    #[arg(long, help_heading = "Search", value_name = "S")]
-    budget_s: Option<f64>,
+    /// Time for the search, as 60s or 2min; the best motion by then is kept. Ctrl-C does the same.
+    #[arg(long, alias = "budget-s", value_name = "TIME", value_parser = time, help_heading = "Search")]
+    budget: Option<Duration>,
     /// Independent starts that share the evaluations.
     #[arg(long, help_heading = "Search", value_name = "N", default_value_t = 1)]
     starts: usize,
@@ -80,8 +80,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         starts: arguments.starts,
         evaluations: arguments.evaluations.unwrap_or(30_000),
     };
-    let deadline = deadline(arguments.budget_s)?;
-    if let (None, Some(budget)) = (arguments.evaluations, arguments.budget_s) {
+    // A time too long for the clock is no limit.
+    let deadline = arguments.budget.and_then(|budget| Instant::now().checked_add(budget));
+    if let (None, Some(budget)) = (arguments.evaluations, arguments.budget) {
         request.evaluations = affordable(&problem, &request, budget)?;
     }
     let stop = interrupt::flag(global)?;
@@ -125,15 +126,8 @@ fn problem(arguments: &Arguments, arm: &Arm) -> Result<Problem> {
     Problem::new(experiment, envelope, criterion, arguments.grid_hz, arm.scenario.identification.reversal_band_rad_s)
 }
 
-fn deadline(budget_s: Option<f64>) -> Result<Option<Instant>> {
-    let Some(budget) = budget_s else { return Ok(None) };
-    let time = Duration::try_from_secs_f64(budget).ok().filter(|time| !time.is_zero());
-    let end = time.and_then(|time| Instant::now().checked_add(time));
-    end.map(Some).ok_or_else(|| Error::request("--budget-s", format!("must be a number above zero, found {budget}")))
-}
-
-/// Evaluations that fit into `budget_s`, from the speed of some random ones.
-fn affordable(problem: &Problem, request: &Request, budget_s: f64) -> Result<usize> {
+/// Evaluations that fit into `budget`, from the speed of some random ones.
+fn affordable(problem: &Problem, request: &Request, budget: Duration) -> Result<usize> {
     let size = request.size.unwrap_or_else(|| request.family.usual_size(request.duration_s));
     let encoding = request.family.encoding(problem.envelope.joints(), request.duration_s, size)?;
     let started = Instant::now();
@@ -143,7 +137,7 @@ fn affordable(problem: &Problem, request: &Request, budget_s: f64) -> Result<usi
         std::hint::black_box(problem.worth(&information, violation));
     });
     let each = started.elapsed().as_secs_f64() / SPEED_PROBES as f64;
-    Ok(((budget_s / each) as usize).max(1))
+    Ok(((budget.as_secs_f64() / each) as usize).max(1))
 }
 
 /// Where the motion goes.

@@ -10,8 +10,10 @@ pub(super) mod interrupt;
 mod logs;
 pub(super) mod print;
 pub(super) mod progress;
+mod time;
 
 pub(crate) use arm::ArmArguments;
 pub use global::{BAD_INPUT, DONE, FAILED, Global};
 pub use host::{Host, Printed};
 pub(crate) use logs::LogArguments;
+pub(crate) use time::time;

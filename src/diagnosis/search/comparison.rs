@@ -172,9 +172,8 @@ pub(super) fn better_held_out(
 /// Whether of two changes of bodies the first is the likelier one before anything is measured: a load comes and goes at the flange, a link
 /// stays what it is.
 fn changes_sooner(candidate: &Candidate, other: &Candidate) -> bool {
-    let [own, others] = [candidate, other].map(|candidate| candidate.placed.effect.about());
-    let are_bodies = own.site == Site::Body && others.site == Site::Body;
-    are_bodies && own.scope == Scope::Arm && others.scope == Scope::Joint
+    let others = other.placed.effect.about();
+    candidate.placed.effect.is_load() && others.site == Site::Body && others.scope == Scope::Joint
 }
 
 impl Chosen {
@@ -229,6 +228,6 @@ mod tests {
         };
         let sooner = |one: &str, other: &str| changes_sooner(&candidate(one), &candidate(other));
         assert!(sooner("payload", "link_inertia_error") && !sooner("link_inertia_error", "payload"));
-        assert!(!sooner("payload", "coulomb_friction") && !sooner("time_delay", "link_inertia_error"));
+        assert!(!sooner("payload", "coulomb_friction") && !sooner("base_tilt", "link_inertia_error"));
     }
 }

@@ -79,6 +79,13 @@ mod tests {
     }
 
     #[test]
+    fn an_encoder_errs_by_degrees_at_most() {
+        let eccentricity = find("encoder_eccentricity").unwrap();
+        let is_believable = |sine: f64, cosine: f64| eccentricity.is_believable(&[sine, cosine], 1, &arm());
+        assert!(is_believable(0.03, -0.0399) && !is_believable(0.03, -0.0401));
+    }
+
+    #[test]
     fn hoses_do_not_carry_the_arm() {
         assert!(find("joint_spring").unwrap().largest_share().unwrap() < 1.0);
         assert_eq!(find("gravity_balancer").unwrap().largest_share(), None);

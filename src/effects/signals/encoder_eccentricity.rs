@@ -1,6 +1,7 @@
 //! Encoder eccentricity: the logged position errs once per revolution, as with a disc mounted off its centre.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Robot;
 
 /// Logged position = q + e sin(q - phi), as q + s sin q + c cos q with s = e cos phi, c = -e sin phi.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +41,9 @@ const fn part(name: &'static str, symbol: &'static str, typical: f64) -> Paramet
     Parameter { name, symbol, unit: "rad", role: Role::Departure, lower: -0.2, upper: 0.2, typical }
 }
 
+/// Largest error of an encoder that works, rad: a disc of 10 mm radius that runs 0.5 mm off its centre.
+const LARGEST: f64 = 0.05;
+
 static PARAMETERS: [Parameter; 2] = [part("sine", "s", 0.008), part("cosine", "c", -0.006)];
 
 impl Effect for EncoderEccentricity {
@@ -49,6 +53,10 @@ impl Effect for EncoderEccentricity {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn is_believable(&self, p: &[f64], _: usize, _: &Robot) -> bool {
+        p[0].hypot(p[1]) <= LARGEST
     }
 
     fn distort_position(&self, p: &[f64], signal: &mut [f64]) {

@@ -44,7 +44,17 @@ pub enum Error {
 impl Error {
     /// An [`Error::Io`] for `path`; `action` completes "cannot ...".
     pub fn io(path: impl AsRef<Path>, action: impl Into<String>, source: std::io::Error) -> Self {
-        Error::Io { path: path.as_ref().to_owned(), action: action.into(), source }
+        Error::Io { path: path.as_ref().to_owned(), action: action.into(), source: of_system(source) }
+    }
+
+    /// The same error about the file `named`, where it is about the `draft` of that file.
+    pub fn named(mut self, draft: &Path, named: impl AsRef<Path>) -> Self {
+        if let Error::Io { path, .. } | Error::Input { path, .. } = &mut self
+            && path == draft
+        {
+            *path = named.as_ref().to_owned();
+        }
+        self
     }
 
     /// An [`Error::Input`] at a place in a file.
@@ -92,6 +102,16 @@ impl Clone for Error {
     }
 }
 
+/// The system's error alone: one about a temporary file also names that file, which no user knows.
+fn of_system(error: std::io::Error) -> std::io::Error {
+    // The crate that makes temporary files gives the place in no other way than in its text.
+    let text = error.to_string();
+    match text.split_once(" at path \"") {
+        Some((system, _)) => std::io::Error::new(error.kind(), system),
+        None => error,
+    }
+}
+
 /// Line, counted from 1, of a byte offset in a text.
 pub fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
@@ -115,6 +135,17 @@ mod tests {
     struct Inner {
         #[serde(rename = "step_s")]
         _step: f64,
+    }
+
+    #[test]
+    fn temporary_files_are_not_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let source = tempfile::tempdir_in(folder.path().join("none")).unwrap_err();
+        let message = Error::io("log.csv", "write it", source).to_string();
+        assert_eq!(message, "log.csv: cannot write it: No such file or directory (os error 2)");
+        let draft = Path::new(".draft/x.csv");
+        let about = |path: &str| Error::input(path, None, "t", "is wrong").named(draft, "x.csv").to_string();
+        assert_eq!([about(".draft/x.csv"), about("y.csv")], ["x.csv: t: is wrong", "y.csv: t: is wrong"]);
     }
 
     #[test]

@@ -106,10 +106,7 @@ impl ResultFolder {
     /// Those of [`ResultFolder::file`] and of `write`, with the name the file was to have instead of where it was written.
     pub fn write_with(&self, name: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
         let staged = self.file(name)?;
-        write(&staged).map_err(|error| match error {
-            Error::Io { path, action, source } if path == staged => Error::io(self.target.join(name), action, source),
-            other => other,
-        })
+        write(&staged).map_err(|error| error.named(&staged, self.target.join(name)))
     }
 
     /// Writes a text.

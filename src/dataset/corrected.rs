@@ -3,8 +3,8 @@
 use super::description::Dataset;
 use super::spec::SCHEMA;
 use crate::error::{Error, Result};
-use crate::quality::UnitChanges;
 use crate::quality::descriptions::{Change, Description};
+use crate::quality::{OtherUnit, UnitChanges};
 use crate::recording::memory;
 use crate::robot::{JointKind, Robot};
 use std::path::{Path, PathBuf};
@@ -115,14 +115,10 @@ pub fn corrected(
 
 /// The unit of positions, or with `per` that of velocities: one where all joints share it, else one per joint.
 fn units_of(slide: &[bool], units: UnitChanges, per: &str) -> Option<Value> {
-    if !(units.degrees || units.millimetres) {
-        return None;
-    }
-    let of = |slides: bool| match (slides, units.degrees, units.millimetres) {
-        (false, true, _) => "deg",
-        (false, ..) => "rad",
-        (true, _, true) => "mm",
-        (true, ..) => "m",
+    units.turning.or(units.sliding)?;
+    let of = |slides: bool| {
+        let kind = if slides { JointKind::Prismatic } else { JointKind::Revolute };
+        units.unit(kind).map_or(if slides { "m" } else { "rad" }, OtherUnit::symbol)
     };
     let each: Vec<Value> = slide.iter().map(|slides| Value::from(format!("{}{per}", of(*slides)))).collect();
     let first = each.first()?.clone();

@@ -14,7 +14,7 @@
 //!                                 # are as many in each, else by time
 //! # rate_hz = 100                 # rows per second of files without a column of time; also in [columns]
 //!
-//! [columns]                     # one per joint; usual names are found without
+//! [columns]                     # one per joint; usual names are found without; numbers, from 1 on, of a file without names
 //! time = "stamp"
 //! # rate_hz = 100               # in the place of `time`
 //! q = ["enc1", "enc2"]
@@ -23,8 +23,8 @@
 //!
 //! [units]
 //! time = "ms"                   # s, ms, us, ns; recognised from its name and numbers where it is not given
-//! position = "deg"              # rad, deg, mrad, rev, m, mm; or a list of one per joint, as for velocity and acceleration
-//! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s
+//! position = "deg"              # rad, deg, mrad, rev, m, mm, um; or a list of one per joint, as for velocity and acceleration
+//! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s, um/s
 //! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
 //! torque = "A"                  # Nm, mNm, kNm, A, mA, N
 //! time_factor = 1.6             # of a clock that runs wrong: true seconds per second of the log

@@ -239,3 +239,24 @@ fn a_corrected_dataset_reads_the_corrected_log() {
         }
     }
 }
+
+/// A table of plain numbers, whose columns the dataset numbers.
+#[test]
+fn columns_of_a_file_without_names_are_numbered() {
+    let of = |columns: &str, log: &str| {
+        Case::new(&format!("[[train]]\nfile = \"log.csv\"\n[columns]\n{columns}"), log).read()
+    };
+    let rows = "0 1 2 3 4\n1 5 6 7 8\n";
+    let log = of("time = 1\nq = [3, 2]\ntau = [5, 4]\n", rows).unwrap();
+    assert_eq!(log.time, [0.0, 1.0]);
+    assert_close(&log.q, &[&[2.0, 6.0], &[1.0, 5.0]]);
+    assert_close(&log.tau, &[&[4.0, 8.0], &[3.0, 7.0]]);
+    for (columns, words) in [
+        ("time = 1\nq = [2, 9]\ntau = [4, 5]\n", "column 9: there is no such column; those of the file are 1 to 5"),
+        ("time = 1\nq = [2.5, 3]\ntau = [4, 5]\n", "the name of a column, or its number counted from 1"),
+        ("", "no line names the columns"),
+    ] {
+        let error = of(columns, rows).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}

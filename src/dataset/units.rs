@@ -68,6 +68,8 @@ pub enum PositionUnit {
     Degree,
     #[serde(rename = "mrad", alias = "mm")]
     Thousandth,
+    #[serde(rename = "um")]
+    Millionth,
     #[serde(rename = "rev")]
     Turn,
 }
@@ -83,6 +85,8 @@ pub enum VelocityUnit {
     Degree,
     #[serde(rename = "mrad/s", alias = "mm/s")]
     Thousandth,
+    #[serde(rename = "um/s")]
+    Millionth,
     #[serde(rename = "rpm")]
     Rpm,
 }
@@ -133,6 +137,7 @@ impl PositionUnit {
             PositionUnit::Si => 1.0,
             PositionUnit::Degree => PI / 180.0,
             PositionUnit::Thousandth => 1e-3,
+            PositionUnit::Millionth => 1e-6,
             PositionUnit::Turn => TAU,
         }
     }
@@ -145,6 +150,7 @@ impl VelocityUnit {
             VelocityUnit::Si => 1.0,
             VelocityUnit::Degree => PI / 180.0,
             VelocityUnit::Thousandth => 1e-3,
+            VelocityUnit::Millionth => 1e-6,
             VelocityUnit::Rpm => TAU / 60.0,
         }
     }

@@ -70,6 +70,8 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         out.push(all);
     }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
+        // One fault of all: the joints are not told one by one.
+        out.retain(|finding| finding.kind != Kind::NoTorque);
         let zero = logged.tau.as_slice().iter().all(|value| *value == 0.0 || value.is_nan());
         let text = match zero {
             true => {
@@ -111,22 +113,27 @@ fn path(signal: &[f64]) -> f64 {
     signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
 }
 
+/// The samples behind which a position that hardly moves before and behind jumps by a part of a turn. A joint that is so fast all
+/// along is in another unit.
+fn jumps_by(q: &[f64], turn: f64) -> impl Iterator<Item = usize> {
+    let jumps = move |x: &[f64]| {
+        let calm = (x[1] - x[0]).abs().max((x[3] - x[2]).abs());
+        calm < 0.1 * turn && ((x[2] - x[1]).abs() - turn).abs() < 0.05 * turn
+    };
+    q.windows(4).enumerate().filter(move |(_, x)| jumps(x)).map(|(at, _)| at + 1)
+}
+
 /// The first of the samples before which a position jumps by half a turn, again and again: it was wrapped at half a turn, or
 /// comes from a function that knows no more of an angle.
 pub(super) fn half_turn(q: &[f64]) -> Option<usize> {
-    let jumps = |x: &[f64]| {
-        let calm = (x[1] - x[0]).abs().max((x[3] - x[2]).abs());
-        calm < 0.1 * PI && ((x[2] - x[1]).abs() - PI).abs() < 0.05 * PI
-    };
-    let mut places = q.windows(4).enumerate().filter(|(_, x)| jumps(x)).map(|(at, _)| at + 1);
+    let mut places = jumps_by(q, PI);
     // One jump may be anything.
     let first = places.next()?;
     places.next().map(|_| first)
 }
 
 fn wrapped(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
-    let jumps = |pair: &[f64]| ((pair[1] - pair[0]).abs() - TAU).abs() < 0.05 * TAU;
-    let whole = q.windows(2).position(jumps);
+    let whole = jumps_by(q, TAU).next();
     let at = whole.or_else(|| half_turn(q))?;
     let text = match whole {
         Some(_) => "the position jumps by a whole turn between two samples; unwrap it before use",
@@ -181,13 +188,39 @@ fn torque_spike(place: &str, time: &[f64], tau: &[f64]) -> Option<Finding> {
     Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
 }
 
-/// A position that stands and then makes up for it in one step.
-fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
+/// Joints whose position is frozen for a while, as found.
+pub(super) fn with_frozen_position(view: &View, found: &[Finding]) -> Vec<usize> {
+    let of = |joint: &usize| {
+        let place = view.place("q", *joint);
+        found.iter().any(|finding| finding.kind == Kind::Frozen && finding.place.starts_with(&place))
+    };
+    (0..view.dof()).filter(of).collect()
+}
+
+/// Samples of a joint at which its torque or its position is no measurement. They are reported; what they do to comparisons of torque with
+/// motion is no fault of its own.
+pub(super) fn spoilt(view: &View, joint: usize) -> Vec<Range<usize>> {
+    let (q, tau) = (view.log.q.channel(joint), view.log.tau.channel(joint));
+    let mut out = motor_off(q, tau, 1.0 / view.period);
+    if !coarse(tau) {
+        let levels: Vec<f64> = clipping(tau).into_iter().map(|(level, ..)| level).collect();
+        let clipped = |&(start, length): &(usize, usize)| length >= CLIPPED_RUN && levels.contains(&tau[start]);
+        let clipped: Vec<(usize, usize)> = runs(tau).filter(clipped).collect();
+        out.extend(
+            clipped.into_iter().chain(frozen_torques(view, joint, tau)).map(|(start, length)| start..start + length),
+        );
+    }
+    out.extend(frozen_positions(view, joint, q).map(|(start, length)| start..start + length));
+    out
+}
+
+/// Parts in which a position stands and then makes up for it in one step: start and length.
+fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
     let shortest = ((0.02 / view.period) as usize).max(5);
     let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
     let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
-    let (start, length) = runs(q).filter(|(_, length)| *length >= shortest).find(|&(start, length)| {
+    runs(q).filter(move |(_, length)| *length >= shortest).filter(move |&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
         let runs_on = velocity.is_some_and(|qd| {
@@ -200,20 +233,29 @@ fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
         let stops_dead =
             end == q.len() && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
         makes_up || runs_on || stops_dead
-    })?;
+    })
+}
+
+fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
+    let (start, length) = frozen_positions(view, joint, q).next()?;
     let seconds = length as f64 * view.period;
     let text = format!("the position is frozen for {seconds:.3} s while the joint moves on; cut this part out");
     let place = format!("{} from {:.4} s", view.place("q", joint), view.log.time[start]);
     Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
 }
 
-fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+/// Parts in which a torque stands while its joint moves: start and length.
+fn frozen_torques<'a>(view: &'a View, joint: usize, tau: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
     let shortest = ((FROZEN_S / view.period) as usize).max(10);
     let (low, high) = extremes(tau);
-    let (start, length) = runs(tau).find(|&(start, length)| {
+    runs(tau).filter(move |&(start, length)| {
         let moved = || path(&view.q.channel(joint)[start..start + length]) > PATH;
         length >= shortest && ![low, high, 0.0].contains(&tau[start]) && moved()
-    })?;
+    })
+}
+
+fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    let (start, length) = frozen_torques(view, joint, tau).next()?;
     let seconds = length as f64 * view.period;
     let text = format!("the torque is frozen for {seconds:.3} s while the joint moves; cut this part out");
     let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[start]);
@@ -276,7 +318,10 @@ fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
 
 /// A torque that changes less often than the log has rows.
 fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
-    let moving: Vec<usize> = (1..tau.len()).filter(|&i| view.qd.channel(joint)[i].abs() > view.band[joint]).collect();
+    // A torque that is cut off repeats itself there.
+    let levels: Vec<f64> = clipping(tau).into_iter().map(|(level, ..)| level).collect();
+    let moves = |i: &usize| view.qd.channel(joint)[*i].abs() > view.band[joint] && !levels.contains(&tau[*i]);
+    let moving: Vec<usize> = (1..tau.len()).filter(moves).collect();
     let repeated = |signal: &[f64]| {
         moving.iter().filter(|&&i| signal[i] == signal[i - 1]).count() as f64 / moving.len().max(1) as f64
     };

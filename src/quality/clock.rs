@@ -1,6 +1,7 @@
 //! Rows that were left out, and the clock.
 
 use super::finding::{Finding, Kind, Severity};
+use crate::recording::Recording;
 use crate::recording::lenient::{Cause, Rejected, Sieved};
 use crate::recording::resample::{Clock, IRREGULAR};
 
@@ -29,8 +30,13 @@ fn cause_of_backward_time(rows: &[&Rejected]) -> &'static str {
     }
 }
 
-/// Findings about rows and clock.
-pub(super) fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
+/// Whether there are rows enough for a log, but over too short a time: its clock may run wrong.
+pub(super) fn seems_short(recording: &Recording) -> bool {
+    recording.samples() >= FEWEST && recording.duration() < SHORTEST_S
+}
+
+/// Findings about rows and clock; a second of the clock lasts `factor` true ones.
+pub(super) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Finding> {
     let recording = &sieved.recording;
     let all = sieved.rejected.len() + recording.samples();
     let mut out = Vec::new();
@@ -68,7 +74,7 @@ pub(super) fn findings(sieved: &Sieved, clock: &Clock) -> Vec<Finding> {
             format!("the file is cut off ({}); the rows before are used; copy the log again if you can", cut.problem);
         out.push(Finding::new(Kind::CutOff, Severity::Warning, format!("line {}", cut.line), text));
     }
-    if recording.samples() < FEWEST || recording.duration() < SHORTEST_S {
+    if recording.samples() < FEWEST || recording.duration() * factor < SHORTEST_S {
         let text = format!(
             "{} samples over {:.3} s are too few to judge; at least {FEWEST} and {SHORTEST_S} s are needed",
             recording.samples(),

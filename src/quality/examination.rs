@@ -2,7 +2,7 @@
 
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
-use super::motion::are_in_other;
+use super::motion::{OtherUnit, PositionUnits};
 use super::report::{Report, Together, UnitChanges};
 use super::velocity::in_true_time;
 use super::view::View;
@@ -60,12 +60,10 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }
-    // Where something else is wrong, that must be corrected first.
-    let sound = reports.iter().flat_map(|report| &report.findings).all(|finding| finding.severity == Severity::Note);
-    if sound && descriptions::is_modelled(&all, robot) {
-        let text = "the torques are those of a rigid-body model, and no joint has any friction in them: they come from the \
-                    controller's own model or a simulation and are no measurement, so that identification gives that model back; or \
-                    from sensors behind the gears, which do not see friction";
+    if descriptions::is_modelled(&all, robot, verdict.as_ref().map(|verdict| &verdict.description)) {
+        let text = "no friction in any joint's torque, and a rigid-body model explains it: probably the controller's model (a desired or \
+                    target torque) or a simulation, not a measurement, so that identification gives that model back; or sensors behind \
+                    the gears, which do not see friction";
         for &log in &with_torque {
             reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
         }
@@ -78,20 +76,52 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
 fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Option<Recording>)> {
     let recording = &sieved.recording;
     let clock = Clock::new(recording);
-    let mut findings = clock::findings(sieved, &clock);
+    let known = with_all_torques(recording);
+    let in_steps = |log: &Recording| if clock.is_irregular() { resample::evenly(log) } else { log.clone() };
+    let mut units = UnitChanges::default();
+    if clock::seems_short(recording) {
+        units.time_factor = velocity::clock_factor(&View::new(&in_steps(&known), robot)?, robot);
+    }
+    let mut findings = clock::findings(sieved, &clock, units.time_factor.unwrap_or(1.0));
     let mut summaries = Vec::new();
     let mut condition_number = None;
     let mut comparable = None;
-    let mut units = UnitChanges::default();
     if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
-        let known = with_all_torques(recording);
         let recording: &Recording = &known;
-        let even = if clock.is_irregular() { resample::evenly(recording) } else { recording.clone() };
+        let even = in_steps(recording);
         let view = View::new(&even, robot)?;
         summaries = motion::summaries(&view, robot);
-        findings.extend(channels::findings(&view, &sieved.recording));
         let endless = motion::endless(&sieved.unwrapped, robot, view.dof());
-        let mut about_motion = motion::findings(&view, &summaries, robot, &endless);
+        let position_units = PositionUnits::of(&view, &summaries, robot, &endless);
+        [units.turning, units.sliding] =
+            [JointKind::Revolute, JointKind::Prismatic].map(|kind| position_units.shared(kind));
+        let kind = |joint: usize| robot.map_or(JointKind::Revolute, |robot| robot.joints[joint].kind);
+        units.velocities_are_si = velocity::is_si(&view, |joint| units.unit(kind(joint)).map(OtherUnit::in_si));
+        // All else is asked of positions in rad and m, and of motion in true time: what comes of a wrong unit is no fault of its own.
+        let in_si = units.positions_in_si(&even, robot);
+        let view = in_si.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
+        findings.extend(channels::findings(&view, &sieved.recording));
+        // Derivatives across a long gap are those of no motion.
+        let longest = resample::longest_stretch(recording).map(|rows| {
+            let log = resample::evenly(&recording.slice(rows));
+            units.positions_in_si(&log, robot).unwrap_or(log)
+        });
+        let whole = view;
+        let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
+        let view = of_longest.as_ref().unwrap_or(&whole);
+        units.time_factor = velocity::clock_factor(view, robot);
+        let frozen = channels::with_frozen_position(view, &findings);
+        findings.extend(velocity::findings(view, units.time_factor, &frozen));
+        let in_true_time = |log: &Recording| {
+            let factor = units.time_factor?;
+            let mut log = log.clone();
+            in_true_time(&mut log.time, factor);
+            Some(log)
+        };
+        let whole_in_true_time = in_true_time(whole.log);
+        let whole_in_true_time = whole_in_true_time.as_ref().map(|log| View::new(log, robot)).transpose()?;
+        let moving = whole_in_true_time.as_ref().unwrap_or(&whole);
+        let mut about_motion = motion::findings(moving, &summaries, &position_units, robot);
         // A joint that stands and has no torque either is one matter.
         let stands = |place: String| about_motion.iter().any(|f| f.kind == Kind::HardlyMoves && f.place == place);
         let standing: Vec<String> = (0..view.dof())
@@ -104,32 +134,19 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
         about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
         // Torques are not compared with positions in another unit, or half a turn from where the joint is.
-        let other_unit = about_motion.iter().any(|f| f.kind == Kind::PositionUnit);
-        let positions_doubtful = other_unit || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
+        let positions_doubtful = position_units.any() || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
-        // Derivatives across a long gap are those of no motion.
-        let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
-        let view = longest.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
-        let (about_velocity, factor) = velocity::findings(&view);
-        findings.extend(about_velocity);
-        units.time_factor = factor;
         // Torques are compared with motion in true time.
-        let corrected = factor.map(|factor| {
-            let mut log = view.log.clone();
-            in_true_time(&mut log.time, factor);
-            log
-        });
-        let view = corrected.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
-        let in_other = |kind| other_unit && are_in_other(kind, &summaries, robot, &endless);
-        (units.degrees, units.millimetres) = (in_other(JointKind::Revolute), in_other(JointKind::Prismatic));
-        units.velocities_are_si = (units.degrees || units.millimetres) && velocity::is_si(&view);
+        let corrected = in_true_time(view.log);
+        let corrected_view = corrected.as_ref().map(|log| View::new(log, robot)).transpose()?;
+        let view = corrected_view.as_ref().unwrap_or(view);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
         if moves && !positions_doubtful {
-            let (found, condition) = torque::findings(&view, &mut summaries, robot);
+            let (found, condition) = torque::findings(view, &mut summaries, robot);
             findings.extend(found);
             condition_number = condition;
-            let unsigned = channels::without_sign(&view, &findings);
-            let mut log = corrected.or(longest).unwrap_or(even);
+            let unsigned = channels::without_sign(view, &findings);
+            let mut log = view.log.clone();
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
             comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
         }

@@ -19,7 +19,7 @@ mod view;
 pub use channels::{clipping, motor_off};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, with_logs};
-pub use motion::JointSummary;
+pub use motion::{JointSummary, OtherUnit};
 pub use report::{Report, Together, UnitChanges};
 pub use units::examine_in_own_units;
 

@@ -2,7 +2,7 @@
 
 use super::descriptions::Verdict;
 use super::finding::{Finding, Severity};
-use super::motion::JointSummary;
+use super::motion::{JointSummary, OtherUnit};
 use crate::recording::lenient::Rejected;
 use crate::recording::resample::Clock;
 
@@ -11,10 +11,10 @@ use crate::recording::resample::Clock;
 pub struct UnitChanges {
     /// True seconds per second of the clock.
     pub time_factor: Option<f64>,
-    /// Whether positions of joints that turn are in degrees.
-    pub degrees: bool,
-    /// Whether positions of joints that slide are in mm.
-    pub millimetres: bool,
+    /// Unit of the positions of joints that turn, where it is not rad.
+    pub turning: Option<OtherUnit>,
+    /// Unit of the positions of joints that slide, where it is not m.
+    pub sliding: Option<OtherUnit>,
     /// Whether the logged velocities are in SI units all the same.
     pub velocities_are_si: bool,
 }

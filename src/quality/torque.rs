@@ -5,6 +5,7 @@
 //! would take the pull of the other joints for one. What is wrong with signs, columns, gravity or units is asked of all
 //! joints and logs together, in [`super::descriptions`].
 
+use super::channels;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::JointSummary;
 use super::velocity::vertex;
@@ -62,7 +63,8 @@ pub(super) fn findings(
         let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint]).filter(|_| !silent);
         let Some(fit) = fit else { continue };
         summaries[joint].unexplained = Some(fit.unexplained(tau, 0));
-        if robot.is_some() {
+        // A torque that is no measurement in parts lags nothing.
+        if robot.is_some() && channels::spoilt(view, joint).is_empty() {
             let lag = fit.lag(tau, reach);
             summaries[joint].dead_time_s = lag.map(|lag| lag.samples * view.period);
             lags.extend(lag);

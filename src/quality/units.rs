@@ -2,13 +2,13 @@
 
 use super::examination::examine_together;
 use super::finding::Kind;
+use super::motion::OtherUnit;
 use super::report::{Report, Together, UnitChanges};
-use super::velocity::in_true_time;
+use super::velocity::{self, in_true_time};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
 use crate::robot::{JointKind, Robot};
-use std::f64::consts::PI;
 
 impl UnitChanges {
     /// Those that all logs of one recorder show.
@@ -27,39 +27,53 @@ impl UnitChanges {
         *self == Self::default()
     }
 
-    /// Converts a log of `robot`: positions, with their derivatives, to rad and m, and times to seconds.
-    pub fn apply(&self, log: &mut Recording, robot: &Robot) {
-        let Recording { time, q, qd, qdd, .. } = log;
-        let derivatives = [qd.as_mut(), qdd.as_mut()].into_iter().filter(|_| !self.velocities_are_si).flatten();
-        for signal in std::iter::once(q).chain(derivatives) {
-            for (joint, spec) in robot.joints.iter().enumerate() {
-                let factor = self.factor(spec.kind);
-                signal.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
-            }
-        }
+    /// Converts a log: positions, with their derivatives, to rad and m, and times to seconds. Without a `robot` all joints turn.
+    pub fn apply(&self, log: &mut Recording, robot: Option<&Robot>) {
+        self.apply_to_positions(log, robot);
         if let Some(factor) = self.time_factor {
-            in_true_time(time, factor);
+            in_true_time(&mut log.time, factor);
         }
     }
 
-    /// From the unit of a joint's positions to rad or m.
-    fn factor(&self, kind: JointKind) -> f64 {
+    /// A log with its positions, and their derivatives, in rad and m, where they are not in these.
+    pub(super) fn positions_in_si(&self, log: &Recording, robot: Option<&Robot>) -> Option<Recording> {
+        self.turning.or(self.sliding)?;
+        let mut log = log.clone();
+        self.apply_to_positions(&mut log, robot);
+        Some(log)
+    }
+
+    fn apply_to_positions(&self, log: &mut Recording, robot: Option<&Robot>) {
+        let Recording { q, qd, qdd, .. } = log;
+        let derivatives = [qd.as_mut(), qdd.as_mut()].into_iter().filter(|_| !self.velocities_are_si).flatten();
+        for signal in std::iter::once(q).chain(derivatives) {
+            for joint in 0..signal.channels() {
+                let kind = robot.map_or(JointKind::Revolute, |robot| robot.joints[joint].kind);
+                let factor = self.unit(kind).map_or(1.0, |unit| 1.0 / unit.in_si());
+                signal.channel_mut(joint).iter_mut().for_each(|value| *value *= factor);
+            }
+        }
+    }
+
+    /// The unit of positions of joints of a kind, where it is none of SI.
+    pub fn unit(&self, kind: JointKind) -> Option<OtherUnit> {
         match kind {
-            JointKind::Revolute if self.degrees => PI / 180.0,
-            JointKind::Prismatic if self.millimetres => 1e-3,
-            _ => 1.0,
+            JointKind::Revolute => self.turning,
+            JointKind::Prismatic => self.sliding,
         }
     }
 
     /// One line on each change: what it is about, and what was done.
     pub fn lines(&self) -> Vec<(Kind, &'static str, String)> {
         let what = if self.velocities_are_si { "positions" } else { "positions and velocities" };
-        let units = [(self.degrees, "", "degrees"), (self.millimetres, " of joints that slide", "mm")];
-        let positions = units.into_iter().filter(|(other, ..)| *other).map(|(_, joints, unit)| {
-            (Kind::PositionUnit, "q", format!("{what}{joints} are in {unit}: they are taken as that"))
+        let units = [(self.turning, ""), (self.sliding, " of joints that slide")];
+        let positions = units.into_iter().filter_map(|(unit, joints)| {
+            let unit = unit?.words();
+            Some((Kind::PositionUnit, "q", format!("{what}{joints} are in {unit}: they are taken as that")))
         });
         let clock = self.time_factor.map(|factor| {
-            let text = format!("true seconds per second of the clock: {factor:.3}; times are taken as that");
+            let factor = velocity::digits(factor);
+            let text = format!("true seconds per second of the clock: {factor}; times are taken as that");
             (Kind::ClockFactor, "t", text)
         });
         positions.chain(clock).collect()
@@ -80,7 +94,7 @@ pub fn examine_in_own_units(logs: &mut [&mut Sieved], robot: &Robot) -> Result<(
     }
     let convert = |log: &&mut Sieved| {
         let mut converted = (**log).clone();
-        units.apply(&mut converted.recording, robot);
+        units.apply(&mut converted.recording, Some(robot));
         converted
     };
     let converted: Vec<Sieved> = logs.iter().map(convert).collect();

@@ -1,39 +1,62 @@
-//! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay.
+//! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay, and the clock.
 
 use super::finding::{Finding, Kind, Severity};
-use super::statistics::correlation;
+use super::statistics::{correlation, size_quantile};
 use super::view::View;
 use crate::channels::Channels;
 use crate::linear::root_mean_square;
+use crate::robot::Robot;
 use std::f64::consts::PI;
 
 /// Known factors between velocities in other units, with the advice.
-const FACTORS: [(f64, &str); 5] = [
+const FACTORS: [(f64, &str); 6] = [
     (180.0 / PI, "it is in deg/s where the position is in rad: convert one of them"),
     (PI / 180.0, "the position is in deg where the velocity is in rad/s: convert the position"),
     (30.0 / PI, "it is in rpm: convert it to rad/s"),
     (1e3, "it is in mrad/s or mm/s: convert it to rad/s or m/s"),
-    (1e-3, "the position is in mm where the velocity is in m/s: convert the position"),
+    (1e-3, "the position is in mrad or mm where the velocity is in rad/s or m/s: convert the position"),
+    (1e-6, "the position is in um where the velocity is in m/s: convert the position"),
 ];
 
 /// Relative deviation from a known factor.
 const TOLERANCE: f64 = 0.1;
 
-/// Drives of arms have larger gear ratios than this; a clock is not wrong by more.
+/// Drives of arms have larger gear ratios than this: a factor below it is that of the clock.
 const SLOWEST_GEAR: f64 = 5.0;
+
+/// Rates at which arms are logged, Hz. A larger factor is that of the clock where true time gives such a rate.
+const LOGGED_HZ: [f64; 2] = [10.0, 10_000.0];
+
+/// Speed of a joint without a limit, rad/s or m/s, and how many times a joint may exceed its own: velocities at the motors are faster.
+const FASTEST: f64 = 10.0;
+const NOT_FASTER: f64 = 1.5;
+
+/// Relative deviation up to which a factor that all joints share is that of a unit.
+const OF_UNIT: f64 = 0.03;
+
+/// Units of time, in seconds, for one of which another was taken, and relative deviation of a factor from one of them.
+const TIMES: [f64; 6] = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9];
+const OF_TIME: f64 = 0.02;
 
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
-/// Findings about the velocity columns, and the factor by which the clock is wrong; none where there are none.
-pub(super) fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
-    let Some(logged) = &view.log.qd else { return (Vec::new(), None) };
+/// Joints that move and have a velocity.
+fn moving(view: &View) -> Vec<usize> {
+    let moves = |joint: &usize| {
+        let band = view.band[*joint];
+        view.log.has_velocity(*joint) && root_mean_square(view.qd.channel(*joint)) > band
+    };
+    (0..view.dof()).filter(moves).collect()
+}
+
+/// Findings about the velocity columns of joints whose position is not `frozen`; `clock` is the factor by which the clock is wrong.
+pub(super) fn findings(view: &View, clock: Option<f64>, frozen: &[usize]) -> Vec<Finding> {
+    let Some(logged) = &view.log.qd else { return Vec::new() };
     let mut out = Vec::new();
-    let compared = |joint| view.log.has_velocity(joint) && root_mean_square(view.qd.channel(joint)) > view.band[joint];
-    let moving: Vec<bool> = (0..view.dof()).map(compared).collect();
-    let clock = clock_factor(view, logged, &moving);
-    out.extend(clock.map(|factor| clock_finding(factor, moving.iter().filter(|moving| **moving).count())));
-    for joint in (0..view.dof()).filter(|&joint| moving[joint]) {
+    let moving = moving(view);
+    out.extend(clock.map(|factor| clock_finding(factor, moving.len())));
+    for joint in moving.into_iter().filter(|joint| !frozen.contains(joint)) {
         let (own, column) = (view.qd.channel(joint), logged.channel(joint));
         let place = view.place("qd", joint);
         let like = correlation(own, column);
@@ -77,18 +100,27 @@ pub(super) fn findings(view: &View) -> (Vec<Finding>, Option<f64>) {
             out.push(Finding::new(Kind::VelocityDelay, Severity::Note, place, text));
         }
     }
-    (out, clock)
+    out
 }
 
-/// Whether every logged velocity is a derivative in degrees or mm that is given in SI units.
-pub(super) fn is_si(view: &View) -> bool {
+/// Change of the position of a joint per second over its logged velocity, where they belong together.
+pub(super) fn ratio(view: &View, joint: usize) -> Option<f64> {
+    let logged = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint) && view.band[joint].is_finite())?;
+    let (slope, unexplained) = slope(view.qd.channel(joint), logged.channel(joint));
+    (unexplained < UNEXPLAINED && slope != 0.0).then(|| 1.0 / slope.abs())
+}
+
+/// Whether every logged velocity is in SI units, though the positions are in others, of which `in_si` make one of SI.
+pub(super) fn is_si(view: &View, in_si: impl Fn(usize) -> Option<f64>) -> bool {
     let Some(logged) = &view.log.qd else { return false };
-    let moving = |&joint: &usize| view.log.has_velocity(joint) && view.band[joint].is_finite();
-    let joints: Vec<usize> = (0..view.dof()).filter(moving).collect();
+    let compared = |&joint: &usize| {
+        let changes = root_mean_square(logged.channel(joint)) > 0.0;
+        view.log.has_velocity(joint) && view.band[joint].is_finite() && changes && in_si(joint).is_some()
+    };
+    let joints: Vec<usize> = (0..view.dof()).filter(compared).collect();
     let si = |&joint: &usize| {
-        let (slope, unexplained) = slope(view.qd.channel(joint), logged.channel(joint));
-        let known = [PI / 180.0, 1e-3].iter().any(|known| (slope.abs() / known - 1.0).abs() < TOLERANCE);
-        known && unexplained < UNEXPLAINED
+        let ratio = ratio(view, joint).zip(in_si(joint));
+        ratio.is_some_and(|(ratio, in_si)| (ratio / in_si - 1.0).abs() < TOLERANCE)
     };
     !joints.is_empty() && joints.iter().all(si)
 }
@@ -102,24 +134,43 @@ fn slope(own: &[f64], column: &[f64]) -> (f64, f64) {
 
 /// True seconds per second of the clock, where the change of position per second differs from the velocities by a factor
 /// that all joints share and that neither a unit nor a gear explains.
-fn clock_factor(view: &View, logged: &Channels, moving: &[bool]) -> Option<f64> {
-    let each: Vec<(f64, f64)> = (0..view.dof())
-        .filter(|&joint| moving[joint])
-        .map(|joint| slope(view.qd.channel(joint), logged.channel(joint)))
-        .collect();
-    let sound = |(slope, rest): &(f64, f64)| *slope > 0.0 && *rest < UNEXPLAINED;
-    if each.is_empty() || !each.iter().all(sound) {
+pub(super) fn clock_factor(view: &View, robot: Option<&Robot>) -> Option<f64> {
+    let logged = view.log.qd.as_ref()?;
+    let moving = moving(view);
+    let sound = |joint: &usize| {
+        let (slope, rest) = slope(view.qd.channel(*joint), logged.channel(*joint));
+        slope > 0.0 && rest < UNEXPLAINED
+    };
+    if moving.is_empty() || !moving.iter().all(sound) {
         return None;
     }
-    let mut factors: Vec<f64> = (0..view.dof())
-        .filter(|&joint| moving[joint])
-        .map(|joint| root_mean_square(view.qd.channel(joint)) / root_mean_square(logged.channel(joint)))
-        .collect();
+    let rms = |table: &Channels, joint: usize| root_mean_square(table.channel(joint));
+    let mut factors: Vec<f64> = moving.iter().map(|&joint| rms(&view.qd, joint) / rms(logged, joint)).collect();
     factors.sort_by(f64::total_cmp);
     let median = factors[factors.len() / 2];
     let shared = factors.iter().all(|factor| (factor / median - 1.0).abs() < TOLERANCE);
-    let possible = (1.0 / SLOWEST_GEAR..SLOWEST_GEAR).contains(&median) && (median - 1.0).abs() > TOLERANCE;
-    (shared && possible).then_some(median)
+    let fastest = |joint: usize| {
+        let limit = robot.map_or(f64::INFINITY, |robot| robot.joints[joint].limits.velocity);
+        NOT_FASTER * if limit.is_finite() && limit > 0.0 { limit } else { FASTEST }
+    };
+    let too_fast = |joint: &usize| size_quantile(logged.channel(*joint).iter().copied(), 0.99) > fastest(*joint);
+    let possible = (median - 1.0).abs() > TOLERANCE
+        && is_of_clock(median, 1.0 / view.period, moving.len(), || !moving.iter().any(too_fast));
+    let time = TIMES.into_iter().find(|unit| (median / unit - 1.0).abs() < OF_TIME);
+    (shared && possible).then(|| time.unwrap_or(median))
+}
+
+/// Whether true seconds per second of the clock, which so many joints share, are none of a unit or a gear. The log has so many rows per
+/// second of the clock; `possible` are velocities that the joints can have.
+fn is_of_clock(factor: f64, rate_hz: f64, joints: usize, possible: impl Fn() -> bool) -> bool {
+    if (1.0 / SLOWEST_GEAR..SLOWEST_GEAR).contains(&factor) {
+        return true;
+    }
+    let logged = |rate: f64| (LOGGED_HZ[0]..=LOGGED_HZ[1]).contains(&rate);
+    let is_unit = FACTORS.iter().any(|(known, _)| (1.0 / (factor * known) - 1.0).abs() < OF_UNIT);
+    // Where a unit, or the gear of the only joint, is as good a reason, the clock must give a rate that no log has.
+    let other_cause = is_unit || joints == 1;
+    logged(rate_hz / factor) && !(other_cause && logged(rate_hz)) && possible()
 }
 
 /// Times of a clock that runs wrong by a factor as true ones.
@@ -127,14 +178,27 @@ pub(super) fn in_true_time(time: &mut [f64], factor: f64) {
     time.iter_mut().for_each(|t| *t *= factor);
 }
 
+/// A factor in its digits, as a number that a dataset may hold.
+pub(super) fn digits(factor: f64) -> String {
+    match factor {
+        f if (0.01..1e3).contains(&f) => format!("{f:.3}"),
+        f => format!("{f:.3e}"),
+    }
+}
+
 fn clock_finding(factor: f64, joints: usize) -> Finding {
-    let others = match joints {
-        1 => "; a velocity in another unit is the other cause, which a log of one joint does not separate",
-        _ => "; neither a unit nor a gear gives one factor to all joints",
+    let beyond = !(1.0 / SLOWEST_GEAR..SLOWEST_GEAR).contains(&factor);
+    let others = match (joints, beyond) {
+        (1, _) => "; a velocity in another unit is the other cause, which a log of one joint does not separate",
+        (_, false) => "; neither a unit nor a gear gives one factor to all joints",
+        (_, true) => {
+            "; the other cause are gears of one ratio on all joints, with positions and velocities on both sides of them"
+        }
     };
+    let digits = digits(factor);
     let text = format!(
-        "the change of position per second is {factor:.3} times the logged velocity on {} that moves: the clock is wrong by \
-         this factor{others}. Set [units] time_factor = {factor:.3} in a dataset, or log true time stamps",
+        "the change of position per second is {digits} times the logged velocity on {} that moves: the clock is wrong by \
+         this factor{others}. Set [units] time_factor = {digits} in a dataset, or log true time stamps",
         if joints == 1 { "the one joint" } else { "every joint" },
     );
     Finding::new(Kind::ClockFactor, Severity::Warning, "t", text)
@@ -169,4 +233,31 @@ pub(super) fn vertex(values: &[f64], at: usize) -> f64 {
     let (a, b, c) = (values[at - 1], values[at], values[at + 1]);
     let bend = a - 2.0 * b + c;
     if bend == 0.0 { 0.0 } else { (0.5 * (a - c) / bend).clamp(-0.5, 0.5) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_factor_is_that_of_the_clock_where_true_time_is_that_of_a_log() {
+        let of = |factor: f64, rate: f64, joints: usize| is_of_clock(factor, rate, joints, || true);
+        // Ten times too slow or too fast, at 250 Hz; rpm are 9.55 times as many.
+        assert!(of(0.1, 250.0, 6) && of(10.0, 250.0, 6) && !of(1.0 / 9.55, 250.0, 6) && !of(1.0 / 9.8, 250.0, 6));
+        assert!(!is_of_clock(0.1, 250.0, 6, || false));
+        // True rates of 9.9, 10.1, 9900 and 10100 Hz.
+        assert_eq!([99.0, 101.0].map(|rate| of(10.0, rate, 6)), [false, true]);
+        assert_eq!([990.0, 1010.0].map(|rate| of(0.1, rate, 6)), [true, false]);
+        // Units, unless no log has the rate: ms for s, and s for ms.
+        assert_eq!([of(1e-3, 50.0, 6), of(1e-3, 4.0, 6), of(PI / 180.0, 50.0, 6)], [false, true, false]);
+        assert_eq!([of(1e3, 250e3, 6), of(1e3, 9e3, 6), of(1e-6, 1e-3, 6)], [true, false, true]);
+        // A joint by itself may have a gear of ten; none has one of four.
+        assert_eq!([of(0.1, 250.0, 1), of(0.25, 250.0, 1), of(0.19, 250.0, 1)], [false, true, false]);
+    }
+
+    #[test]
+    fn factors_are_written_as_numbers() {
+        assert_eq!([0.625, 10.0, 1e-3, 1e6].map(digits), ["0.625", "10.000", "1.000e-3", "1.000e6"]);
+        assert!(digits(1e-9).parse::<f64>().is_ok_and(|value| value == 1e-9));
+    }
 }

@@ -2,9 +2,9 @@
 
 #[cfg(feature = "bags")]
 use super::formats::bag;
-use super::formats::unknown_format;
+use super::formats::{not_written, unknown_format};
 use super::{Recording, csv, parquet};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use std::path::Path;
 
 /// Reads a log; the extension of the name (`csv`, `parquet`; `mcap`, `db3` or the folder of a ROS 2 bag) gives the format.
@@ -22,7 +22,10 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
         Some("parquet") => parquet::read(path, joints)?,
         #[cfg(feature = "bags")]
         _ if bag::is_bag(path) => bag::recording(path, joints)?,
-        _ => return Err(unknown_format(path)),
+        _ => match std::fs::metadata(path) {
+            Ok(_) => return Err(unknown_format(path)),
+            Err(source) => return Err(Error::io(path, "read the recording", source)),
+        },
     };
     for note in notes {
         tracing::warn!("{}: {note}", path.display());
@@ -55,9 +58,22 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
             let more = recording.qdd.is_some() || recording.truth.is_some();
             lost.extend(more.then_some("accelerations and truth"));
         }
-        _ => return Err(unknown_format(path)),
+        _ => return Err(not_written(path)),
     }
     Ok(lost)
+}
+
+/// Whether the extension of a name gives a format in which logs are written.
+///
+/// # Errors
+/// Another extension, with those that there are.
+pub fn writable(path: &Path) -> Result<()> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("csv" | "parquet") => Ok(()),
+        Some("mcap" | "db3") if cfg!(feature = "bags") => Ok(()),
+        _ => Err(not_written(path)),
+    }
 }
 
 #[cfg(test)]
@@ -75,8 +91,18 @@ mod tests {
         let from_csv = load(folder.path().join("log.CSV"), Some(&joints)).unwrap();
         assert_eq!(samples::bits(&from_csv), samples::bits(&recording));
         assert_eq!(load(folder.path().join("log.parquet"), None).unwrap(), recording);
-        let error = load("log.mat", None).unwrap_err().to_string();
+        let other = folder.path().join("log.mat");
+        std::fs::write(&other, "MATLAB").unwrap();
+        let error = load(&other, None).unwrap_err().to_string();
         assert!(error.contains("log.mat") && error.contains(".parquet"), "{error}");
+        let error = load("log.mat", None).unwrap_err().to_string();
+        assert!(error.contains("log.mat") && error.contains("No such file"), "{error}");
+        for name in ["log.npz", "log"] {
+            let error = save(Path::new(name), &recording).unwrap_err().to_string();
+            assert_eq!(error, writable(Path::new(name)).unwrap_err().to_string());
+            assert!(error.starts_with(name) && error.contains("are written as .csv, .parquet"), "{error}");
+        }
+        assert!(writable(Path::new("log.CSV")).is_ok());
         let error = load(folder.path().join("none.csv"), None).unwrap_err().to_string();
         assert!(error.contains("none.csv"), "{error}");
     }

@@ -15,7 +15,7 @@ mod samples;
 mod sampling;
 mod signals;
 
-pub use files::{load, save};
+pub use files::{load, save, writable};
 pub use formats::{csv, parquet};
 pub use sampling::resample;
 pub use signals::{Recording, Signals};

@@ -74,7 +74,7 @@ fn a_log_that_cannot_be_used_is_refused_with_the_reason() {
 }
 
 /// One joint with limits at 3 rad and 9 rad/s.
-const ARM: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
+pub(super) const ARM: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
 <child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="99" velocity="9"/></joint><link name="l1">
 <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
 
@@ -261,7 +261,11 @@ fn exports_of_other_programs() {
         ("two rows", log.lines().take(3).collect::<Vec<_>>().join("\n"), ["log.csv: rows", "too few"]),
         ("German names", log.replacen("t,q1,tau1", "Zeit,Winkel,Moment", 1), ["log.csv:1: q1", "[columns]"]),
         ("a name twice", log.replacen("t,q1,tau1", "t,q1,q1", 1), ["log.csv:1: tau1", "found: t, q1, q1"]),
-        ("no header", rows().collect::<Vec<_>>().join("\n"), ["log.csv:1: t", "the first line must name the columns"]),
+        (
+            "no header",
+            rows().collect::<Vec<_>>().join("\n"),
+            ["log.csv:1: t", "3 columns of numbers; no line names the columns"],
+        ),
         ("time turned round", format!("t,q1,tau1\n{}", turned.join("\n")), ["log.csv: line", "out of time"]),
         ("numbers of no arm", sines("t,q1,tau1", |t| format!("{:e},1", 1e200 * t.sin())), ["log.csv:", "far beyond"]),
         ("no numbers", sines("t,q1,tau1", |_| "nan,inf".to_owned()), ["log.csv:2: q1", "not a finite number"]),
@@ -509,5 +513,5 @@ fn signals_that_lack_something() {
     case.write("model.csv", &sines("t,q1,tau1", modelled));
     let output = case.tauscope(&["identify", "--robot", "one.urdf", "--train", "model.csv", "--out", "model"]);
     assert_done(&output);
-    assert!(text(&output.stdout).contains("the controller's own model"), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("the controller's model"), "{}", text(&output.stdout));
 }

@@ -6,6 +6,7 @@ mod console;
 mod diagnose;
 mod disk;
 mod effects;
+mod files;
 mod grippers;
 mod inputs;
 mod inspect;

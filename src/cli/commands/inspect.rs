@@ -129,9 +129,10 @@ fn convert(path: &Path, log: &Path, sieved: &Sieved) -> Result<String> {
         return Err(Error::request("--convert", "is the log itself; give another name"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    recording::writable(path)?;
     let scratch = tempfile::Builder::new().prefix(".tauscope").tempdir_in(folder).map_err(failed)?;
     let draft = scratch.path().join(path.file_name().unwrap_or_default());
-    let lost = recording::save(&draft, &sieved.recording)?;
+    let lost = recording::save(&draft, &sieved.recording).map_err(|error| error.named(&draft, path))?;
     std::fs::rename(&draft, path).map_err(failed)?;
     let (rows, place) = (sieved.recording.samples(), path.display());
     Ok(match lost.is_empty() {

@@ -1,7 +1,7 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
 use super::change::Description;
-use super::fitting::{Fit, Physics, Rows};
+use super::fitting::{Fit, Friction, Physics, Rows};
 use super::known::Known;
 use super::scale::Scaled;
 use super::search::{Found, Outcome, search};
@@ -16,24 +16,45 @@ use nalgebra::Vector3;
 /// one short motion is one observation, whatever its blocks show.
 const LONG_ENOUGH_S: f64 = 30.0;
 
-/// Torques of a rigid-body model are explained by one to this share: the noise of encoders makes accelerations, and so the model's
-/// torque, uncertain by a few per cent.
-const RIGID: f64 = 0.03;
+/// Torques of a rigid-body model are explained by one to this share on half of the joints: the noise of encoders makes accelerations,
+/// and so the model's torque, uncertain by some per cent. Torques of the others may be as small as their noise.
+const RIGID: f64 = 0.15;
 
-/// Friction below this share of a torque is none. Drives have ten times as much, and noise of the allowed size passes for half of it.
+/// Friction below this share of a torque is none, where it is certain to be below the second: drives have ten times as much.
 const FRICTIONLESS: f64 = 0.005;
+const CERTAIN: f64 = 0.02;
 
-/// Whether all torques are those of a rigid-body model without any friction.
-pub(crate) fn is_modelled(views: &[&View], robot: Option<&Robot>) -> bool {
-    let modelled = || {
+/// Standard errors within which friction is none on each of several joints, and those that make a bound certain on one.
+const WITHIN: f64 = 3.0;
+const ERRORS: f64 = 2.0;
+
+/// Whether all torques are those of a rigid-body model without any friction, under the description that holds.
+pub(crate) fn is_modelled(views: &[&View], robot: Option<&Robot>, description: Option<&Description>) -> bool {
+    let friction = || {
         let robot = robot?;
         let rows = Rows::new(views, Some(robot))?;
-        let start = Description::as_given(robot.dof(), robot.gravity);
-        let tables = Physics::free(robot).tables(&rows, &start);
-        Fit::new(&tables, &rows, &start).residual_and_friction()
+        let as_given = Description::as_given(robot.dof(), robot.gravity);
+        let description = description.unwrap_or(&as_given);
+        let tables = Physics::free(robot).tables(&rows, description);
+        let fit = Fit::new(&tables, &rows, description);
+        // Standard errors take many fits.
+        let residuals = fit.residuals()?;
+        if is_rigid(&residuals) { fit.friction() } else { None }
     };
-    let rigid = |[left, friction]: &[f64; 2]| *left < RIGID && *friction < FRICTIONLESS;
-    modelled().is_some_and(|shares| !shares.is_empty() && shares.iter().all(rigid))
+    friction().is_some_and(|friction| is_frictionless(&friction))
+}
+
+/// Whether a rigid-body model explains torques, of which these shares remain.
+fn is_rigid(residuals: &[f64]) -> bool {
+    let explained = residuals.iter().filter(|left| **left < RIGID).count();
+    2 * explained >= residuals.len().max(1)
+}
+
+/// Whether no joint has friction, and half of them would show it.
+fn is_frictionless(friction: &[Friction]) -> bool {
+    let none = |f: &Friction| f.share.abs() < (WITHIN * f.error).max(FRICTIONLESS);
+    let certain = |f: &&Friction| f.share.abs() + ERRORS * f.error < CERTAIN;
+    friction.iter().all(none) && 2 * friction.iter().filter(certain).count() >= friction.len().max(1)
 }
 
 /// Judges the description of some logs of one arm.
@@ -55,18 +76,24 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let (free, bodies) = (Physics::free(robot), Physics::bodies(robot));
     let known = Known { physics: &free, other: bodies.as_ref() };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
-    if let Some(Found { best, .. }) = &outcome.found {
-        // Torques in another unit, with factors that differ by joint: what free bodies see of it is a factor of the joint that differs most.
-        let only_factors = best.description.has_only_factors();
-        let of_all = |bodies| scale::judge(bodies, &rows, &start);
-        if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
-            return Some(scaled_verdict(&before, after, factors));
-        }
-        let scaled = best.description.scaled().count();
-        let each = |bodies| factors::of_all_joints(&free, bodies, &rows, &outcome.start, best);
-        if let Some((after, factors)) = bodies.as_ref().filter(|_| scaled > 1).and_then(each) {
-            return Some(scaled_verdict(&outcome.start, after, factors));
-        }
+    // Free bodies know nothing of a factor that all joints share. What they see of several is a factor of the joint that differs most;
+    // together with those described they show them all.
+    let found = outcome.found.as_ref().map(|found| &found.best);
+    let only_factors = found.is_none_or(|best| best.description.has_only_factors());
+    let of_all = |bodies: &Physics| scale::judge(bodies, &rows, &start);
+    if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
+        return Some(scaled_verdict(&before, after, factors));
+    }
+    let of_each = |bodies: &Physics| {
+        let several = found.is_some_and(|best| best.description.scaled().count() > 1);
+        let asked = several || (only_factors && scale::differ(bodies, &rows, &start));
+        let found = found.unwrap_or(&outcome.start);
+        asked.then(|| factors::of_all_joints(&free, bodies, &rows, &outcome.start, found)).flatten()
+    };
+    if let Some((after, factors)) = bodies.as_ref().and_then(of_each) {
+        return Some(scaled_verdict(&outcome.start, after, factors));
+    }
+    if outcome.found.is_some() {
         let settled = match bodies {
             Some(bodies) => settled(&bodies, &rows, outcome),
             None => outcome,
@@ -74,9 +101,6 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         return verdict(settled, replicated);
     }
     let bodies = bodies?;
-    if let Some(Scaled { before, after, factors }) = scale::judge(&bodies, &rows, &start) {
-        return Some(scaled_verdict(&before, after, factors));
-    }
     let outcome = search(Known { physics: &bodies, other: Some(&free) }, &rows, &with_motion, start)?;
     let credible = outcome.found.as_ref().is_some_and(|found| found.best.share() < scale::ALIKE);
     if credible { verdict(outcome, replicated) } else { None }
@@ -142,4 +166,22 @@ fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verd
         factors: Vec::new(),
         beyond_doubt,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn torques_are_modelled_where_no_joint_has_friction_and_half_would_show_it() {
+        assert!(is_rigid(&[0.14, 1.0]) && !is_rigid(&[0.16, 1.0]) && !is_rigid(&[0.01, 0.2, 0.2]) && !is_rigid(&[]));
+        let of = |each: &[(f64, f64)]| {
+            let friction: Vec<Friction> = each.iter().map(|&(share, error)| Friction { share, error }).collect();
+            is_frictionless(&friction)
+        };
+        assert!(of(&[(0.001, 0.009), (0.0, 0.05)]) && !of(&[(0.001, 0.01), (0.0, 0.05)]));
+        // Friction beyond its error, or too small to be any.
+        assert!(of(&[(0.0049, 1e-4), (-0.0049, 1e-4)]) && !of(&[(0.0051, 1e-4), (0.0, 1e-4)]));
+        assert!(of(&[(0.0, 1e-4), (0.14, 0.05)]) && !of(&[(0.0, 1e-4), (0.16, 0.05)]) && !of(&[]));
+    }
 }

@@ -28,6 +28,10 @@ const SECTIONS: usize = 10;
 /// Factors of the joints within this of the one that all share are that one: described bodies are wrong by as much.
 const UNEQUAL: f64 = 2.0;
 
+/// Ratio of the largest of the joints' factors to the smallest from which free bodies are asked whether each joint has its own: single
+/// masses are rarely wrong by more.
+const SPREAD: f64 = 3.0;
+
 /// Rounds over the joints, whose factors share the load.
 const ROUNDS: usize = 3;
 
@@ -86,6 +90,19 @@ pub(super) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
     }?;
     let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
     (gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
+}
+
+/// Whether the torques of the joints are so many times larger or smaller than those of the described bodies that masses alone do not
+/// make the difference from joint to joint.
+pub(super) fn differ(bodies: &Physics, rows: &Rows, start: &Description) -> bool {
+    let tables = bodies.tables(rows, start);
+    let alone: Vec<_> = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect();
+    sizes(&alone).is_some_and(|sizes| is_spread(&sizes))
+}
+
+/// Whether ascending factors are spread by more than masses that are described wrongly.
+fn is_spread(sizes: &[f64]) -> bool {
+    matches!(sizes, [least, .., most] if *most > SPREAD * least)
 }
 
 /// The median of the factors without a load, where enough joints have one and some are beyond what wrong masses explain: a load
@@ -215,6 +232,12 @@ mod tests {
         // A load hides factors of the wrist: the others are enough to look closer.
         assert_eq!(first(&[None, Some(0.014), Some(0.033), Some(0.2), Some(0.2)]), Some(0.2));
         assert_eq!(first(&[Some(0.2), Some(7.0)]), None);
+    }
+
+    #[test]
+    fn factors_are_spread_from_three_times_on() {
+        assert!(is_spread(&[0.5, 1.0, 1.51]) && !is_spread(&[0.5, 1.0, 1.49]));
+        assert!(!is_spread(&[0.1]) && !is_spread(&[]));
     }
 
     #[test]

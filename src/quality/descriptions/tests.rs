@@ -245,6 +245,7 @@ fn the_mounting_is_found_and_applying_it_leaves_nothing() {
 }
 
 mod loads;
+mod models;
 mod right_logs;
 mod scales;
 

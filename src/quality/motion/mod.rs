@@ -3,14 +3,14 @@
 mod position_unit;
 mod summary;
 
-pub(crate) use position_unit::are_in_other;
+pub use position_unit::OtherUnit;
+pub(crate) use position_unit::PositionUnits;
 pub use summary::JointSummary;
 pub(crate) use summary::summaries;
 
 use super::finding::{Finding, Kind, Severity};
 use super::view::View;
 use crate::robot::{JointKind, Robot};
-use position_unit::other_unit;
 use std::f64::consts::TAU;
 
 /// Nobody logs an arm at longer steps than this, s; a millisecond that is taken for a second is as long.
@@ -29,15 +29,16 @@ pub(super) fn endless(unwrapped: &[(usize, f64)], robot: Option<&Robot>, joints:
     (0..joints).map(|joint| unlimited(joint) || turned(joint)).collect()
 }
 
-/// Findings about the motion; `endless` joints turn without end.
+/// Findings about the motion; `logged` are the summaries in the units of the log.
 pub(super) fn findings(
     view: &View,
-    summaries: &[JointSummary],
+    logged: &[JointSummary],
+    units: &PositionUnits,
     robot: Option<&Robot>,
-    endless: &[bool],
 ) -> Vec<Finding> {
     let mut out = Vec::new();
     let still = |joint: usize| !view.band[joint].is_finite();
+    let summaries = summaries(view, robot);
     let nothing_moves = (0..summaries.len()).all(still);
     if nothing_moves && view.period > SLOW_CLOCK {
         let text = format!(
@@ -56,7 +57,7 @@ pub(super) fn findings(
         let place = view.place("q", joint);
         let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
         let limits = robot.map(|robot| robot.joints[joint].limits);
-        if let Some((text, _)) = other_unit(summary, limits, revolute, endless[joint]) {
+        if let Some(text) = units.text(joint, &logged[joint]) {
             out.push(Finding::new(Kind::PositionUnit, Severity::Warning, place, text));
             continue;
         }

@@ -1,6 +1,8 @@
-//! Whether positions are in rad and m, or in degrees and mm.
+//! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
 use super::summary::JointSummary;
+use crate::quality::velocity;
+use crate::quality::view::View;
 use crate::robot::{JointKind, Limits, Robot};
 use std::f64::consts::{PI, TAU};
 
@@ -20,17 +22,57 @@ const NOT_FASTER: f64 = 1.5;
 /// Whole turns by which angles may be away; those that are farther count something else.
 const TURNS_AWAY: f64 = 2.0;
 
+/// Velocities show the unit of positions where their ratio is within this of it.
+const RATIO: f64 = 0.1;
+
+/// A unit of positions other than rad and m.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "a unit says what it is")]
+pub enum OtherUnit {
+    Degree,
+    Milliradian,
+    Millimetre,
+    Micrometre,
+}
+
+impl OtherUnit {
+    /// How a dataset names it.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            OtherUnit::Degree => "deg",
+            OtherUnit::Milliradian => "mrad",
+            OtherUnit::Millimetre => "mm",
+            OtherUnit::Micrometre => "um",
+        }
+    }
+
+    /// The unit in a sentence.
+    pub(crate) fn words(self) -> &'static str {
+        if self == OtherUnit::Degree { "degrees" } else { self.symbol() }
+    }
+
+    /// How many of it make one of SI.
+    pub(crate) fn in_si(self) -> f64 {
+        match self {
+            OtherUnit::Degree => 180.0 / PI,
+            OtherUnit::Milliradian | OtherUnit::Millimetre => 1e3,
+            OtherUnit::Micrometre => 1e6,
+        }
+    }
+}
+
 /// Units of one kind of joint.
 struct Units {
     si: &'static str,
-    other: &'static str,
-    /// Of the other unit in one of SI.
-    ratio: f64,
+    /// The usual one first. Those behind it must show more: that the joint moves, and numbers that are no counts.
+    others: [OtherUnit; 2],
     /// Limits nearer than this count as this: a joint may leave those of a small range by much.
     least: f64,
     /// Range and largest position of a joint without limits.
     range: f64,
     largest: f64,
+    /// Range from which a joint is said to move.
+    moves: f64,
     /// What else a large position may be.
     else_: &'static str,
 }
@@ -38,89 +80,139 @@ struct Units {
 /// Wrists that turn twice stay below two turns and a half.
 const TURNS: Units = Units {
     si: "rad",
-    other: "degrees",
-    ratio: 180.0 / PI,
+    others: [OtherUnit::Degree, OtherUnit::Milliradian],
     least: 1.0,
     range: TAU,
     largest: 2.5 * TAU,
-    else_: "neither rad nor deg: encoder counts, or turns of the motor?",
+    moves: 0.02,
+    else_: "neither rad nor deg: encoder counts, mrad in whole numbers, or turns of the motor?",
 };
 
 /// Rails are up to 30 m long.
 const SLIDES: Units = Units {
     si: "m",
-    other: "mm",
-    ratio: 1e3,
+    others: [OtherUnit::Millimetre, OtherUnit::Micrometre],
     least: 0.1,
     range: 30.0,
     largest: 30.0,
-    else_: "neither m nor mm: encoder counts?",
+    moves: 0.002,
+    else_: "neither m nor mm: encoder counts, or um in whole numbers?",
 };
 
-/// Why the positions of a joint do not look like those of SI units, and whether they look like degrees or mm. `turns` is whether it
-/// turns, and not slides; an `endless` one turns without end.
-pub(super) fn other_unit(
+/// What a log shows of the unit of a joint's positions besides their size.
+#[derive(Debug, Clone, Copy, Default)]
+struct Shown {
+    /// All positions are whole numbers, as counts of an encoder are.
+    whole: bool,
+    /// Change of position per second over the logged velocity.
+    ratio: Option<f64>,
+}
+
+/// Units in which the positions of a joint fit its limits, where they do not in SI units; there may be none.
+fn fitting(
     summary: &JointSummary,
     limits: Option<Limits>,
-    turns: bool,
+    units: &Units,
     endless: bool,
-) -> Option<(String, bool)> {
-    let units = if turns { TURNS } else { SLIDES };
-    let largest = summary.range[0].abs().max(summary.range[1].abs());
-    // Angles that were kept within a whole turn may be turns away from where the joint says it is.
-    let turn = if turns { TAU * units.ratio } else { f64::INFINITY };
-    let away = (0.5 * (summary.range[0] + summary.range[1]) / turn).round();
-    let away = if (1.0..=TURNS_AWAY).contains(&away.abs()) { away * turn } else { 0.0 };
-    let nearest = (summary.range[0] - away).abs().max((summary.range[1] - away).abs());
+    shown: Shown,
+) -> Option<Vec<OtherUnit>> {
+    let [low, high] = summary.range;
+    let largest = low.abs().max(high.abs());
     let (bound, fastest) =
         limits.map_or((f64::INFINITY, f64::INFINITY), |l| (l.lower.abs().max(l.upper.abs()), l.velocity));
     let fastest = if endless { fastest.min(FASTEST_ENDLESS) } else { fastest };
     // A joint within its limits that is too fast jumps; nothing is said about its unit.
-    let leaves = if bound.is_finite() { largest > bound } else { summary.range[1] - summary.range[0] > units.range };
+    let leaves = if bound.is_finite() { largest > bound } else { high - low > units.range };
     let too_fast = summary.speed > TOO_FAST * fastest && leaves;
-    let speed_fits = summary.speed / units.ratio < NOT_FASTER * fastest;
+    let far = largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest };
     // A joint that turns without end may be anywhere: its speed alone shows the unit.
-    let (beyond, fits) = match endless {
-        true => (too_fast, speed_fits),
-        false => (
-            largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest },
-            nearest / units.ratio < bound.min(units.largest) * WITHIN,
-        ),
+    let beyond = if endless { too_fast } else { far };
+    let of_velocity = |unit: OtherUnit| shown.ratio.is_some_and(|ratio| (ratio / unit.in_si() - 1.0).abs() < RATIO);
+    let shown_by_velocity = units.others.into_iter().find(|unit| of_velocity(*unit));
+    let fits = |(place, unit): (usize, OtherUnit)| {
+        let ratio = unit.in_si();
+        // Angles that were kept within a whole turn may be turns away from where the joint says it is.
+        let turn = if units.si == TURNS.si { TAU * ratio } else { f64::INFINITY };
+        let away = (0.5 * (low + high) / turn).round();
+        let away = if (1.0..=TURNS_AWAY).contains(&away.abs()) { away * turn } else { 0.0 };
+        let nearest = (low - away).abs().max((high - away).abs());
+        let speed_fits = summary.speed / ratio < NOT_FASTER * fastest;
+        let place_fits = if endless { speed_fits } else { nearest / ratio < bound.min(units.largest) * WITHIN };
+        let shows = shown_by_velocity == Some(unit)
+            || (shown_by_velocity.is_none() && (place == 0 || (!shown.whole && (high - low) / ratio >= units.moves)));
+        (place_fits && shows && (beyond || (too_fast && speed_fits))).then_some(unit)
     };
-    let Units { si, other, else_, .. } = units;
-    match (beyond, fits, too_fast && speed_fits) {
-        (true, true, _) | (_, true, true) => {
-            let text = format!(
-                "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in {si}; are they in {other}? \
-                 Convert them to {si}",
-                summary.speed
-            );
-            Some((text, true))
-        }
-        (true, false, _) => {
-            let text = format!("positions up to {largest:.3e} are {else_} Convert them to {si} at the joint");
-            Some((text, false))
-        }
-        _ => None,
-    }
+    let fitting: Vec<OtherUnit> = units.others.into_iter().enumerate().filter_map(fits).collect();
+    (beyond || !fitting.is_empty()).then_some(fitting)
 }
 
-/// Whether positions are in degrees, or in mm, on half of the joints of this `kind` or more: one recorder gives all of them one unit,
-/// and small motions do not show it.
-pub(crate) fn are_in_other(
-    kind: JointKind,
-    summaries: &[JointSummary],
-    robot: Option<&Robot>,
-    endless: &[bool],
-) -> bool {
-    let of_kind = |joint: &usize| robot.map_or(JointKind::Revolute, |robot| robot.joints[*joint].kind) == kind;
-    let joints: Vec<usize> = (0..summaries.len()).filter(of_kind).collect();
-    let shows = |joint: &&usize| {
-        let limits = robot.map(|robot| robot.joints[**joint].limits);
-        let turns = kind == JointKind::Revolute;
-        other_unit(&summaries[**joint], limits, turns, endless[**joint]).is_some_and(|(_, other)| other)
-    };
-    !joints.is_empty() && 2 * joints.iter().filter(shows).count() >= joints.len()
+/// The units of the positions of all joints, as far as they are not those of SI.
+pub(crate) struct PositionUnits {
+    /// Of each joint the units that fit, where SI units do not.
+    doubts: Vec<Option<Vec<OtherUnit>>>,
+    kinds: Vec<JointKind>,
+}
+
+impl PositionUnits {
+    /// Looks at the positions of all joints; `endless` ones turn without end.
+    pub(crate) fn of(view: &View, summaries: &[JointSummary], robot: Option<&Robot>, endless: &[bool]) -> Self {
+        let kinds: Vec<JointKind> =
+            (0..view.dof()).map(|joint| robot.map_or(JointKind::Revolute, |robot| robot.joints[joint].kind)).collect();
+        let doubt = |joint: usize| {
+            let limits = robot.map(|robot| robot.joints[joint].limits);
+            let whole = view.log.q.channel(joint).iter().all(|value| value.fract() == 0.0);
+            let shown = Shown { whole, ratio: velocity::ratio(view, joint) };
+            let units = if kinds[joint] == JointKind::Revolute { &TURNS } else { &SLIDES };
+            fitting(&summaries[joint], limits, units, endless[joint], shown)
+        };
+        PositionUnits { doubts: (0..view.dof()).map(doubt).collect(), kinds }
+    }
+
+    /// Whether the positions of any joint are not in rad or m.
+    pub(crate) fn any(&self) -> bool {
+        self.doubts.iter().any(Option::is_some)
+    }
+
+    /// The unit of the joints of a kind, where half of them or more show it: one recorder gives all of them one unit, and small motions
+    /// do not show it.
+    pub(crate) fn shared(&self, kind: JointKind) -> Option<OtherUnit> {
+        let joints = (0..self.kinds.len()).filter(|&joint| self.kinds[joint] == kind);
+        let unit = self.likely(kind)?;
+        (2 * self.count(kind, unit) >= joints.count()).then_some(unit)
+    }
+
+    /// The first unit that half of the joints fit whose positions are not in SI units.
+    fn likely(&self, kind: JointKind) -> Option<OtherUnit> {
+        let doubtful = self.doubts.iter().zip(&self.kinds).filter(|(doubt, own)| doubt.is_some() && **own == kind);
+        let doubtful = doubtful.count();
+        let units = if kind == JointKind::Revolute { &TURNS } else { &SLIDES };
+        units.others.into_iter().find(|unit| doubtful > 0 && 2 * self.count(kind, *unit) >= doubtful)
+    }
+
+    fn count(&self, kind: JointKind, unit: OtherUnit) -> usize {
+        let shows = |(doubt, own): &(&Option<Vec<OtherUnit>>, &JointKind)| {
+            **own == kind && doubt.as_ref().is_some_and(|fitting| fitting.contains(&unit))
+        };
+        self.doubts.iter().zip(&self.kinds).filter(shows).count()
+    }
+
+    /// Why the positions of a joint do not look like those of SI units, where they do not.
+    pub(super) fn text(&self, joint: usize, summary: &JointSummary) -> Option<String> {
+        let fitting = self.doubts[joint].as_ref()?;
+        let kind = self.kinds[joint];
+        let Units { si, else_, .. } = if kind == JointKind::Revolute { TURNS } else { SLIDES };
+        let largest = summary.range[0].abs().max(summary.range[1].abs());
+        let likely = self.likely(kind).filter(|unit| fitting.contains(unit)).or(fitting.first().copied());
+        Some(match likely {
+            Some(unit) => format!(
+                "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in {si}; are they in {}? \
+                 Convert them to {si}",
+                summary.speed,
+                unit.words()
+            ),
+            None => format!("positions up to {largest:.3e} are {else_} Convert them to {si} at the joint"),
+        })
+    }
 }
 
 #[cfg(test)]
@@ -141,12 +233,28 @@ mod tests {
         }
     }
 
+    /// The first unit of a joint that fits, where it is not in SI units.
+    fn unit(
+        range: [f64; 2],
+        speed: f64,
+        limits: Option<Limits>,
+        turns: bool,
+        endless: bool,
+    ) -> Option<Option<OtherUnit>> {
+        let units = if turns { &TURNS } else { &SLIDES };
+        let fitting = fitting(&summary(range, speed), limits, units, endless, Shown::default())?;
+        Some(fitting.first().copied())
+    }
+
+    fn is(of: Option<Option<OtherUnit>>, unit: OtherUnit) -> Option<bool> {
+        of.map(|found| found == Some(unit))
+    }
+
     /// Degrees kept between 0 and 360 and then unwrapped: a joint at -20 deg is at 340.
     #[test]
     fn degrees_may_be_whole_turns_away() {
-        let in_degrees = |range: [f64; 2]| {
-            other_unit(&summary(range, 60.0), Some(limits(3.0, 3.0)), true, false).map(|(_, other)| other)
-        };
+        let in_degrees =
+            |range: [f64; 2]| is(unit(range, 60.0, Some(limits(3.0, 3.0)), true, false), OtherUnit::Degree);
         assert_eq!([in_degrees([340.0, 417.0]), in_degrees([-20.0, 57.0])], [Some(true); 2]);
         assert_eq!(in_degrees([80_000.0, 80_020.0]), Some(false));
         // Not even a whole turn brings it within the limits.
@@ -160,12 +268,12 @@ mod tests {
     /// Whether a joint between `range` at `speed`, with limits of 3 rad and 3 rad/s, is taken to be in degrees.
     fn degrees(range: [f64; 2], speed: f64, endless: bool) -> Option<bool> {
         let bound = if endless { f64::INFINITY } else { 3.0 };
-        other_unit(&summary(range, speed), Some(limits(bound, 3.0)), true, endless).map(|(_, degrees)| degrees)
+        is(unit(range, speed, Some(limits(bound, 3.0)), true, endless), OtherUnit::Degree)
     }
 
     /// Whether a joint that slides is taken to be in mm.
     fn millimetres(largest: f64, speed: f64, limits: Option<Limits>) -> Option<bool> {
-        other_unit(&summary([-largest, largest], speed), limits, false, false).map(|(_, mm)| mm)
+        is(unit([-largest, largest], speed, limits, false, false), OtherUnit::Millimetre)
     }
 
     #[test]
@@ -200,5 +308,49 @@ mod tests {
         );
         // Without limits.
         assert_eq!([29.0, 31.0, 3.2e4].map(|q| millimetres(q, 1.0, None)), [None, Some(true), Some(false)]);
+    }
+
+    #[test]
+    fn milliradians_are_beyond_degrees_and_within_the_limits() {
+        let of = |largest: f64| unit([-largest, largest], 900.0, Some(limits(3.0, 3.0)), true, false);
+        // 3 rad are 172 degrees or 3000 mrad, and 5 % more are allowed.
+        assert_eq!(unit([-11.9, 11.9], 2.0, Some(limits(3.0, 3.0)), true, false), None);
+        assert_eq!(of(180.0), Some(Some(OtherUnit::Degree)));
+        assert_eq!(
+            [of(181.0), of(3149.0), of(3151.0)],
+            [Some(Some(OtherUnit::Milliradian)), Some(Some(OtherUnit::Milliradian)), Some(None)]
+        );
+        let rail = |largest: f64| unit([-largest, largest], 900.0, Some(limits(0.5, 1.0)), false, false);
+        assert_eq!(
+            [rail(524.0), rail(0.9e3), rail(1.1e3), rail(5.2e5), rail(5.3e5)],
+            [
+                Some(Some(OtherUnit::Millimetre)),
+                Some(None),
+                Some(Some(OtherUnit::Micrometre)),
+                Some(Some(OtherUnit::Micrometre)),
+                Some(None)
+            ]
+        );
+    }
+
+    #[test]
+    fn whole_numbers_are_counts_unless_velocities_show_their_unit() {
+        let found =
+            |shown: Shown| fitting(&summary([-900.0, 900.0], 900.0), Some(limits(3.0, 3.0)), &TURNS, false, shown);
+        let shown = |whole: bool, ratio: Option<f64>| found(Shown { whole, ratio });
+        assert_eq!(shown(false, None), Some(vec![OtherUnit::Milliradian]));
+        assert_eq!(shown(true, None), Some(vec![]));
+        assert_eq!(
+            [shown(true, Some(910.0)), shown(true, Some(890.0))],
+            [Some(vec![OtherUnit::Milliradian]), Some(vec![])]
+        );
+        // A small motion is one in degrees or in mrad: the velocities decide.
+        let small = |ratio: Option<f64>| {
+            let shown = Shown { whole: false, ratio };
+            fitting(&summary([-90.0, 90.0], 90.0), Some(limits(3.0, 3.0)), &TURNS, false, shown)
+        };
+        assert_eq!(small(None), Some(vec![OtherUnit::Degree, OtherUnit::Milliradian]));
+        assert_eq!(small(Some(1e3)), Some(vec![OtherUnit::Milliradian]));
+        assert_eq!(small(Some(57.3)), Some(vec![OtherUnit::Degree]));
     }
 }

@@ -3,7 +3,24 @@
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// Names of columns in a file, for those that are not called as [`csv`](crate::recording::csv) expects; one per joint in the order of
+/// A column of a file.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Deserialize)]
+#[serde(untagged, expecting = "the name of a column, or its number counted from 1")]
+pub enum Column {
+    /// By its place, counted from 1: of a file without names, or with names that no one wants to write. Where a log is in several
+    /// files, the columns of the second are counted on from those of the first.
+    Number(usize),
+    /// By its name.
+    Name(String),
+}
+
+impl From<&str> for Column {
+    fn from(name: &str) -> Column {
+        Column::Name(name.to_owned())
+    }
+}
+
+/// Columns in a file, for those that are not called as [`csv`](crate::recording::csv) expects; one per joint in the order of
 /// the joints. Quantities left out are looked for under their usual names.
 #[derive(Debug, Clone, PartialEq, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -11,17 +28,17 @@ pub struct ColumnMap {
     /// The topic, of a log of ROS 2 with several.
     pub topic: Option<String>,
     /// The column of time.
-    pub time: Option<String>,
+    pub time: Option<Column>,
     /// Rows per second, Hz, where there is no column of time; one that is there is not used then.
     pub rate_hz: Option<f64>,
     /// Columns of position.
-    pub q: Option<Vec<String>>,
+    pub q: Option<Vec<Column>>,
     /// Columns of velocity.
-    pub qd: Option<Vec<String>>,
+    pub qd: Option<Vec<Column>>,
     /// Columns of acceleration.
-    pub qdd: Option<Vec<String>>,
+    pub qdd: Option<Vec<Column>>,
     /// Columns of torque, or of motor current.
-    pub tau: Option<Vec<String>>,
+    pub tau: Option<Vec<Column>>,
     /// Seconds per unit of time, where it is known; else it is recognised from the column's name and the numbers.
     #[serde(skip)]
     pub time_factor: Option<f64>,
@@ -31,7 +48,7 @@ impl ColumnMap {
     /// The header with the mapped columns under the names that the reader looks for.
     pub(in crate::recording) fn rename(&self, path: &Path, header: Vec<String>) -> Result<Vec<String>> {
         let groups = [("q", &self.q), ("qd", &self.qd), ("qdd", &self.qdd), ("tau", &self.tau)];
-        let mut wanted: Vec<(String, &String)> = self.time.iter().map(|name| ("t".to_owned(), name)).collect();
+        let mut wanted: Vec<(String, &Column)> = self.time.iter().map(|name| ("t".to_owned(), name)).collect();
         for (prefix, names) in groups {
             let names = names.iter().flatten().enumerate();
             wanted.extend(names.map(|(joint, name)| (format!("{prefix}{}", joint + 1), name)));
@@ -40,10 +57,19 @@ impl ColumnMap {
         for (name, original) in &renamed_over(self, &header) {
             renamed[*name] = format!("({original})");
         }
-        for (target, name) in wanted {
-            let Some(column) = header.iter().position(|own| own == name) else {
-                let problem = format!("there is no such column; the file has {}", header.join(", "));
-                return Err(Error::input(path, None, name.as_str(), problem));
+        for (target, wanted) in wanted {
+            let column = match wanted {
+                Column::Name(name) => header.iter().position(|own| own == name),
+                Column::Number(number) => number.checked_sub(1).filter(|column| *column < header.len()),
+            };
+            let Some(column) = column else {
+                let (field, those) = match wanted {
+                    Column::Name(name) => (name.clone(), format!("the file has {}", header.join(", "))),
+                    Column::Number(number) => {
+                        (format!("column {number}"), format!("those of the file are 1 to {}", header.len()))
+                    }
+                };
+                return Err(Error::input(path, None, field, format!("there is no such column; {those}")));
             };
             renamed[column] = target;
         }

@@ -16,5 +16,5 @@ mod search;
 pub use families::JointNames;
 pub(crate) use families::joint_names;
 pub(crate) use layout::{ABSENT, Layout};
-pub use map::ColumnMap;
+pub use map::{Column, ColumnMap};
 pub(crate) use search::Demand;

@@ -109,15 +109,20 @@ impl Resolver<'_> {
     }
 
     fn missing(&self, column: &str, reason: &str, cure: &str) -> Error {
-        let found = listed(self.header);
-        let hint = if self.header.iter().all(|name| name.parse::<f64>().is_ok()) {
-            "; the first line must name the columns"
+        let unnamed = self.header.iter().all(|name| name.parse::<f64>().is_ok());
+        let found = match unnamed {
+            true => format!("{} columns of numbers", self.header.len()),
+            false => listed(self.header),
+        };
+        let hint = if unnamed {
+            "; no line names the columns: write their names above the rows, or give their numbers in a dataset, counted from 1: \
+             [columns] time = 1, q = [2, 3], tau = [4, 5]"
         } else if self.line.is_some() {
             "; rename the columns, or give their names in a dataset ([columns])"
         } else {
             ""
         };
-        let cure = if hint.contains("first line") { "" } else { cure };
+        let cure = if unnamed { "" } else { cure };
         Error::input(self.path, self.line, column, format!("missing column: {reason}; found: {found}{hint}{cure}"))
     }
 }

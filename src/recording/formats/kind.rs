@@ -52,9 +52,6 @@ pub(crate) fn of(path: &Path) -> Result<Format> {
                     start = std::fs::read(path).map_err(|source| Error::io(path, "read the recording", source))?;
                 }
             }
-            Err(_) if !bag && !TEXTS.contains(&extension.as_str()) && extension != "parquet" => {
-                return Err(unknown_format(path));
-            }
             Err(source) => return Err(Error::io(path, "read the recording", source)),
         }
     }
@@ -92,8 +89,14 @@ pub(crate) fn unknown_format(path: &Path) -> Error {
     Error::input(path, None, "extension", format!("the name of a log must end in {bags}, which gives its format"))
 }
 
-/// Extensions of tables in text.
-const TEXTS: [&str; 6] = ["csv", "txt", "tsv", "dat", "log", "asc"];
+/// Logs are written in fewer formats than they are read in.
+pub(crate) fn not_written(path: &Path) -> Error {
+    let bags = match cfg!(feature = "bags") {
+        true => ".csv, .parquet, .mcap or .db3",
+        false => ".csv or .parquet (this build writes no ROS 2 bags: build it with the feature `bags`)",
+    };
+    Error::input(path, None, "extension", format!("logs are written as {bags}, which the end of the name chooses"))
+}
 
 /// What a file is that is not read, and what to do about it.
 fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'static str, String)> {
@@ -176,6 +179,15 @@ mod tests {
         let path = folder.path().join(name);
         std::fs::write(&path, content).unwrap();
         of(&path).map_or_else(|error| error.to_string(), |format| format!("{format:?}"))
+    }
+
+    #[test]
+    fn what_is_not_there_is_no_matter_of_its_extension() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.npz", "a.csv", "a.mcap", "a.xyz", "a", "none/a.npy", "none/"] {
+            let error = of(&folder.path().join(name)).unwrap_err().to_string();
+            assert!(error.contains("cannot read the recording: No such file or directory"), "{name}: {error}");
+        }
     }
 
     #[test]

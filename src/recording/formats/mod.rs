@@ -13,4 +13,4 @@ pub mod parquet;
 pub(super) mod text;
 pub(super) mod written;
 
-pub(crate) use kind::{Format, of, unknown_format};
+pub(crate) use kind::{Format, not_written, of, unknown_format};

@@ -9,5 +9,5 @@ mod read;
 mod source;
 
 pub use super::cleaning::{Cause, Rejected};
-pub use super::columns::{ColumnMap, JointNames};
+pub use super::columns::{Column, ColumnMap, JointNames};
 pub use read::{Sieved, joint_names, load, load_together, positions};

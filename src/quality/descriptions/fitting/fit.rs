@@ -35,6 +35,15 @@ pub(crate) struct Evaluation {
     pub unexplained: Vec<Option<f64>>,
 }
 
+/// Friction in a torque.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Friction {
+    /// Its mean in the direction of motion, over the root mean square torque.
+    pub share: f64,
+    /// Standard error of that.
+    pub error: f64,
+}
+
 /// Normal equations of a joint under a description.
 struct Equations<'a> {
     table: &'a JointTable,
@@ -105,7 +114,7 @@ impl<'a> Fit<'a> {
         };
         let mut sums = vec![[0.0; 2]; self.channels];
         for fold in 0..folds {
-            let solution = self.solve(&weights, &|block| block % folds != fold)?;
+            let solution = self.solve(&weights, self.bounds, &|block| block % folds != fold)?;
             for block in (fold..self.blocks).step_by(folds) {
                 for joint in self.joints.iter().filter(|joint| joint.table.rows[block] >= ROWS_PER_BLOCK) {
                     let rows = joint.table.rows[block] as f64;
@@ -122,23 +131,42 @@ impl<'a> Fit<'a> {
         Some(out)
     }
 
-    /// Shares of every torque that takes part, root mean square: the residual of a fit of all rows, and its friction.
-    pub(crate) fn residual_and_friction(&self) -> Option<Vec<[f64; 2]>> {
+    /// Share of every torque that takes part, root mean square, that a fit of all rows leaves.
+    pub(crate) fn residuals(&self) -> Option<Vec<f64>> {
         let (weights, _) = self.weighted()?;
-        let solution = self.solve(&weights, &|_| true)?;
+        let solution = self.solve(&weights, self.bounds, &|_| true)?;
         let of = |joint: &Equations| {
-            let first = joint.table.width() - FRICTION_COLUMNS;
-            let (mut left, mut friction, mut all) = (0.0, 0.0, 0.0);
-            for block in 0..self.blocks {
-                let own = joint.own(block, &solution).rows(first, FRICTION_COLUMNS).into_owned();
-                let gram = joint.table.gram[block].view((first, first), (FRICTION_COLUMNS, FRICTION_COLUMNS));
-                friction += own.dot(&(gram * &own));
-                left += joint.left(block, &solution);
-                all += joint.squares[block];
-            }
-            [left, friction].map(|part| (part / all.max(f64::MIN_POSITIVE)).sqrt())
+            let left: f64 = (0..self.blocks).map(|block| joint.left(block, &solution)).sum();
+            (left / joint.squares.iter().sum::<f64>().max(f64::MIN_POSITIVE)).sqrt()
         };
         Some(self.joints.iter().map(of).collect())
+    }
+
+    /// Friction of every torque that takes part, with its standard error by leaving out each block in turn (jackknife): residuals
+    /// within a block are dependent. Its sign is free here: an estimate that is held at zero has no error.
+    pub(crate) fn friction(&self) -> Option<Vec<Friction>> {
+        let (weights, _) = self.weighted()?;
+        let mut nonnegative = self.bounds.nonnegative.clone();
+        for joint in &self.joints {
+            let all = joint.table.width();
+            for parameters in &joint.table.parameters {
+                parameters[all - FRICTION_COLUMNS..].iter().flatten().for_each(|&place| nonnegative[place] = false);
+            }
+        }
+        let free = Bounds { nonnegative, limits: Vec::new() };
+        let of = |wanted: &dyn Fn(usize) -> bool| -> Option<Vec<f64>> {
+            let solution = self.solve(&weights, &free, wanted)?;
+            Some(self.joints.iter().map(|joint| joint.friction(&solution)).collect())
+        };
+        let whole = of(&|_| true)?;
+        let left_out: Vec<Vec<f64>> = (0..self.blocks).map(|held| of(&|block| block != held)).collect::<Option<_>>()?;
+        let count = left_out.len() as f64;
+        let error = |joint: usize| {
+            let mean = left_out.iter().map(|each| each[joint]).sum::<f64>() / count;
+            let scatter: f64 = left_out.iter().map(|each| (each[joint] - mean).powi(2)).sum();
+            (scatter * (count - 1.0) / count).sqrt()
+        };
+        Some((0..whole.len()).map(|joint| Friction { share: whole[joint], error: error(joint) }).collect())
     }
 
     /// Weights of the joints, and the mean squared residual of each with them.
@@ -149,7 +177,7 @@ impl<'a> Fit<'a> {
         for _ in 0..PASSES {
             let variance = |(joint, left): (&Equations, &f64)| 1.0 / left.max(joint.floor).max(f64::MIN_POSITIVE);
             weights = self.joints.iter().zip(&residuals).map(variance).collect();
-            let solution = self.solve(&weights, &|_| true)?;
+            let solution = self.solve(&weights, self.bounds, &|_| true)?;
             let left = |joint: &Equations| {
                 (0..self.blocks).map(|block| joint.left(block, &solution)).sum::<f64>() / joint.rows
             };
@@ -159,7 +187,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Parameters that fit the wanted blocks best.
-    fn solve(&self, weights: &[f64], wanted: &dyn Fn(usize) -> bool) -> Option<DVector<f64>> {
+    fn solve(&self, weights: &[f64], bounds: &Bounds, wanted: &dyn Fn(usize) -> bool) -> Option<DVector<f64>> {
         let all = self.bounds.nonnegative.len();
         let (mut gram, mut right) = (DMatrix::zeros(all, all), DVector::zeros(all));
         for (joint, weight) in self.joints.iter().zip(weights) {
@@ -173,7 +201,7 @@ impl<'a> Fit<'a> {
                 }
             }
         }
-        constrained(&gram, &right, self.bounds)
+        constrained(&gram, &right, bounds)
     }
 }
 
@@ -196,6 +224,21 @@ impl Equations<'_> {
         let gram = &self.table.gram[block];
         let own = self.own(block, solution);
         (self.squares[block] - 2.0 * own.dot(&self.right[block]) + own.dot(&(gram * &own))).max(0.0)
+    }
+
+    /// Mean of the friction torque in the direction of motion, over the root mean square torque.
+    fn friction(&self, solution: &DVector<f64>) -> f64 {
+        let first = self.table.width() - FRICTION_COLUMNS;
+        let ones = DVector::from_element(FRICTION_COLUMNS, 1.0);
+        let (mut with, mut all) = (0.0, 0.0);
+        for (block, gram) in self.table.gram.iter().enumerate() {
+            // The columns sum to the direction of motion.
+            let directions = gram.view((first, first), (FRICTION_COLUMNS, FRICTION_COLUMNS)) * &ones;
+            with += directions.dot(&self.own(block, solution).rows(first, FRICTION_COLUMNS));
+            all += directions.sum();
+        }
+        let torque = (self.squares.iter().sum::<f64>() / self.rows).sqrt();
+        with / (all * torque).max(f64::MIN_POSITIVE)
     }
 
     /// Mean squared residual of a fit of this joint by itself, one load for all logs.

@@ -12,6 +12,6 @@ mod load;
 mod physics;
 mod rows;
 
-pub(crate) use fit::{Evaluation, Fit};
+pub(crate) use fit::{Evaluation, Fit, Friction};
 pub(crate) use physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
 pub(crate) use rows::Rows;

@@ -3,8 +3,10 @@
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::linear::root_mean_square;
+use crate::quality::channels;
 use crate::quality::view::{self, View};
 use crate::robot::{JointKind, Robot};
+use std::ops::Range;
 
 /// Spacing of the rows, s. Gravity, inertia and friction of an arm act below 10 Hz; more rows would only repeat them.
 const SPACING_S: f64 = 0.05;
@@ -21,6 +23,10 @@ const SHORTEST_BLOCK_S: f64 = 0.5;
 
 /// Samples at either end of a log whose derivatives are one-sided, s.
 const EDGE_S: f64 = 0.08;
+
+/// Share of the samples of a torque from which it is left out where they are no measurements: without those rows too little of the others
+/// would be left.
+const MOSTLY: f64 = 0.2;
 
 /// A joint slower than this share of its own root mean square speed may stick: its direction is not certain.
 const STICKS: f64 = 0.1;
@@ -55,12 +61,14 @@ impl Rows {
         let spacing = SPACING_S.max(seconds / MOST_ROWS as f64);
         let length = (seconds / BLOCKS).max(SHORTEST_BLOCK_S);
         let mut picked: Vec<(usize, usize)> = Vec::new();
+        let mut spoilt = vec![false; dof];
         let (mut block, mut log) = (Vec::new(), Vec::new());
         for (place, view) in views.iter().enumerate() {
             let samples = view.log.samples();
             let edge = ((EDGE_S / view.period).round() as usize).min(samples / 4);
             let step = ((spacing / view.period).round() as usize).max(1);
-            let own: Vec<usize> = (edge..samples - edge).step_by(step).collect();
+            let usable = usable(view, &mut spoilt);
+            let own: Vec<usize> = (edge..samples - edge).step_by(step).filter(|&sample| usable[sample]).collect();
             let blocks = ((view.log.duration() / length).round() as usize).max(1);
             block.extend((0..own.len()).map(|row| log.len() + row * blocks / own.len()));
             log.extend(std::iter::repeat_n(place, blocks));
@@ -82,7 +90,7 @@ impl Rows {
         let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);
         Some(Rows {
             moves: moves.collect(),
-            measured: tau.iter().map(measured).collect(),
+            measured: tau.iter().zip(spoilt).map(|(tau, spoilt)| !spoilt && measured(tau)).collect(),
             size: tau.iter().map(root_mean_square).collect(),
             motion,
             tau,
@@ -97,6 +105,24 @@ impl Rows {
     pub(crate) fn logs(&self) -> usize {
         self.log.last().map_or(0, |last| last + 1)
     }
+}
+
+/// Samples at which all torques are measurements. A joint of which too many are none is left out instead: it is `spoilt`.
+fn usable(view: &View, spoilt: &mut [bool]) -> Vec<bool> {
+    let samples = view.log.samples();
+    let margin = (EDGE_S / view.period).round() as usize;
+    let mut usable = vec![true; samples];
+    for (joint, spoilt) in spoilt.iter_mut().enumerate() {
+        let parts = channels::spoilt(view, joint);
+        if parts.iter().map(Range::len).sum::<usize>() as f64 > MOSTLY * samples as f64 {
+            *spoilt = true;
+            continue;
+        }
+        for part in parts {
+            usable[part.start.saturating_sub(margin)..(part.end + margin).min(samples)].fill(false);
+        }
+    }
+    usable
 }
 
 /// Where a position surely changes; nowhere for one that stands still throughout.

@@ -72,3 +72,16 @@ fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
     let said = findings(&verdict, &irb().joint_names());
     assert!(said.len() == 1 && said[0].text.contains("differs from joint to joint"), "{said:?}");
 }
+
+/// Factors of which none is beyond what wrong masses explain.
+#[test]
+fn shares_of_the_rated_torque_are_found_by_what_differs() {
+    let factors = [0.3, 0.3, 0.67, 1.8, 1.8, 2.5];
+    let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors)).unwrap();
+    assert_eq!(verdict.factors.len(), 6, "{verdict:?}");
+    let near = |(found, factor): (&Option<f64>, &f64)| found.is_some_and(|found| (found / factor).ln().abs() < 0.69);
+    assert!(verdict.factors.iter().zip(&factors).all(near), "{:?}", verdict.factors);
+    // Up to twice from joint to joint nothing is said.
+    let alike = judged(&scaled(&with_other_masses(&irb(), 3), [0.7, 0.8, 0.9, 1.1, 1.2, 1.3]));
+    assert!(alike.is_none(), "{alike:?}");
+}

@@ -70,7 +70,7 @@ fn wrong_headers_are_named() {
         ("t,q1,tau1", Some(&[]), ["log.csv:1: q1:", "the robot has 0 joints"]),
         ("t,q1,qd1,dq1,tau1", None, ["log.csv:1: dq1:", "the same as column qd1"]),
         ("t,time,q1,tau1", None, ["log.csv:1: time:", "the same as column t"]),
-        ("0.0,1.5,2.5", None, ["log.csv:1: t:", "the first line must name the columns"]),
+        ("0.0,1.5,2.5", None, ["log.csv:1: t:", "no line names the columns"]),
         ("Uhr,Stellung1,tau1", None, ["log.csv:1: t:", "in a dataset ([columns])"]),
     ];
     for (header, joints, expected) in cases {

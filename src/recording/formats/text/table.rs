@@ -18,7 +18,7 @@ pub(crate) struct Text {
     /// Line of the header, or of the first row where there is none.
     pub header_line: usize,
     has_header: bool,
-    /// Names of the columns, a list's one for each of its numbers.
+    /// Names of the columns, a list's one for each of its numbers; numbers from 1 on where the file has no names.
     pub header: Vec<String>,
     /// Cells of each column as it stands in the file; more than one for lists.
     widths: Vec<usize>,
@@ -90,6 +90,16 @@ impl Text {
             text.has_header = false;
             text.widths = vec![1; header.len()];
             text.header = header;
+            return Ok(text);
+        }
+        let is_row = |cells: &[String]| {
+            let number = |cell: &String| number(cell.as_bytes(), text.separator != b',').is_some();
+            cells.len() > 1 && cells.iter().all(number)
+        };
+        if is_row(&names) && is_row(&first) && names.len() == first.len() {
+            text.has_header = false;
+            text.widths = vec![1; names.len()];
+            text.header = (1..=names.len()).map(|column| column.to_string()).collect();
             return Ok(text);
         }
         text.widths =

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::recording::cleaning::Cause;
+use crate::recording::columns::Column;
 
 fn read(text: &str, map: &ColumnMap) -> Result<Sieved> {
     let folder = tempfile::tempdir().unwrap();
@@ -102,7 +103,7 @@ fn missing_velocities_cost_their_joint_or_their_rows() {
 #[test]
 fn columns_under_other_names() {
     let text = "stamp,q1,angle,tau1,amps,qd1\n0,1,2,3,4,5\n1,1,2,3,4,5\n";
-    let list = |name: &str| Some(vec![name.to_owned()]);
+    let list = |name: &str| Some(vec![name.into()]);
     let map = ColumnMap { time: Some("stamp".into()), q: list("angle"), tau: list("amps"), ..ColumnMap::default() };
     let sieved = read(text, &map).unwrap();
     assert_eq!(sieved.recording.q.channel(0), [2.0, 2.0]);
@@ -111,6 +112,37 @@ fn columns_under_other_names() {
     assert_eq!(sieved.notes, ["columns not used: (q1), (tau1)"]);
     let error = read(text, &ColumnMap { q: list("winkel"), ..map }).unwrap_err().to_string();
     assert!(error.contains("winkel") && error.contains("angle"), "{error}");
+}
+
+/// As numpy.savetxt writes them: no line names the columns, which the data set numbers.
+#[test]
+fn columns_by_number() {
+    let number = |column: usize| Some(vec![Column::Number(column)]);
+    let map = ColumnMap { time: Some(Column::Number(1)), q: number(3), tau: number(2), ..ColumnMap::default() };
+    for text in [
+        "0,4,2\n1,5,3\n2,6,4\n",
+        "0 4 2\n1 5 3\n2 6 4\n",
+        "0;4,0;2\n1;5,0;3\n2;6,0;4\n",
+        "a,b,c\n0,4,2\n1,5,3\n2,6,4\n",
+    ] {
+        let sieved = read(text, &map).unwrap();
+        assert_eq!(sieved.recording.time, [0.0, 1.0, 2.0], "{text}");
+        assert_eq!(sieved.recording.q.channel(0), [2.0, 3.0, 4.0], "{text}");
+        assert_eq!(sieved.recording.tau.channel(0), [4.0, 5.0, 6.0], "{text}");
+        assert_eq!(sieved.lines[0], if text.starts_with('a') { 2 } else { 1 });
+    }
+    let rows = "0,4,2\n1,5,3\n";
+    let at_rate = ColumnMap { rate_hz: Some(100.0), time: None, ..map.clone() };
+    assert_eq!(read(rows, &at_rate).unwrap().recording.time, [0.0, 0.01]);
+    for column in [0, 4] {
+        let error = read(rows, &ColumnMap { q: number(column), ..map.clone() }).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("column {column}: there is no such column; those of the file are 1 to 3")),
+            "{error}"
+        );
+    }
+    let error = read(rows, &ColumnMap::default()).unwrap_err().to_string();
+    assert!(error.contains("3 columns of numbers; no line names") && error.contains("q = [2, 3]"), "{error}");
 }
 
 #[test]

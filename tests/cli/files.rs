@@ -1,0 +1,67 @@
+//! Files that are not there, that cannot be written, and that do not name their columns.
+
+use super::{Case, assert_done, assert_refusal, text};
+use std::fmt::Write;
+
+/// Rows of time, position and torque.
+fn rows() -> String {
+    let mut rows = String::new();
+    for row in 0..1000 {
+        let t = 0.004 * f64::from(row);
+        writeln!(rows, "{t:.4},{:.7},{:.5}", (3.0 * t).sin(), 5.0 * (3.0 * t).cos() - 2.0 * (3.0 * t).sin()).unwrap();
+    }
+    rows
+}
+
+#[test]
+fn a_log_that_is_not_there_is_told_as_that() {
+    let case = Case::new(&[]);
+    for name in
+        ["none.npz", "none.npy", "none.parquet", "none.mcap", "none.db3", "none.mat", "none", "none/", "none/a.csv"]
+    {
+        let said = case.tauscope(&["inspect", name]);
+        assert_refusal(&said, &[name.trim_end_matches('/'), "No such file or directory"]);
+        assert!(!text(&said.stderr).contains("extension"), "{}", text(&said.stderr));
+    }
+}
+
+#[test]
+fn a_converted_log_that_cannot_be_written_is_named_as_the_user_did() {
+    let case = Case::new(&[]);
+    case.write("log.csv", &format!("t,q1,tau1\n{}", rows()));
+    case.write("file", "");
+    for (name, words) in [
+        ("x.npz", "written as .csv, .parquet"),
+        ("x", "written as .csv, .parquet"),
+        ("none/x.csv", "No such file or directory"),
+        ("file/x.csv", "Not a directory"),
+    ] {
+        let said = case.tauscope(&["inspect", "log.csv", "--convert", name]);
+        assert_refusal(&said, &[name, words]);
+        assert!(!text(&said.stderr).contains(".tauscope"), "{}", text(&said.stderr));
+    }
+}
+
+#[test]
+fn a_table_without_names_is_read_by_the_numbers_of_its_columns() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", super::inspect::ARM);
+    for (name, content) in
+        [("log.csv", rows()), ("log.dat", rows().replace(',', " ")), ("log.txt", rows().replace(',', "\t"))]
+    {
+        case.write(name, &content);
+        let dataset = |columns: &str| {
+            let text = format!(
+                "schema = \"tauscope.dataset/1\"\nrobot = \"one.urdf\"\n[[train]]\nfile = \"{name}\"\n[columns]\n{columns}\n"
+            );
+            case.write("d.toml", &text);
+            case.tauscope(&["inspect", "--dataset", "d.toml"])
+        };
+        let said = dataset("time = 1\nq = [2]\ntau = [3]");
+        assert_done(&said);
+        assert!(text(&said.stdout).contains("1000 rows over 3.996 s at 250 Hz"), "{name}: {}", text(&said.stdout));
+        assert_done(&dataset("rate_hz = 250\nq = [2]\ntau = [3]"));
+        assert_refusal(&dataset("time = 1\nq = [4]\ntau = [3]"), &["column 4", "those of the file are 1 to 3"]);
+        assert_refusal(&dataset(""), &["no line names the columns", "[columns] time = 1, q = [2, 3]"]);
+    }
+}

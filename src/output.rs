@@ -100,7 +100,7 @@ impl ResultFolder {
         Ok(path)
     }
 
-    /// Writes a file by `write`, which is told where.
+    /// Writes a file by `write`, which gets its path.
     ///
     /// # Errors
     /// Those of [`ResultFolder::file`] and of `write`, with the name the file was to have instead of where it was written.

@@ -65,12 +65,12 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         out.extend(unsigned(view, joint, own));
     }
     if let Some(all) = all_unsigned(view, &logged.tau, &out) {
-        // One cause: the joints are not told one by one.
+        // One cause: the joints are not listed one by one.
         out.retain(|finding| finding.kind != Kind::UnsignedTorque);
         out.push(all);
     }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
-        // One fault of all: the joints are not told one by one.
+        // One fault of all: the joints are not listed one by one.
         out.retain(|finding| finding.kind != Kind::NoTorque);
         let zero = logged.tau.as_slice().iter().all(|value| *value == 0.0 || value.is_nan());
         let text = match zero {

@@ -237,7 +237,7 @@ fn torque_of_bodies(log: &Recording) -> Channels {
     inverse_dynamics(&Chain::new(&irb()), &irb().inertial_parameters(), &motion)
 }
 
-/// A torque that was not logged is told as that, and not taken for columns in the wrong order.
+/// A torque that was not logged is reported as that, and not taken for columns in the wrong order.
 #[test]
 fn a_constant_torque_is_no_exchange() {
     let robot = irb();

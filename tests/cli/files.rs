@@ -1,5 +1,6 @@
-//! Files that are not there, that cannot be written, and that do not name their columns.
+//! Files that are not there, that cannot be written, that do not name their columns, and several that are one log.
 
+use super::inspect::{ONE, one_joint, sines};
 use super::{Case, assert_done, assert_refusal, text};
 use std::fmt::Write;
 
@@ -14,7 +15,7 @@ fn rows() -> String {
 }
 
 #[test]
-fn a_log_that_is_not_there_is_told_as_that() {
+fn a_log_that_is_not_there_is_reported_as_that() {
     let case = Case::new(&[]);
     for name in
         ["none.npz", "none.npy", "none.parquet", "none.mcap", "none.db3", "none.mat", "none", "none/", "none/a.csv"]
@@ -64,4 +65,48 @@ fn a_table_without_names_is_read_by_the_numbers_of_its_columns() {
         assert_refusal(&dataset("time = 1\nq = [4]\ntau = [3]"), &["column 4", "those of the file are 1 to 3"]);
         assert_refusal(&dataset(""), &["no line names the columns", "[columns] time = 1, q = [2, 3]"]);
     }
+}
+
+#[test]
+fn columns_in_several_files() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ONE);
+    let log = sines("t,q1,tau1", one_joint);
+    let column = |place: usize, name: &str| {
+        let cells = log.lines().skip(1).map(|line| line.split(',').nth(place).unwrap());
+        std::iter::once(name).chain(cells).collect::<Vec<_>>().join("\n")
+    };
+    case.write("q.csv", &column(1, "q0"));
+    case.write("tau.csv", &column(2, "tau1"));
+    assert_refusal(
+        &case.tauscope(&["inspect", "q.csv"]),
+        &["no column of time", "none of torque", "rate_hz", "files = ["],
+    );
+    let dataset = |parts: &str| {
+        case.write("d.toml", &format!("schema = \"tauscope.dataset/1\"\nrobot = \"one.urdf\"\n{parts}"));
+    };
+    dataset(
+        "[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nrate_hz = 250\nto_s = 3.0\n[[test]]\nfiles = [\"q.csv\", \"tau.csv\"]\n\
+         rate_hz = 250\nfrom_s = 3.0\n",
+    );
+    let output = case.tauscope(&["identify", "--dataset", "d.toml", "--out", "out", "--json"]);
+    assert_done(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["without_effects"]["test_rms_nm"][0].as_f64().unwrap() > 0.0, "{json}");
+    // One of the files stands for the log that it is a part of.
+    let inspected = case.tauscope(&["inspect", "tau.csv", "--dataset", "d.toml"]);
+    assert_done(&inspected);
+    assert!(text(&inspected.stdout).contains("1000 rows over 3.996 s at 250 Hz"), "{}", text(&inspected.stdout));
+    assert_refusal(&case.tauscope(&["inspect", "tau.csv"]), &["no column of time", "none of position", "files = ["]);
+    dataset("[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nfile = \"q.csv\"\n");
+    assert_refusal(&case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o2"]), &["d.toml", "files = ["]);
+    case.write(
+        "short.csv",
+        &log.lines().take(500).map(|line| line.split(',').nth(2).unwrap()).collect::<Vec<_>>().join("\n"),
+    );
+    dataset("[[train]]\nfiles = [\"q.csv\", \"short.csv\"]\nrate_hz = 250\n");
+    assert_refusal(
+        &case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o3"]),
+        &["1000 and 499 rows", "matched"],
+    );
 }

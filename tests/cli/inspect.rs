@@ -16,7 +16,7 @@ fn log_name(case: &Case) -> String {
     format!("out/{found}")
 }
 
-fn sines(columns: &str, row: impl Fn(f64) -> String) -> String {
+pub(super) fn sines(columns: &str, row: impl Fn(f64) -> String) -> String {
     let mut log = format!("{columns}\n");
     for i in 0..1000 {
         let t = 0.004 * f64::from(i);
@@ -25,7 +25,7 @@ fn sines(columns: &str, row: impl Fn(f64) -> String) -> String {
     log
 }
 
-fn one_joint(t: f64) -> String {
+pub(super) fn one_joint(t: f64) -> String {
     format!("{:.7},{:.5}", (3.0 * t).sin(), 5.0 * (3.0 * t).cos() + (7.1 * t).sin() - 2.0 * (3.0 * t).sin())
 }
 
@@ -384,54 +384,11 @@ fn names_and_clocks_of_other_programs() {
     assert_refusal(&case.tauscope(&["inspect", "rows.csv"]), &["rows.csv:1: t", "counts the rows", "rate_hz"]);
 }
 
-const ONE: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
+pub(super) const ONE: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
 <child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="99" velocity="9"/></joint><link name="l1">
 <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
 
 /// Positions in one file, torques in another, and no time in either.
-#[test]
-fn columns_in_several_files() {
-    let case = Case::new(&[]);
-    case.write("one.urdf", ONE);
-    let log = sines("t,q1,tau1", one_joint);
-    let column = |place: usize, name: &str| {
-        let cells = log.lines().skip(1).map(|line| line.split(',').nth(place).unwrap());
-        std::iter::once(name).chain(cells).collect::<Vec<_>>().join("\n")
-    };
-    case.write("q.csv", &column(1, "q0"));
-    case.write("tau.csv", &column(2, "tau1"));
-    assert_refusal(
-        &case.tauscope(&["inspect", "q.csv"]),
-        &["no column of time", "none of torque", "rate_hz", "files = ["],
-    );
-    let dataset = |parts: &str| {
-        case.write("d.toml", &format!("schema = \"tauscope.dataset/1\"\nrobot = \"one.urdf\"\n{parts}"));
-    };
-    dataset(
-        "[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nrate_hz = 250\nto_s = 3.0\n[[test]]\nfiles = [\"q.csv\", \"tau.csv\"]\n\
-         rate_hz = 250\nfrom_s = 3.0\n",
-    );
-    let output = case.tauscope(&["identify", "--dataset", "d.toml", "--out", "out", "--json"]);
-    assert_done(&output);
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(json["without_effects"]["test_rms_nm"][0].as_f64().unwrap() > 0.0, "{json}");
-    // One of the files stands for the log that it is a part of.
-    let inspected = case.tauscope(&["inspect", "tau.csv", "--dataset", "d.toml"]);
-    assert_done(&inspected);
-    assert!(text(&inspected.stdout).contains("1000 rows over 3.996 s at 250 Hz"), "{}", text(&inspected.stdout));
-    assert_refusal(&case.tauscope(&["inspect", "tau.csv"]), &["no column of time", "none of position", "files = ["]);
-    dataset("[[train]]\nfiles = [\"q.csv\", \"tau.csv\"]\nfile = \"q.csv\"\n");
-    assert_refusal(&case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o2"]), &["d.toml", "files = ["]);
-    case.write(
-        "short.csv",
-        &log.lines().take(500).map(|line| line.split(',').nth(2).unwrap()).collect::<Vec<_>>().join("\n"),
-    );
-    dataset("[[train]]\nfiles = [\"q.csv\", \"short.csv\"]\nrate_hz = 250\n");
-    assert_refusal(
-        &case.tauscope(&["identify", "--dataset", "d.toml", "--out", "o3"]),
-        &["1000 and 499 rows", "matched"],
-    );
-}
 
 /// A turn that wraps, and two programs that write into one log: the cause alone is reported.
 #[test]

@@ -62,11 +62,11 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         });
         logs.notes.extend(rows);
         logs.notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
-        let told = report.findings.iter().filter(|finding| {
+        let noted = report.findings.iter().filter(|finding| {
             finding.severity == quality::Severity::Warning || finding.kind == quality::Kind::ModelTorque
         });
         findings
-            .extend(told.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
+            .extend(noted.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
         let mut pieces = resample::pieces(sieved.recording);
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
@@ -78,7 +78,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     }
     let findings = quality::with_logs(findings);
     logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
-    let gravity = if logs.correction.is_some() { "; the arm's gravity is the one given there" } else { "" };
+    let is_turned = logs.correction.as_ref().is_some_and(|description| description.gravity != robot.gravity);
+    let gravity = if is_turned { "; the arm's gravity is the one given there" } else { "" };
     if logs.correction.is_some() || !logs.units.is_none() {
         logs.notes.push(format!("the logs are taken as corrected.toml describes them{gravity}"));
     }

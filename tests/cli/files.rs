@@ -67,6 +67,7 @@ fn a_table_without_names_is_read_by_the_numbers_of_its_columns() {
     }
 }
 
+/// Positions in one file, torques in another, and no time in either.
 #[test]
 fn columns_in_several_files() {
     let case = Case::new(&[]);

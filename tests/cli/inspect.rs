@@ -388,8 +388,6 @@ pub(super) const ONE: &str = r#"<robot name="one"><link name="base"/><joint name
 <child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="99" velocity="9"/></joint><link name="l1">
 <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
 
-/// Positions in one file, torques in another, and no time in either.
-
 /// A turn that wraps, and two programs that write into one log: the cause alone is reported.
 #[test]
 fn whole_turns_and_two_sources() {

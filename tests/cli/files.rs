@@ -1,17 +1,11 @@
 //! Files that are not there, that cannot be written, that do not name their columns, and several that are one log.
 
-use super::inspect::{ONE, one_joint, sines};
+use super::inspect::{ARM, one_joint, sines};
 use super::{Case, assert_done, assert_refusal, text};
-use std::fmt::Write;
 
 /// Rows of time, position and torque.
 fn rows() -> String {
-    let mut rows = String::new();
-    for row in 0..1000 {
-        let t = 0.004 * f64::from(row);
-        writeln!(rows, "{t:.4},{:.7},{:.5}", (3.0 * t).sin(), 5.0 * (3.0 * t).cos() - 2.0 * (3.0 * t).sin()).unwrap();
-    }
-    rows
+    sines("", one_joint).trim_start().to_owned()
 }
 
 #[test]
@@ -46,7 +40,7 @@ fn a_converted_log_that_cannot_be_written_is_named_as_the_user_did() {
 #[test]
 fn a_table_without_names_is_read_by_the_numbers_of_its_columns() {
     let case = Case::new(&[]);
-    case.write("one.urdf", super::inspect::ARM);
+    case.write("one.urdf", ARM);
     for (name, content) in
         [("log.csv", rows()), ("log.dat", rows().replace(',', " ")), ("log.txt", rows().replace(',', "\t"))]
     {
@@ -71,7 +65,7 @@ fn a_table_without_names_is_read_by_the_numbers_of_its_columns() {
 #[test]
 fn columns_in_several_files() {
     let case = Case::new(&[]);
-    case.write("one.urdf", ONE);
+    case.write("one.urdf", ARM);
     let log = sines("t,q1,tau1", one_joint);
     let column = |place: usize, name: &str| {
         let cells = log.lines().skip(1).map(|line| line.split(',').nth(place).unwrap());

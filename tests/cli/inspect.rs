@@ -384,10 +384,6 @@ fn names_and_clocks_of_other_programs() {
     assert_refusal(&case.tauscope(&["inspect", "rows.csv"]), &["rows.csv:1: t", "counts the rows", "rate_hz"]);
 }
 
-pub(super) const ONE: &str = r#"<robot name="one"><link name="base"/><joint name="a" type="revolute"><parent link="base"/>
-<child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="99" velocity="9"/></joint><link name="l1">
-<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
-
 /// A turn that wraps, and two programs that write into one log: the cause alone is reported.
 #[test]
 fn whole_turns_and_two_sources() {
@@ -415,7 +411,7 @@ fn whole_turns_and_two_sources() {
 #[test]
 fn logs_with_more_joints_than_the_robot() {
     let case = Case::new(&[]);
-    case.write("one.urdf", ONE);
+    case.write("one.urdf", ARM);
     let row = |t: f64| format!("0.1,{},0.0", one_joint(t));
     case.write("log.csv", &sines("t,finger_position,a_position,a_effort,other_position", row));
     for to in ["log.parquet", "log.mcap", "log.db3", "back.csv"] {
@@ -434,7 +430,7 @@ fn logs_with_more_joints_than_the_robot() {
 #[test]
 fn signals_that_lack_something() {
     let case = Case::new(&[]);
-    case.write("one.urdf", ONE);
+    case.write("one.urdf", ARM);
     let all = |t: f64| [(3.0 * t).sin() + 0.4 * (7.0 * t).sin(), 3.0 * (3.0 * t).cos() + 2.8 * (7.0 * t).cos()];
     let torque = |t: f64| {
         let [_, v] = all(t);

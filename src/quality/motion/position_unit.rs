@@ -77,6 +77,16 @@ struct Units {
     else_: &'static str,
 }
 
+impl Units {
+    /// Those of a kind of joint.
+    fn of(kind: JointKind) -> &'static Units {
+        match kind {
+            JointKind::Revolute => &TURNS,
+            JointKind::Prismatic => &SLIDES,
+        }
+    }
+}
+
 /// Wrists that turn twice stay below two turns and a half.
 const TURNS: Units = Units {
     si: "rad",
@@ -162,7 +172,7 @@ impl PositionUnits {
             let limits = robot.map(|robot| robot.joints[joint].limits);
             let whole = view.log.q.channel(joint).iter().all(|value| value.fract() == 0.0);
             let shown = Shown { whole, ratio: velocity::ratio(view, joint) };
-            let units = if kinds[joint] == JointKind::Revolute { &TURNS } else { &SLIDES };
+            let units = Units::of(kinds[joint]);
             fitting(&summaries[joint], limits, units, endless[joint], shown)
         };
         PositionUnits { doubts: (0..view.dof()).map(doubt).collect(), kinds }
@@ -185,8 +195,7 @@ impl PositionUnits {
     fn likely(&self, kind: JointKind) -> Option<OtherUnit> {
         let doubtful = self.doubts.iter().zip(&self.kinds).filter(|(doubt, own)| doubt.is_some() && **own == kind);
         let doubtful = doubtful.count();
-        let units = if kind == JointKind::Revolute { &TURNS } else { &SLIDES };
-        units.others.into_iter().find(|unit| doubtful > 0 && 2 * self.count(kind, *unit) >= doubtful)
+        Units::of(kind).others.into_iter().find(|unit| doubtful > 0 && 2 * self.count(kind, *unit) >= doubtful)
     }
 
     fn count(&self, kind: JointKind, unit: OtherUnit) -> usize {
@@ -200,7 +209,7 @@ impl PositionUnits {
     pub(super) fn text(&self, joint: usize, summary: &JointSummary) -> Option<String> {
         let fitting = self.doubts[joint].as_ref()?;
         let kind = self.kinds[joint];
-        let Units { si, else_, .. } = if kind == JointKind::Revolute { TURNS } else { SLIDES };
+        let Units { si, else_, .. } = Units::of(kind);
         let largest = summary.range[0].abs().max(summary.range[1].abs());
         let likely = self.likely(kind).filter(|unit| fitting.contains(unit)).or(fitting.first().copied());
         Some(match likely {

@@ -61,14 +61,19 @@ fn the_factor_of_one_torque_is_found_from_twice_on_though_masses_are_wrong() {
     }
 }
 
-#[test]
-fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
-    let factors = [0.1, 0.12, 0.3, 3.0, 3.5, 6.0];
+/// The verdict on torques with these factors, each found to a factor of two: the last joints' torque is mostly friction, and a load makes
+/// up for much of the rest.
+fn with_factors_known_to_two(factors: [f64; 6]) -> Verdict {
     let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors)).unwrap();
     assert_eq!(verdict.factors.len(), 6, "{verdict:?}");
-    // The last joints' torque is mostly friction, and a load makes up for much of the rest: they are known to a factor of two.
     let near = |(found, factor): (&Option<f64>, &f64)| found.is_some_and(|found| (found / factor).ln().abs() < 0.69);
     assert!(verdict.factors.iter().zip(&factors).all(near), "{:?}", verdict.factors);
+    verdict
+}
+
+#[test]
+fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
+    let verdict = with_factors_known_to_two([0.1, 0.12, 0.3, 3.0, 3.5, 6.0]);
     let said = findings(&verdict, &irb().joint_names());
     assert!(said.len() == 1 && said[0].text.contains("differs from joint to joint"), "{said:?}");
 }
@@ -76,11 +81,7 @@ fn shares_of_the_rated_torque_are_a_factor_for_each_joint() {
 /// Factors of which none is beyond what wrong masses explain.
 #[test]
 fn shares_of_the_rated_torque_are_found_by_what_differs() {
-    let factors = [0.3, 0.3, 0.67, 1.8, 1.8, 2.5];
-    let verdict = judged(&scaled(&with_other_masses(&irb(), 3), factors)).unwrap();
-    assert_eq!(verdict.factors.len(), 6, "{verdict:?}");
-    let near = |(found, factor): (&Option<f64>, &f64)| found.is_some_and(|found| (found / factor).ln().abs() < 0.69);
-    assert!(verdict.factors.iter().zip(&factors).all(near), "{:?}", verdict.factors);
+    with_factors_known_to_two([0.3, 0.3, 0.67, 1.8, 1.8, 2.5]);
     // Up to twice from joint to joint nothing is said.
     let alike = judged(&scaled(&with_other_masses(&irb(), 3), [0.7, 0.8, 0.9, 1.1, 1.2, 1.3]));
     assert!(alike.is_none(), "{alike:?}");

@@ -54,6 +54,11 @@ impl Dataset {
         let velocity = self.units("units.velocity", &units.velocity, VelocityUnit::factor, dof)?;
         let acceleration = self.units("units.acceleration", &units.acceleration, AccelerationUnit::factor, dof)?;
         apply(&mut log.q, &moved(position));
+        for (joint, offset) in
+            self.offsets("motors.position_offset", &motors.position_offset, dof)?.into_iter().enumerate()
+        {
+            log.q.channel_mut(joint).iter_mut().for_each(|position| *position += offset);
+        }
         if let Some(qd) = &mut log.qd {
             apply(qd, &moved(velocity));
         }
@@ -61,7 +66,8 @@ impl Dataset {
             apply(qdd, &moved(acceleration));
         }
         apply(&mut log.tau, &torque_factor);
-        for (joint, offset) in self.offsets(dof)?.into_iter().enumerate() {
+        for (joint, offset) in self.offsets("motors.torque_offset", &motors.torque_offset, dof)?.into_iter().enumerate()
+        {
             log.tau.channel_mut(joint).iter_mut().for_each(|torque| *torque -= offset);
         }
         log.truth = None;
@@ -111,10 +117,9 @@ impl Dataset {
         }
     }
 
-    /// What the torques show too much, at the joints.
-    fn offsets(&self, dof: usize) -> Result<Vec<f64>> {
-        let key = "motors.torque_offset";
-        let values = match &self.spec.motors.torque_offset {
+    /// Offsets of the joints, which may be zero.
+    fn offsets(&self, key: &str, given: &Option<PerJoint>, dof: usize) -> Result<Vec<f64>> {
+        let values = match given {
             None => return Ok(vec![0.0; dof]),
             Some(PerJoint::All(value)) => vec![*value; dof],
             Some(PerJoint::Each(values)) => values.clone(),

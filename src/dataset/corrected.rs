@@ -69,6 +69,14 @@ pub fn corrected(
     // `sign` is of position and torque alike, and `torque_sign` comes on top of it.
     signs(motors, "sign", order.iter().map(position).collect());
     signs(motors, "torque_sign", order.iter().map(|name| position(name) * torque(name)).collect());
+    let offset =
+        |name: &String| joint_of(&description.position_of, name).map_or(0.0, |j| description.position_offset[j]);
+    // What was added before a sign was changed has the other sign after it.
+    let zeros: Vec<[f64; 2]> = order.iter().map(|name| [position(name), offset(name)]).collect();
+    if description.position_offset.iter().any(|offset| *offset != 0.0) || motors.contains_key("position_offset") {
+        let new = each_of(motors.get("position_offset"), 0.0, &zeros, |old, [sign, offset]| sign * old + offset);
+        motors.insert("position_offset".into(), new);
+    }
     exchanges(motors, "torques_exchanged", joints, &description.torque_of);
     exchanges(motors, "positions_exchanged", joints, &description.position_of);
     let scale = |name: &String| sign(&description.torque_scale, &description.torque_of, name);
@@ -83,7 +91,7 @@ pub fn corrected(
             let old = motors.get("torque_constant_nm_a").cloned();
             let new = match shared {
                 Some(scale) => scaled(old, scale),
-                None => each_scaled(old.as_ref(), &scales),
+                None => each_of(old.as_ref(), 1.0, &scales, |old, scale| old * scale),
             };
             motors.insert("torque_constant_nm_a".into(), new);
             if !currents {
@@ -175,15 +183,15 @@ fn scaled(value: Option<Value>, factor: f64) -> Value {
     }
 }
 
-/// A number for all or one for each, times factors of their own.
-fn each_scaled(value: Option<&Value>, factors: &[f64]) -> Value {
-    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
+/// A number for all or one for each, `usual` where there is none, changed by what each joint has of its own.
+fn each_of<T>(value: Option<&Value>, usual: f64, changes: &[T], new: impl Fn(f64, &T) -> f64) -> Value {
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(usual);
     let old = |place: usize| match value {
-        Some(Value::Array(each)) => each.get(place).map_or(1.0, number),
+        Some(Value::Array(each)) => each.get(place).map_or(usual, number),
         Some(one) => number(one),
-        None => 1.0,
+        None => usual,
     };
-    Value::Array(factors.iter().enumerate().map(|(place, factor)| Value::from(old(place) * factor)).collect())
+    Value::Array(changes.iter().enumerate().map(|(place, change)| Value::from(new(old(place), change))).collect())
 }
 
 /// Multiplies the signs of a key, unless all stay as they are.

@@ -34,6 +34,7 @@
 //! torque_constant_nm_a = 0.12
 //! sign = [1, -1]                # of position, velocity and torque
 //! torque_sign = -1              # of torque alone
+//! position_offset = [0.0, 1.571]   # rad (m) that are added to positions at the joints, after their signs
 //! torque_offset = 0.4           # N m (N) at the joint that the torque shows too much
 //! position_at = "motor"         # or "joint"
 //! torque_at = "motor"           # or "joint"; currents are at the motor

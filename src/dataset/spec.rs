@@ -70,6 +70,7 @@ pub(super) struct Motors {
     pub position_at: Option<Side>,
     pub torque_at: Option<Side>,
     pub coupling: Option<Vec<Vec<f64>>>,
+    pub position_offset: Option<PerJoint>,
     pub torque_offset: Option<PerJoint>,
     pub torques_exchanged: Option<Vec<[String; 2]>>,
     pub positions_exchanged: Option<Vec<[String; 2]>>,

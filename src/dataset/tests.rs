@@ -187,12 +187,13 @@ fn mistakes_are_named_by_line_and_key() {
 fn offsets_exchanges_and_a_wrong_clock_are_put_right() {
     let case = Case::new(
         "[[train]]\nfile = \"log.csv\"\n[units]\ntime_factor = 1.6\n[motors]\ntorque_offset = [0.5, 0.0]\n\
+         position_offset = [0.0, 10.0]\n\
          torques_exchanged = [[\"a\", \"b\"]]\npositions_exchanged = [[\"b\", \"a\"]]\n",
         "t,q1,q2,tau1,tau2\n0,1,2,3.5,4\n1,5,6,7.5,8\n",
     );
     let log = case.read().unwrap();
     assert_close(&Channels::from_vectors(&[log.time]), &[&[0.0, 1.6]]);
-    assert_close(&log.q, &[&[2.0, 6.0], &[1.0, 5.0]]);
+    assert_close(&log.q, &[&[12.0, 16.0], &[1.0, 5.0]]);
     assert_close(&log.tau, &[&[4.0, 8.0], &[3.0, 7.0]]);
     for (key, word) in
         [("units]\ntime_factor = 0.0", "above zero"), ("motors]\ntorques_exchanged = [[\"a\", \"x\"]]", "`x`")]
@@ -208,7 +209,7 @@ fn offsets_exchanges_and_a_wrong_clock_are_put_right() {
 #[test]
 fn a_corrected_dataset_reads_the_corrected_log() {
     use crate::quality::descriptions::Change;
-    let more = "[motors]\ngear_ratio = [2, 3]\nsign = [1, -1]\ntorque_at = \"motor\"\n";
+    let more = "[motors]\ngear_ratio = [2, 3]\nsign = [1, -1]\ntorque_at = \"motor\"\nposition_offset = [0.5, -0.25]\n";
     for joints in ["", "joints = [\"b\", \"a\"]\n"] {
         let case = Case::new(
             &format!("robot = \"two.urdf\"\n{joints}[[train]]\nfile = \"log.csv\"\n{more}"),
@@ -219,6 +220,8 @@ fn a_corrected_dataset_reads_the_corrected_log() {
             vec![Change::TorqueSign(0)],
             vec![Change::AxisSign(1), Change::TorqueExchange(0, 1)],
             vec![Change::PositionSign(0), Change::JointExchange(0, 1)],
+            vec![Change::ZeroOffset(0, 1.5)],
+            vec![Change::AxisSign(1), Change::ZeroOffset(1, -0.5), Change::JointExchange(0, 1)],
             vec![Change::AllTorqueSigns, Change::Gravity([9.81, 0.0, 0.0])],
         ] {
             let start = Description::as_given(2, robot.gravity);

@@ -8,7 +8,7 @@ use crate::recording::lenient::{self, Cause, ColumnMap, Rejected, Sieved};
 use crate::recording::{self, Recording};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 36] = [
+const ALL: [Kind; 37] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -45,6 +45,7 @@ const ALL: [Kind; 36] = [
     Kind::ClockFactor,
     Kind::MotorOff,
     Kind::ModelTorque,
+    Kind::PositionZero,
 ];
 
 /// A fault put into a clean log.
@@ -140,6 +141,7 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "q",
         ),
         Kind::OutsideLimits => (Signals(|log| log.q.channel_mut(0).iter_mut().for_each(|v| *v += 3.0)), "q1"),
+        Kind::PositionZero => (Signals(|log| log.q.channel_mut(2).iter_mut().for_each(|v| *v += 1.5708)), "q3"),
         Kind::Swapped => (
             Signals(|log| {
                 let (second, fourth) = (log.tau.channel(1).to_vec(), log.tau.channel(3).to_vec());
@@ -281,5 +283,5 @@ fn every_kind_of_fault_is_found_where_it_is() {
             "{kind:?}: {found:?}"
         );
     }
-    assert_eq!(ALL.len(), Kind::ModelTorque as usize + 1);
+    assert_eq!(ALL.len(), Kind::PositionZero as usize + 1);
 }

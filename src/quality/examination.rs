@@ -55,6 +55,16 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             _ => verdict.clone(),
         };
         if let Some(own) = own {
+            // Positions that leave the limits for that are no fault of their own.
+            let right = own.description.positions(&view.log.q);
+            let explained = |finding: &Finding| {
+                let of = |&joint: &usize| finding.place == view.place("q", joint);
+                (0..view.dof()).find(of).is_some_and(|joint| {
+                    own.description.changes_position_of(joint)
+                        && !motion::leaves_limits(robot, joint, right.channel(joint))
+                })
+            };
+            reports[log].findings.retain(|finding| finding.kind != Kind::OutsideLimits || !explained(finding));
             reports[log].findings.extend(descriptions::findings(&own, &view.log.joints));
             reports[log].description = Some(own);
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));

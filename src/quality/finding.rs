@@ -53,6 +53,7 @@ pub enum Kind {
     ClockFactor,
     MotorOff,
     ModelTorque,
+    PositionZero,
 }
 
 /// One finding.

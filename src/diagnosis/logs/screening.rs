@@ -239,6 +239,7 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::TorqueUnit
         | Kind::TorqueSign
         | Kind::PositionSign
+        | Kind::PositionZero
         | Kind::Mounting
         | Kind::GravityCompensated
         | Kind::UnsignedTorque

@@ -32,6 +32,8 @@ pub enum Change {
     TorqueScale(f64),
     /// The torque of one joint is this many times too small: a gear, a current, a share of the rated torque.
     JointScale(usize, f64),
+    /// The zero of a joint's position is another: so much must be added to it, rad.
+    ZeroOffset(usize, f64),
 }
 
 impl Change {
@@ -46,10 +48,11 @@ impl Change {
             Change::Gravity(_) => 4,
             Change::JointExchange(..) => 5,
             Change::AxisSign(_) => 6,
-            Change::PositionSign(_) => 7,
-            Change::PositionExchange(..) => 8,
-            Change::TorqueScale(_) => 9,
-            Change::JointScale(..) => 10,
+            Change::ZeroOffset(..) => 7,
+            Change::PositionSign(_) => 8,
+            Change::PositionExchange(..) => 9,
+            Change::TorqueScale(_) => 10,
+            Change::JointScale(..) => 11,
         }
     }
 }
@@ -61,6 +64,8 @@ pub struct Description {
     pub position_of: Vec<usize>,
     /// Sign of every joint's position.
     pub position_sign: Vec<f64>,
+    /// What is added to every joint's position after that, rad (m).
+    pub position_offset: Vec<f64>,
     /// Torque channel of every joint.
     pub torque_of: Vec<usize>,
     /// Sign of every joint's torque.
@@ -81,6 +86,7 @@ impl Description {
         Description {
             position_of: (0..dof).collect(),
             position_sign: vec![1.0; dof],
+            position_offset: vec![0.0; dof],
             torque_of: (0..dof).collect(),
             torque_sign: vec![1.0; dof],
             gravity,
@@ -116,6 +122,7 @@ impl Description {
             Change::Gravity(gravity) => out.gravity = Vector3::from(gravity),
             Change::TorqueScale(factor) => out.torque_scale.iter_mut().for_each(|scale| *scale *= factor),
             Change::JointScale(joint, factor) => out.torque_scale[joint] *= factor,
+            Change::ZeroOffset(joint, offset) => out.position_offset[joint] += offset,
         }
         out.changes.push(change);
         out
@@ -137,16 +144,33 @@ impl Description {
         out
     }
 
+    /// The description with other offsets of joints' zeros.
+    pub fn with_zeros(&self, offsets: &[f64]) -> Description {
+        let mut out = Description { position_offset: vec![0.0; self.dof()], ..self.clone() };
+        out.changes.retain(|change| !matches!(change, Change::ZeroOffset(..)));
+        let others = offsets.iter().enumerate().filter(|(_, offset)| **offset != 0.0);
+        others.fold(out, |description, (joint, offset)| description.with(Change::ZeroOffset(joint, *offset)))
+    }
+
+    /// The positions of the arm's joints from those of a log.
+    pub fn positions(&self, logged: &Channels) -> Channels {
+        let position = |joint: usize, v: &f64| self.position_sign[joint] * v + self.position_offset[joint];
+        logged.map(|joint, _| logged.channel(self.position_of[joint]).iter().map(|v| position(joint, v)).collect())
+    }
+
+    /// The velocities or accelerations of the arm's joints from those of a log.
+    pub fn rates(&self, logged: &Channels) -> Channels {
+        let rate = |joint: usize, v: &f64| self.position_sign[joint] * v;
+        logged.map(|joint, _| logged.channel(self.position_of[joint]).iter().map(|v| rate(joint, v)).collect())
+    }
+
     /// Makes the signals of the arm from those of a log.
     pub fn apply(&self, log: &mut Recording) {
-        let pick = |table: &Channels, of: &[usize], factor: &dyn Fn(usize) -> f64| {
-            table.map(|joint, _| table.channel(of[joint]).iter().map(|v| factor(joint) * v).collect())
-        };
-        let position = |table: &mut Channels| {
-            *table = pick(table, &self.position_of, &|joint| self.position_sign[joint]);
-        };
-        [Some(&mut log.q), log.qd.as_mut(), log.qdd.as_mut()].into_iter().flatten().for_each(position);
-        log.tau = pick(&log.tau, &self.torque_of, &|joint| self.torque_sign[joint] * self.torque_scale[joint]);
+        log.q = self.positions(&log.q);
+        [log.qd.as_mut(), log.qdd.as_mut()].into_iter().flatten().for_each(|table| *table = self.rates(table));
+        let torque = |joint: usize, v: &f64| self.torque_sign[joint] * self.torque_scale[joint] * v;
+        let tau = &log.tau;
+        log.tau = tau.map(|joint, _| tau.channel(self.torque_of[joint]).iter().map(|v| torque(joint, v)).collect());
         log.truth = None;
     }
 
@@ -166,19 +190,27 @@ impl Description {
         self.changes.iter().all(|change| matches!(change, Change::JointScale(..)))
     }
 
-    /// Whether two descriptions differ in the size of factors of torques only.
-    pub fn same_but_for_factors(&self, other: &Description) -> bool {
-        let scaled =
-            |description: &Description| description.torque_scale.iter().map(|v| f64::from(*v != 1.0)).collect();
-        let strip =
-            |description: &Description| Description { torque_scale: scaled(description), ..description.clone() };
+    /// Whether two descriptions differ in the size of factors of torques and of offsets of zeros only.
+    pub fn same_but_for_sizes(&self, other: &Description) -> bool {
+        let differs = |values: &[f64], usual: f64| values.iter().map(|v| f64::from(*v != usual)).collect();
+        let strip = |description: &Description| Description {
+            torque_scale: differs(&description.torque_scale, 1.0),
+            position_offset: differs(&description.position_offset, 0.0),
+            ..description.clone()
+        };
         strip(self).same_as(&strip(other))
+    }
+
+    /// Whether a joint's position is made otherwise from the log than as it is there.
+    pub fn changes_position_of(&self, joint: usize) -> bool {
+        self.position_of[joint] != joint || self.position_sign[joint] != 1.0 || self.position_offset[joint] != 0.0
     }
 
     /// Whether two descriptions give the model the same motion under the same gravity.
     pub fn same_motion(&self, other: &Description) -> bool {
         self.position_of == other.position_of
             && self.position_sign == other.position_sign
+            && self.position_offset == other.position_offset
             && self.gravity == other.gravity
     }
 

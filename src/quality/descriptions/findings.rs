@@ -30,6 +30,11 @@ pub fn words(change: Change, joints: &[String]) -> String {
             let (times, than) = times(factor);
             format!("the torque of {} is about {times} times too {than}", name(joint))
         }
+        Change::ZeroOffset(joint, offset) => format!(
+            "the zero of {} is another: {:.0} degrees ({offset:.3} rad) must be added to its positions",
+            name(joint),
+            offset.to_degrees()
+        ),
     }
 }
 
@@ -156,6 +161,7 @@ fn kind(change: Change, joints: &[String]) -> (Kind, String) {
         Change::TorqueExchange(a, _) => (Kind::Swapped, column("tau", a)),
         Change::JointExchange(a, _) | Change::PositionExchange(a, _) => (Kind::Swapped, column("q", a)),
         Change::PositionSign(joint) | Change::AxisSign(joint) => (Kind::PositionSign, column("q", joint)),
+        Change::ZeroOffset(joint, _) => (Kind::PositionZero, column("q", joint)),
         Change::WithoutGravity => (Kind::GravityCompensated, "tau".into()),
         Change::Gravity(_) => (Kind::Mounting, "gravity".into()),
         Change::TorqueScale(_) => (Kind::TorqueUnit, "tau".into()),
@@ -165,6 +171,13 @@ fn kind(change: Change, joints: &[String]) -> (Kind, String) {
 
 /// Whether a kind of finding is about the description of a log, which a changed description puts right.
 pub fn is_description(kind: Kind) -> bool {
-    let kinds = [Kind::TorqueSign, Kind::Swapped, Kind::PositionSign, Kind::Mounting, Kind::GravityCompensated];
-    kinds.contains(&kind)
+    matches!(
+        kind,
+        Kind::TorqueSign
+            | Kind::Swapped
+            | Kind::PositionSign
+            | Kind::PositionZero
+            | Kind::Mounting
+            | Kind::GravityCompensated
+    )
 }

@@ -5,9 +5,10 @@ use super::fitting::{Fit, Friction, Physics, Rows};
 use super::known::Known;
 use super::scale::Scaled;
 use super::search::{Found, Outcome, search};
+use super::settle::settled;
 use super::tried::Tried;
 use super::verdict::{Alternative, Verdict};
-use super::{compare, factors, jumps, scale};
+use super::{factors, jumps, scale};
 use crate::quality::view::View;
 use crate::robot::Robot;
 use nalgebra::Vector3;
@@ -99,16 +100,11 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         return Some(scaled_verdict(&outcome.start, after, factors));
     }
     if outcome.found.is_some() {
-        let settled = match bodies {
-            Some(bodies) => settled(&bodies, &rows, outcome),
-            None => outcome,
-        };
-        return verdict(settled, replicated);
+        return verdict(settled(bodies.as_ref(), &rows, outcome), replicated);
     }
     let bodies = bodies?;
     let outcome = search(Known { physics: &bodies, other: Some(&free) }, &rows, &with_motion, start)?;
-    let credible = outcome.found.as_ref().is_some_and(|found| found.best.share() < scale::ALIKE);
-    if credible { verdict(outcome, replicated) } else { None }
+    verdict(settled(None, &rows, outcome), replicated)
 }
 
 /// The verdict on torques of another scale, which the logs do not trace to a cause.
@@ -123,34 +119,6 @@ fn scaled_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> Ve
         factors,
         beyond_doubt: false,
     }
-}
-
-/// An outcome whose rivals are compared under the described bodies, where these explain the torques.
-fn settled(bodies: &Physics, rows: &Rows, mut outcome: Outcome) -> Outcome {
-    let Some(Found { best, rivals, next, gain }) = outcome.found.take() else { return outcome };
-    let mut each: Vec<Tried> = std::iter::once(best).chain(rivals).collect();
-    let under = |tried: &Tried| Tried::new(bodies, rows, tried.description.clone());
-    let judged: Vec<Tried> = each.iter().filter_map(under).collect();
-    let least = (0..judged.len()).min_by(|&a, &b| judged[a].share().total_cmp(&judged[b].share()));
-    let least = least.filter(|&least| judged.len() == each.len() && judged[least].share() < scale::ALIKE);
-    let worse = |place: usize| {
-        let own = |least: usize| compare::compare(&judged[place].evaluation, &judged[least].evaluation, &rows.log);
-        least.and_then(own).is_some_and(|comparison| comparison.is_distinct())
-    };
-    let worse: Vec<bool> = (0..each.len()).map(|place| judged.len() == each.len() && worse(place)).collect();
-    let best = each.remove(least.unwrap_or(0));
-    let mut worse = worse;
-    worse.remove(least.unwrap_or(0));
-    let mut next = next;
-    let mut rivals = Vec::new();
-    for (other, worse) in each.into_iter().zip(worse) {
-        match worse {
-            true => next = Some(next.filter(|next| next.share() < other.share()).unwrap_or(other)),
-            false => rivals.push(other),
-        }
-    }
-    outcome.found = Some(Found { best, rivals, next, gain }.simplest_first());
-    outcome
 }
 
 fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verdict> {

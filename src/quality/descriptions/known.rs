@@ -49,7 +49,11 @@ impl<'a> Known<'a> {
                 };
                 gain.is_large(changes) || described().unwrap_or(false)
             }
-            Physics::Bodies(_) => gain.is_large(changes) && other(best).is_some_and(|free| as_good(best, &free)),
+            // Free bodies may not see the change, and lose nothing by being asked without it.
+            Physics::Bodies(_) => {
+                let free = [best, reference].map(|tried| other(tried));
+                gain.is_large(changes) && free.iter().all(|free| free.as_ref().is_some_and(|free| as_good(best, free)))
+            }
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Wrong descriptions as hypotheses that are judged together on all logs of an arm: signs, exchanged columns, the direction
-//! of gravity, torque without gravity, the scale of torque.
+//! of gravity, torque without gravity, the scale of torque, zeros of positions.
 //!
 //! | question | module |
 //! |---|---|
@@ -9,10 +9,13 @@
 //! | whether one is clearly better than another | `compare` |
 //! | whether a gain is large, and what the described bodies say to it | `known` |
 //! | which set of changes is the smallest | `search` |
+//! | which of those that the logs do not separate | `settle` |
 //! | which way friction acts, without a model | `jumps` |
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
+//! | where the zero of a joint is | `zeros` |
+//! | the least value of a function | `golden` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
@@ -22,14 +25,17 @@ mod compare;
 mod factors;
 mod findings;
 mod fitting;
+mod golden;
 mod judgement;
 mod jumps;
 mod known;
 mod scale;
 mod search;
+mod settle;
 mod tilt;
 mod tried;
 mod verdict;
+mod zeros;
 
 pub use change::{Change, Description};
 pub(super) use findings::findings;

@@ -6,10 +6,11 @@
 use super::change::{Change, Description};
 use super::compare::{EXPLAINED, compare};
 use super::fitting::{FRICTION_COLUMNS, Fit, JointTable, Physics, Rows, Tables};
+use super::golden::golden;
 use super::tried::Tried;
 use nalgebra::{DMatrix, DVector};
 
-/// The bodies' torque counts where the residual of a joint's fit is less than this of its torque ..
+/// The bodies' torque counts where the residual of a joint's fit, or the mean of all joints, is less than this of its torque ..
 pub(super) const ALIKE: f64 = 0.35;
 
 /// .. and that of the fit without it is this many times more.
@@ -89,7 +90,8 @@ pub(super) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
         (one, own) => one.or(own),
     }?;
     let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
-    (gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
+    let credible = after.share() < ALIKE;
+    (credible && gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
 }
 
 /// Whether the torques of the joints are so many times larger or smaller than those of the described bodies that masses alone do not
@@ -158,23 +160,7 @@ pub(super) fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (V
 
 /// The factor between two others under which `merit`, which has one valley there, is least.
 pub(super) fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
-    let merit = |log: f64| merit(log.exp());
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (low.ln(), high.ln());
-    let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-    let mut values = inner.map(merit);
-    for _ in 0..SECTIONS {
-        if values[0] < values[1] {
-            high = inner[1];
-            inner = [high - golden * (high - low), inner[0]];
-            values = [merit(inner[0]), values[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + golden * (high - low)];
-            values = [values[1], merit(inner[1])];
-        }
-    }
-    (0.5 * (low + high)).exp()
+    golden(low.ln(), high.ln(), SECTIONS, |log| merit(log.exp())).exp()
 }
 
 /// How many times larger the logged torque of a joint is than that of the bodies without a load; none where it is not alike.

@@ -10,12 +10,14 @@ use super::factors;
 use super::fitting::{Fit, Physics, Rows};
 use super::jumps::contradicts;
 use super::known::Known;
+use super::scale::ALIKE;
 use super::tilt::free_direction;
 use super::tried::Tried;
+use super::zeros;
 use rayon::prelude::*;
 
-/// Most changes of a set. More at once are no slip of a recorder; the columns should then be looked at one by one.
-const MOST: usize = 3;
+/// Most changes of a set. Each must be clearly better than the set without it, so that only logs with as many faults come here.
+const MOST: usize = 6;
 
 /// Sets of one size that are judged on held-out blocks.
 const JUDGED: usize = 8;
@@ -23,8 +25,11 @@ const JUDGED: usize = 8;
 /// Sets of one size that are grown, whether or not they are clearly better: two changes may only help together.
 const GROWN: usize = 3;
 
-/// Gain over the logs as they are from which a set that is not clearly better is grown all the same.
+/// Gain over the best so far from which a set that is not clearly better is grown all the same ..
 const PROMISING: f64 = 0.3;
+
+/// .. by so many changes in a row.
+const PATIENCE: usize = 2;
 
 /// Where the residual share of every torque is below this, nothing is wrong with the description.
 const CLEAN: f64 = 0.04;
@@ -73,7 +78,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         return Some(Outcome { start, found });
     }
     let (mut seen, mut grown) = (vec![start.description.clone()], vec![start.description.clone()]);
-    let mut tried = 0;
+    let (mut tried, mut without_gain) = (0, 0);
     for size in 0..MOST {
         let mut candidates: Vec<Description> = Vec::new();
         let unscaled = grown.iter().filter(|from| from.scaled().next().is_none());
@@ -87,9 +92,12 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             let tilted = free_direction(physics, rows, &start.description);
             candidates.extend(tilted.map(|change| start.description.with(change)));
         }
-        // A factor takes many fits: only the best is grown by one.
-        for next in grown.first().map_or(Vec::new(), |from| factors::of_single_joints(physics, rows, from)) {
-            if !seen.iter().chain(&candidates).any(|other| other.same_but_for_factors(&next)) {
+        // A factor or an offset takes many fits: only the best is grown by one.
+        let sized = |from: &Description| {
+            [factors::of_single_joints(physics, rows, from), zeros::of_single_joints(physics, rows, from)].concat()
+        };
+        for next in grown.first().map_or(Vec::new(), sized) {
+            if !seen.iter().chain(&candidates).any(|other| other.same_but_for_sizes(&next)) {
                 candidates.push(next);
             }
         }
@@ -97,12 +105,13 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         let judged = judged(physics, rows, &candidates, &start);
         seen.extend(candidates);
         grown = judged.iter().take(GROWN).map(|(tried, _)| tried.description.clone()).collect();
-        let promising = judged.first().is_some_and(|(_, gain)| gain.gain > PROMISING);
+        let reached = found.as_ref().map_or(0.0, |found| found.gain.gain);
+        let promising = judged.first().is_some_and(|(_, gain)| gain.gain > reached + PROMISING);
         let better = chosen(judged, &known, found.as_ref().map_or(&start, |found| &found.best), rows, tried);
         match better {
-            Some(better) => found = Some(better),
-            None if found.is_some() || !promising => break,
-            None => {}
+            Some(better) => (found, without_gain) = (Some(better), 0),
+            None if !promising || without_gain == PATIENCE => break,
+            None => without_gain += 1,
         }
         if found.as_ref().is_some_and(|found| explained(&found.best)) {
             break;
@@ -142,6 +151,10 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
     };
     let mut judged: Vec<(Tried, Comparison)> = order.par_iter().filter_map(judge).collect();
     judged.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    for (tried, gain) in &judged {
+        let changes = &tried.description.changes;
+        tracing::debug!(?changes, unexplained = ?tried.evaluation.unexplained, gain = gain.gain, p = gain.p, "judged");
+    }
     judged
 }
 
@@ -159,7 +172,9 @@ fn chosen(
     let explains = |channel: usize| best.evaluation.unexplained[channel].is_some_and(|share| share < limit);
     let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
     let most = (0..top.channels.len()).max_by(|&a, &b| gains(a).total_cmp(&gains(b)))?;
-    if !top.is_better(tried, limit) || !explains(most) || !known.supports(reference, best, &top, rows) {
+    // What leaves most of the torques unexplained is not the arm's.
+    let credible = matches!(known.physics, Physics::Alone) || best.share() < ALIKE;
+    if !credible || !top.is_better(tried, limit) || !explains(most) || !known.supports(reference, best, &top, rows) {
         return None;
     }
     let mut judged = judged.into_iter();

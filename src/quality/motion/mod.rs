@@ -29,6 +29,17 @@ pub(super) fn endless(unwrapped: &[(usize, f64)], robot: Option<&Robot>, joints:
     (0..joints).map(|joint| unlimited(joint) || turned(joint)).collect()
 }
 
+/// Positions this far beyond a limit leave it, rad (m).
+const BEYOND: f64 = 0.01;
+
+/// Whether positions of a joint leave its limits.
+pub(super) fn leaves_limits(robot: Option<&Robot>, joint: usize, positions: &[f64]) -> bool {
+    robot.is_some_and(|robot| {
+        let limits = robot.joints[joint].limits;
+        positions.iter().any(|q| (limits.lower - q).max(q - limits.upper) > BEYOND)
+    })
+}
+
 /// Findings about the motion; `logged` are the summaries in the units of the log.
 pub(super) fn findings(
     view: &View,
@@ -62,8 +73,7 @@ pub(super) fn findings(
             continue;
         }
         if let Some(limits) = limits {
-            let over = (limits.lower - summary.range[0]).max(summary.range[1] - limits.upper);
-            if over > 0.01 {
+            if leaves_limits(robot, joint, &summary.range) {
                 let text = format!(
                     "the positions {:.3} .. {:.3} leave the URDF's limits {:.3} .. {:.3}; check zero positions, signs and the \
                      order of the joints",

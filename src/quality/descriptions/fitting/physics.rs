@@ -98,16 +98,10 @@ impl Physics {
     /// The tables of a description.
     pub(crate) fn tables(&self, rows: &Rows, description: &Description) -> Tables {
         let dof = description.dof();
-        let pick = |signals: &Channels, signed: bool| {
-            signals.map(|joint, _| {
-                let sign = if signed { description.position_sign[joint] } else { 1.0 };
-                signals.channel(description.position_of[joint]).iter().map(|v| sign * v).collect()
-            })
-        };
         let motion = Motion {
-            q: pick(&rows.motion.q, true),
-            qd: pick(&rows.motion.qd, true),
-            qdd: pick(&rows.motion.qdd, true),
+            q: description.positions(&rows.motion.q),
+            qd: description.rates(&rows.motion.qd),
+            qdd: description.rates(&rows.motion.qdd),
         };
         let gravity = description.gravity.into();
         let known = match self {

@@ -46,6 +46,10 @@ pub(crate) struct Rows {
     pub log: Vec<usize>,
     /// Whether a position channel surely moves, `[channel][row]`.
     pub moves: Vec<Vec<bool>>,
+    /// Whether a joint turns, and does not slide.
+    pub turns: Vec<bool>,
+    /// Least and greatest position of a joint, rad (m).
+    pub limits: Vec<[f64; 2]>,
     /// Whether a torque channel holds measurements that change.
     pub measured: Vec<bool>,
     /// Root mean square of every torque channel.
@@ -84,12 +88,17 @@ impl Rows {
             qdd: pick(views.iter().map(|view| &view.qdd).collect()),
         };
         let tau = pick(views.iter().map(|view| &view.tau).collect());
-        let moves = (0..dof).map(|joint| {
-            moves(motion.q.channel(joint), motion.qd.channel(joint), robot.map(|robot| robot.joints[joint].kind))
-        });
+        let kind = |joint: usize| robot.map(|robot| robot.joints[joint].kind);
+        let moves = (0..dof).map(|joint| moves(motion.q.channel(joint), motion.qd.channel(joint), kind(joint)));
+        let limits = |joint: usize| {
+            let of = |robot: &Robot| [robot.joints[joint].limits.lower, robot.joints[joint].limits.upper];
+            robot.map_or([f64::NEG_INFINITY, f64::INFINITY], of)
+        };
         let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);
         Some(Rows {
             moves: moves.collect(),
+            turns: (0..dof).map(|joint| kind(joint) != Some(JointKind::Prismatic)).collect(),
+            limits: (0..dof).map(limits).collect(),
             measured: tau.iter().zip(spoilt).map(|(tau, spoilt)| !spoilt && measured(tau)).collect(),
             size: tau.iter().map(root_mean_square).collect(),
             motion,
@@ -101,6 +110,29 @@ impl Rows {
 }
 
 impl Rows {
+    /// About so many of the rows, evenly spaced, with one block per log: for a scan over many motions.
+    pub(crate) fn thinned(&self, count: usize) -> Rows {
+        let step = (self.block.len() / count.max(1)).max(1);
+        let pick = |table: &Channels| table.map(|_, channel| channel.iter().copied().step_by(step).collect());
+        Rows {
+            motion: Motion { q: pick(&self.motion.q), qd: pick(&self.motion.qd), qdd: pick(&self.motion.qdd) },
+            tau: pick(&self.tau),
+            block: self.block.iter().step_by(step).map(|&block| self.log[block]).collect(),
+            log: (0..self.logs()).collect(),
+            moves: self.moves.iter().map(|moves| moves.iter().copied().step_by(step).collect()).collect(),
+            turns: self.turns.clone(),
+            limits: self.limits.clone(),
+            measured: self.measured.clone(),
+            size: self.size.clone(),
+        }
+    }
+
+    /// By how much the positions of a joint leave its limits, rad (m); zero or less where they do not.
+    pub(crate) fn beyond_limits(&self, joint: usize, positions: &[f64]) -> f64 {
+        let [lower, upper] = self.limits[joint];
+        positions.iter().map(|q| (lower - q).max(q - upper)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Number of logs.
     pub(crate) fn logs(&self) -> usize {
         self.log.last().map_or(0, |last| last + 1)

@@ -1,0 +1,73 @@
+//! Logs of joints whose zero is another than that of the description.
+
+use super::*;
+
+/// The offsets of a verdict, degrees, by joint.
+fn offsets(verdict: &Verdict) -> Vec<f64> {
+    verdict.description.position_offset.iter().map(|offset| offset.to_degrees()).collect()
+}
+
+/// Whether the changes of a verdict are offsets like the wanted ones, which the logs lack, and none else.
+fn are(verdict: &Option<Verdict>, wanted: &[(usize, f64)]) -> bool {
+    let Some(verdict) = verdict else { return wanted.is_empty() };
+    let of = |joint: usize| -wanted.iter().find(|(own, _)| *own == joint).map_or(0.0, |(_, degrees)| *degrees);
+    let turned = |(joint, found): (usize, f64)| (found - of(joint) + 180.0).rem_euclid(360.0) - 180.0;
+    verdict.description.changes.len() == wanted.len()
+        && offsets(verdict).into_iter().enumerate().all(|each| turned(each).abs() < 4.0)
+}
+
+fn with_zeros(robot: &Robot, oddity: Oddity, zeros: &[(usize, f64)]) -> Option<Verdict> {
+    let changes: Vec<Change> =
+        zeros.iter().map(|&(joint, degrees)| Change::ZeroOffset(joint, degrees.to_radians())).collect();
+    found(robot, oddity, &changes).1
+}
+
+#[test]
+fn a_wrong_zero_is_found_alone_or_with_a_second() {
+    let robot = irb();
+    let mut wrong = Vec::new();
+    for (oddity, zeros) in [
+        (Oddity::None, &[(1, 90.0)][..]),
+        (Oddity::None, &[(2, -45.0)]),
+        (Oddity::None, &[(3, 90.0)]),
+        (Oddity::None, &[(4, -20.0)]),
+        (Oddity::Payload(5.0), &[(1, -90.0)]),
+        (Oddity::Stribeck, &[(2, 30.0)]),
+        (Oddity::None, &[(1, 90.0), (2, -90.0)]),
+        (Oddity::None, &[(2, 90.0), (3, 90.0)]),
+    ] {
+        let verdict = with_zeros(&robot, oddity, zeros);
+        if !are(&verdict, zeros) || !verdict.as_ref().is_some_and(|verdict| verdict.beyond_doubt) {
+            let told = verdict.map(|v| (v.description.changes, v.before, v.after, v.alternatives));
+            wrong.push(format!("{oddity:?} {zeros:?}: {told:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_small_offset_is_left_to_the_diagnosis() {
+    let robot = irb();
+    assert!(are(&with_zeros(&robot, Oddity::None, &[(2, 4.0)]), &[]));
+}
+
+#[test]
+fn the_zero_of_the_last_joint_is_seen_by_described_bodies() {
+    let robot = arm("tests/reference/skew7.urdf");
+    let last = robot.dof() - 1;
+    let verdict = with_zeros(&robot, Oddity::None, &[(last, 90.0)]);
+    assert!(are(&verdict, &[(last, 90.0)]), "{verdict:?}");
+}
+
+#[test]
+fn half_a_turn_keeps_the_joint_within_its_limits() {
+    let robot = irb();
+    let limits = robot.joints[4].limits;
+    let verdict = with_zeros(&robot, Oddity::None, &[(4, 180.0)]).unwrap();
+    assert!(are(&Some(verdict.clone()), &[(4, 180.0)]), "{verdict:?}");
+    let log = simulated(&robot, Oddity::None, 15.0, 7).recording;
+    let mut logged = log.q.clone();
+    logged.channel_mut(4).iter_mut().for_each(|q| *q += std::f64::consts::PI);
+    let positions = verdict.description.positions(&logged);
+    assert!(positions.channel(4).iter().all(|q| (limits.lower..limits.upper).contains(q)));
+}

@@ -1,0 +1,154 @@
+//! Zeros of joints: an encoder reads zero where the description of the arm does not, as after another convention of angles or a motor
+//! that was changed without calibration.
+//!
+//! A wrong zero turns all that a joint carries against all that it stands on: the pull of gravity and the coupling of the joints
+//! come out otherwise. Free bodies take up the zero of the last joint, and that of a joint around which gravity is symmetric and which
+//! stands on nothing that moves; those described show the last one's too.
+
+use super::change::Description;
+use super::fitting::{Fit, Physics, Rows};
+use super::golden::golden;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Offsets that are tried first, so many degrees apart. Torques hold the second harmonic of an offset, whose valleys are wider.
+const STEP_DEG: f64 = 30.0;
+
+/// Rows of the scan: a few for each parameter of an arm. What it finds is judged on all.
+const SCANNED: usize = 400;
+
+/// Golden sections of an interval between two of them: to within a degree.
+const SECTIONS: usize = 8;
+
+/// Smaller offsets are not reported, degrees: a calibration is off by those, which the diagnosis estimates with its standard error.
+const REPORTED_DEG: f64 = 10.0;
+
+/// Offsets within this of a multiple of the second are that one, degrees: conventions differ by such.
+const NEAR_DEG: f64 = 2.5;
+const CONVENTION_DEG: f64 = 45.0;
+
+/// An offset fits all rows better than none by so much, in the logarithm of the mean squares.
+const GAINS: f64 = 0.5;
+
+/// Offsets of different joints that are handed on, the best first.
+const KEPT: usize = 4;
+
+/// Rounds over several offsets, each of which changes the best of the others by at most the second, degrees.
+const ROUNDS: usize = 2;
+const CHANGES_DEG: f64 = 20.0;
+
+/// After each round, the way that it went is gone on by so many times its length at most.
+const FURTHER: f64 = 5.0;
+
+/// The description with an offset of one more zero, for joints that have none yet and to which all rows give one beyond what is reported.
+pub(super) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+    // Joints by themselves have gravity of any phase.
+    if matches!(physics, Physics::Alone) || from.scaled().next().is_some() {
+        return Vec::new();
+    }
+    let few = rows.thinned(SCANNED);
+    let merit = |offsets: &[f64]| {
+        let description = from.with_zeros(offsets);
+        let tables = physics.tables(&few, &description);
+        Fit::new(&tables, &few, &description).merit().unwrap_or(f64::INFINITY)
+    };
+    let given = &from.position_offset;
+    let at = |joint: usize, offset: f64| -> Vec<f64> {
+        let mut offsets = given.clone();
+        offsets[joint] = offset;
+        offsets
+    };
+    let without = merit(given);
+    let steps = (360.0 / STEP_DEG) as usize;
+    let grid = |place: usize| (place as f64 * STEP_DEG).to_radians();
+    let joints: Vec<usize> = (0..from.dof()).filter(|&joint| rows.turns[joint] && given[joint] == 0.0).collect();
+    let tried: Vec<(usize, usize)> =
+        joints.iter().flat_map(|&joint| (1..steps).map(move |place| (joint, place))).collect();
+    let merits: Vec<f64> = tried.par_iter().map(|&(joint, place)| merit(&at(joint, grid(place)))).collect();
+    let refined = |&joint: &usize| {
+        let own = tried.iter().zip(&merits).filter(|((other, _), _)| *other == joint);
+        let each = own.map(|((_, place), merit)| (*place, *merit)).chain([(0, without)]);
+        let (least, _) = each.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let step = STEP_DEG.to_radians();
+        let offset = golden(grid(least) - step, grid(least) + step, SECTIONS, |offset| merit(&at(joint, offset)));
+        let offsets = at(joint, offset);
+        let merit = merit(&offsets);
+        (merit < without - GAINS).then_some((merit, offsets))
+    };
+    let mut found: Vec<(f64, Vec<f64>)> = joints.par_iter().filter_map(refined).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(KEPT);
+    let several = given.iter().any(|offset| *offset != 0.0);
+    let together = |(_, mut offsets): (f64, Vec<f64>)| {
+        let change = CHANGES_DEG.to_radians();
+        for _ in 0..if several { ROUNDS } else { 0 } {
+            let before = offsets.clone();
+            for joint in (0..offsets.len()).filter(|&joint| offsets[joint] != 0.0).collect::<Vec<_>>() {
+                let with = |offset: f64| {
+                    let mut offsets = offsets.clone();
+                    offsets[joint] = offset;
+                    merit(&offsets)
+                };
+                offsets[joint] = golden(offsets[joint] - change, offsets[joint] + change, SECTIONS, with);
+            }
+            // Offsets of parallel axes make up for each other: further along the way that the round went.
+            let along = |factor: f64| -> Vec<f64> {
+                offsets.iter().zip(&before).map(|(now, before)| now + factor * (now - before)).collect()
+            };
+            offsets = along(golden(0.0, FURTHER, SECTIONS, |factor| merit(&along(factor))));
+        }
+        reported(&offsets).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets)))
+    };
+    found.into_par_iter().filter_map(together).collect()
+}
+
+/// Offsets as they are reported, rad within half a turn; none where one is too small for that.
+fn reported(offsets: &[f64]) -> Option<Vec<f64>> {
+    let of = |offset: &f64| {
+        if *offset == 0.0 {
+            return Some(0.0);
+        }
+        let degrees = offset.to_degrees();
+        let usual = (degrees / CONVENTION_DEG).round() * CONVENTION_DEG;
+        let degrees = if (degrees - usual).abs() < NEAR_DEG { usual } else { degrees };
+        // Half a turn is written as a positive one.
+        let degrees = 180.0 - (180.0 - degrees).rem_euclid(360.0);
+        (degrees.abs() > REPORTED_DEG).then(|| degrees.to_radians())
+    };
+    offsets.iter().map(of).collect()
+}
+
+/// The same offsets, by whole turns more or less where the joint is then within its limits or nearer to them.
+fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>) -> Vec<f64> {
+    let logged = from.with_zeros(&vec![0.0; from.dof()]).positions(&rows.motion.q);
+    let turned = |(joint, offset): (usize, f64)| {
+        let beyond = |turns: f64| {
+            let positions: Vec<f64> = logged.channel(joint).iter().map(|q| q + offset + turns * TAU).collect();
+            rows.beyond_limits(joint, &positions).max(0.0)
+        };
+        let turns = [0.0, -1.0, 1.0].into_iter().min_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
+        if offset == 0.0 { 0.0 } else { offset + turns.unwrap_or(0.0) * TAU }
+    };
+    offsets.into_iter().enumerate().map(turned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::reported;
+
+    #[test]
+    fn offsets_are_reported_beyond_a_calibration_and_are_those_of_a_convention_where_they_are_near() {
+        let of = |degrees: f64| reported(&[0.0, degrees.to_radians()]).map(|offsets| offsets[1].to_degrees());
+        let near =
+            |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-9, "{found:?} {wanted}");
+        near(of(10.1), 10.1);
+        near(of(-10.1), -10.1);
+        assert_eq!([of(9.9), of(-9.9), of(1.0), of(359.0)], [None; 4]);
+        near(of(92.4), 90.0);
+        near(of(92.6), 92.6);
+        near(of(43.0), 45.0);
+        near(of(-178.0), 180.0);
+        near(of(181.0), 180.0);
+        near(of(200.0), -160.0);
+    }
+}

@@ -95,7 +95,9 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
                 }
                 false => String::new(),
             };
-            format!("they are one of: {gear}in amperes or percent (torque_constant_nm_a){unit}")
+            let alone = gear.is_empty() && unit.is_empty();
+            let start = if alone { "they are probably " } else { "they are one of: " };
+            format!("{start}{gear}in amperes or percent (torque_constant_nm_a){unit}")
         }
     }
 }

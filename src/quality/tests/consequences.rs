@@ -34,7 +34,7 @@ fn positions_in_milliradians_are_the_only_fault() {
     let mut sieved = log(&irb(), 250.0, 12.0);
     sieved.recording.q.as_mut_slice().iter_mut().for_each(|v| *v *= 1e3);
     let units = examine(&sieved, Some(&irb())).unwrap().units;
-    assert_eq!((units.turning, units.velocities_are_si), (Some(OtherUnit::Milliradian), true));
+    assert_eq!((units.positions, units.velocities), (vec![Some(OtherUnit::Milliradian); 6], Vec::new()));
 }
 
 #[test]

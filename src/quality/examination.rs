@@ -107,6 +107,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
         units.time_factor = velocity::clock_factor(view, robot);
+        let positions_are_known = !position_units.any();
+        if let Some(robot) = robot.filter(|_| view.log.qd.is_none() && positions_are_known) {
+            units.time_factor = descriptions::clock_factor(view.log, robot)?;
+            let finding =
+                |factor| Finding::new(Kind::ClockFactor, Severity::Warning, "t", descriptions::clock_text(factor));
+            findings.extend(units.time_factor.map(finding));
+        }
         // Velocities are not compared with positions that stand or count something else.
         let mut incomparable = channels::with_frozen_position(view, &findings);
         incomparable.extend((0..view.dof()).filter(|&joint| position_units.is_unknown(joint)));

@@ -70,10 +70,22 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
     let converted = units.clone().or_none().positions_in_si(log);
     let converted = converted.as_ref().map(|log| View::new(log, robot)).transpose()?;
     let view = converted.as_ref().unwrap_or(&raw);
-    if velocity::clock_factor(view, robot).is_none() {
+    if velocity::clock_factor(view, robot).is_none() || all_show_units(view, &units, robot) {
         of_velocities(view, &mut units, robot);
     }
     Ok(units.or_none())
+}
+
+/// Whether positions are in another unit, and the velocities of all joints are then in a known one: no clock runs wrong by such a factor.
+fn all_show_units(view: &View, units: &UnitChanges, robot: Option<&Robot>) -> bool {
+    let is_known = |joint: usize| {
+        let kind = robot.map_or(JointKind::Revolute, |robot| robot.joints[joint].kind);
+        let Some(ratio) = velocity::ratio(view, joint) else { return true };
+        let converted = units.velocities[joint].map_or(1.0, OtherRate::in_si);
+        let shown = shown(kind, units.positions[joint], units.velocities[joint], ratio, converted);
+        matches!(shown, Some(Shown::Velocity(_)))
+    };
+    units.positions.iter().any(Option::is_some) && (0..view.dof()).all(is_known)
 }
 
 /// What the velocities show of units, in a log that was converted by those that were found before.

@@ -1,6 +1,7 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay, and the clock.
 
 use super::finding::{Finding, Kind, Severity};
+use super::rates::places;
 use super::statistics::{correlation, size_quantile};
 use super::view::View;
 use crate::channels::Channels;
@@ -41,6 +42,9 @@ const OF_UNIT: f64 = 0.03;
 const TIMES: [f64; 6] = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9];
 const OF_TIME: f64 = 0.02;
 
+/// Relative deviation up to which the factors of several velocities are one.
+const SHARED: f64 = 0.02;
+
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
@@ -59,6 +63,7 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
     let mut out = Vec::new();
     let moving = moving(view);
     out.extend(clock.map(|factor| clock_finding(factor, moving.len())));
+    let mut factors: Vec<(usize, f64, &str)> = Vec::new();
     for joint in moving.into_iter().filter(|joint| !incomparable.contains(joint)) {
         let (own, column) = (view.qd.channel(joint), logged.channel(joint));
         let place = view.place("qd", joint);
@@ -92,8 +97,7 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
             let nearest = FACTORS.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
             let known = nearest.filter(|(known, _)| off(*known) < TOLERANCE);
             let advice = known.map_or("is it at the motor side of the gear? Convert it to the joint side", |(_, a)| a);
-            let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
-            out.push(Finding::new(Kind::VelocityUnit, Severity::Warning, place.clone(), text));
+            factors.push((joint, factor, advice));
         }
         if let Some(lag) = delay(own, column, view.period) {
             let text = format!(
@@ -105,7 +109,22 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
             out.push(Finding::new(Kind::VelocityDelay, Severity::Note, place, text));
         }
     }
+    out.extend(of_factors(view, &factors));
     out
+}
+
+/// Findings about velocities that are some times the change of position per second, by joint: one where all share it.
+fn of_factors(view: &View, factors: &[(usize, f64, &str)]) -> Vec<Finding> {
+    let finding = |joints: &[usize], factor: f64, advice: &str| {
+        let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
+        Finding::new(Kind::VelocityUnit, Severity::Warning, places(view, "qd", joints), text)
+    };
+    match factors {
+        [(_, factor, advice), _, ..] if factors.iter().all(|other| (other.1 / factor - 1.0).abs() < SHARED) => {
+            vec![finding(&factors.iter().map(|own| own.0).collect::<Vec<_>>(), *factor, advice)]
+        }
+        _ => factors.iter().map(|&(joint, factor, advice)| finding(&[joint], factor, advice)).collect(),
+    }
 }
 
 /// Change of the position of a joint per second over its logged velocity, where they belong together.

@@ -13,11 +13,13 @@
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
+//! | whether the clock is wrong | `clock` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
 mod change;
+mod clock;
 mod compare;
 mod factors;
 mod findings;
@@ -32,6 +34,7 @@ mod tried;
 mod verdict;
 
 pub use change::{Change, Description};
+pub(super) use clock::{clock_factor, clock_text};
 pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};

@@ -134,6 +134,17 @@ struct Shown {
     ratio: Option<f64>,
 }
 
+/// The limit that is farther from zero.
+fn bound(limits: Limits) -> f64 {
+    limits.lower.abs().max(limits.upper.abs())
+}
+
+/// Whether positions are too far from zero for SI units.
+fn is_far(summary: &JointSummary, bound: f64, units: &Units) -> bool {
+    let largest = summary.range[0].abs().max(summary.range[1].abs());
+    largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest }
+}
+
 /// Units in which the positions of a joint fit its limits, where they do not in SI units; there may be none.
 fn fitting(
     summary: &JointSummary,
@@ -145,12 +156,12 @@ fn fitting(
     let [low, high] = summary.range;
     let largest = low.abs().max(high.abs());
     let (bound, fastest) =
-        limits.map_or((f64::INFINITY, f64::INFINITY), |l| (l.lower.abs().max(l.upper.abs()), l.velocity));
+        limits.map_or((f64::INFINITY, f64::INFINITY), |limits| (self::bound(limits), limits.velocity));
     let fastest = if endless { fastest.min(FASTEST_ENDLESS) } else { fastest };
     // A joint within its limits that is too fast jumps; nothing is said about its unit.
     let leaves = if bound.is_finite() { largest > bound } else { high - low > units.range };
     let too_fast = summary.speed > TOO_FAST * fastest && leaves;
-    let far = largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest };
+    let far = is_far(summary, bound, units);
     // A joint that turns without end may be anywhere: its speed alone shows the unit.
     let beyond = if endless { too_fast } else { far };
     let of_velocity = |unit: OtherUnit| shown.ratio.is_some_and(|ratio| (ratio / unit.in_si() - 1.0).abs() < RATIO);
@@ -196,7 +207,21 @@ impl PositionUnits {
             let units = Units::of(kinds[joint]);
             fitting(&summaries[joint], limits, units, endless[joint], shown)
         };
-        PositionUnits { doubts: (0..view.dof()).map(doubt).collect(), kinds }
+        let mut doubts: Vec<Option<Vec<OtherUnit>>> = (0..view.dof()).map(doubt).collect();
+        // One recorder gives all joints one unit: speed alone shows another of a few joints no better than a wrong clock does.
+        for kind in [JointKind::Revolute, JointKind::Prismatic] {
+            let own = |joint: &usize| kinds[*joint] == kind;
+            let doubtful: Vec<usize> = (0..kinds.len()).filter(|j| own(j) && doubts[*j].is_some()).collect();
+            if 2 * doubtful.len() < (0..kinds.len()).filter(own).count() {
+                for joint in doubtful.into_iter().filter(|&joint| !endless[joint]) {
+                    let bound = robot.map_or(f64::INFINITY, |robot| bound(robot.joints[joint].limits));
+                    if !is_far(&summaries[joint], bound, Units::of(kind)) {
+                        doubts[joint] = None;
+                    }
+                }
+            }
+        }
+        PositionUnits { doubts, kinds }
     }
 
     /// Whether the positions of any joint are not in rad or m.
@@ -263,7 +288,8 @@ impl PositionUnits {
             let largest = largest(joints);
             match unit {
                 Some(unit) => format!(
-                    "the positions are in {}: up to {largest:.1}, at up to {fastest:.1} per second, they are far too large in {si}; convert                      them, or set [units] position = \"{}\" in a dataset",
+                    "the positions are in {}: up to {largest:.1}, at up to {fastest:.1} per second, they are far too large in {si}; convert \
+                     them, or set [units] position = \"{}\" in a dataset",
                     unit.words(),
                     unit.symbol()
                 ),

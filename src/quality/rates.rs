@@ -1,5 +1,6 @@
 //! Units of positions and velocities together: the unit of each joint's velocity, and that of positions which velocities show.
 
+use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::{OtherUnit, PositionUnits};
 use super::report::UnitChanges;
@@ -7,7 +8,7 @@ use super::velocity;
 use super::view::View;
 use crate::error::Result;
 use crate::recording::Recording;
-use crate::robot::{JointKind, Robot};
+use crate::robot::{Joint, JointKind, Robot};
 use std::f64::consts::{PI, TAU};
 
 /// Relative deviation of a velocity from its unit where it is converted: the ratios of gears lie between units.
@@ -52,11 +53,27 @@ impl OtherRate {
     }
 }
 
-/// Units of the positions and velocities of a log at even steps. Positions that are far beyond their limits show their unit by themselves.
+/// Units of the positions and velocities of a log at even steps. Positions that are far beyond their limits show their unit by themselves,
+/// turns show it in the torques.
 ///
 /// # Errors
 /// Those of the filters.
 pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<UnitChanges> {
+    let mut units = of_motion(log, positions, robot)?;
+    if let Some(robot) = robot.filter(|_| units.is_none() && !positions.any())
+        && descriptions::are_turns(log, robot)?
+    {
+        let unit = |joint: &Joint| (joint.kind == JointKind::Revolute).then_some(OtherUnit::Turn);
+        units.positions = robot.joints.iter().map(unit).collect();
+        if log.qd.is_some() {
+            units.velocities = units.positions.iter().map(|unit| unit.map(OtherRate::PerSecond)).collect();
+        }
+    }
+    Ok(units)
+}
+
+/// What positions and velocities show.
+fn of_motion(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<UnitChanges> {
     let mut units = UnitChanges { positions: positions.units(), ..UnitChanges::default() };
     if log.qd.is_none() {
         return Ok(units.or_none());
@@ -170,8 +187,10 @@ pub(super) fn findings(units: &UnitChanges, positions: &PositionUnits, view: &Vi
     let by_velocity = |joint: usize| units.positions.get(joint).copied().flatten().filter(|_| !positions.doubts(joint));
     for (unit, joints) in grouped(view.dof(), by_velocity) {
         let place = places(view, "q", &joints);
+        let of_velocity = joints.iter().any(|&joint| view.log.has_velocity(joint) && units.velocity(joint).is_none());
+        let shown = if of_velocity { "where the velocities are in SI units" } else { "as the torques of gravity show" };
         let text = format!(
-            "the positions are in {} where the velocities are in SI units; convert them, or set [units] position = \"{}\" in a dataset",
+            "the positions are in {} {shown}; convert them, or set [units] position = \"{}\" in a dataset",
             unit.words(),
             unit.symbol()
         );

@@ -14,6 +14,7 @@
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
 //! | whether the clock is wrong | `clock` |
+//! | whether positions are in turns | `turns` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
@@ -31,6 +32,7 @@ mod scale;
 mod search;
 mod tilt;
 mod tried;
+mod turns;
 mod verdict;
 
 pub use change::{Change, Description};
@@ -38,6 +40,7 @@ pub(super) use clock::{clock_factor, clock_text};
 pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};
+pub(super) use turns::are_turns;
 pub use verdict::{Alternative, Verdict};
 
 #[cfg(test)]

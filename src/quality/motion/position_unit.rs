@@ -373,6 +373,8 @@ mod tests {
         assert_eq!(degrees([-90.0, 90.0], 14.9, true), None);
         assert_eq!(degrees([-90.0, 90.0], 15.1, true), Some(true));
         assert_eq!(degrees([-9e4, 9e4], 1e5, true), Some(false));
+        // As fast as one in rad that is not suspected: fifteen rad/s.
+        assert_eq!([859.0, 860.0].map(|speed| degrees([-9e4, 9e4], speed, true)), [Some(true), Some(false)]);
     }
 
     #[test]

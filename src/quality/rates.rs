@@ -67,9 +67,12 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
         units.positions = robot.joints.iter().map(unit).collect();
         if log.qd.is_some() {
             units.velocities = units.positions.iter().map(|unit| unit.map(OtherRate::PerSecond)).collect();
+            if let Some(converted) = units.positions_in_si(log) {
+                of_velocities(&View::new(&converted, Some(robot))?, &mut units, Some(robot));
+            }
         }
     }
-    Ok(units)
+    Ok(units.or_none())
 }
 
 /// What positions and velocities show.

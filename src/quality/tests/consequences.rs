@@ -138,6 +138,9 @@ fn units_of_single_joints_and_of_velocities_alone() {
         assert_eq!(of.positions, vec![Some(OtherUnit::Turn); 6]);
         assert_eq!(of.velocities.is_empty(), velocity == 1.0);
     }
+    let (found, of) = units(&all, turns, rpm);
+    assert_eq!(found.iter().map(|own| own.0).collect::<Vec<_>>(), [Kind::VelocityUnit, Kind::PositionUnit]);
+    assert_eq!(of.velocities, vec![Some(OtherRate::Rpm); 6]);
 }
 
 /// Counts of encoders are one matter, whatever the velocities are.

@@ -139,7 +139,7 @@ fn units_of_single_joints_and_of_velocities_alone() {
         assert_eq!(of.velocities.is_empty(), velocity == 1.0);
     }
     let (found, of) = units(&all, turns, rpm);
-    assert_eq!(found.iter().map(|own| own.0).collect::<Vec<_>>(), [Kind::VelocityUnit, Kind::PositionUnit]);
+    assert_eq!(found.iter().map(|own| own.0).collect::<Vec<_>>(), [Kind::PositionUnit, Kind::VelocityUnit]);
     assert_eq!(of.velocities, vec![Some(OtherRate::Rpm); 6]);
 }
 

@@ -13,7 +13,7 @@ use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, JointNames, Sieved};
 use crate::robot::description::{self, Description};
-use crate::robot::{Choice, InertiaCheck, JointKind, Robot};
+use crate::robot::{Choice, InertiaCheck, JointKind, Robot, shortened};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -152,7 +152,7 @@ impl LoggedArm {
     /// Positions of joints that are not under study, where all logs have them standing still, with notes of those that do not
     /// stand at one place.
     fn elsewhere(&self, dataset: Option<&Dataset>, paths: &[&Path]) -> Result<Elsewhere> {
-        let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
+        let mut map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
         let others: Vec<(String, JointKind)> = self
             .description
             .masters()
@@ -171,10 +171,12 @@ impl LoggedArm {
         let in_all = |(name, _): &(String, JointKind)| named.iter().all(|names| names.contains(name));
         let others: Vec<(String, JointKind)> = others.into_iter().filter(in_all).collect();
         // Lists of units are of the joints under study.
-        let factor = dataset.map_or(1.0, |dataset| match dataset.spec.units.position {
-            OfJoints::All(unit) => unit.factor(),
-            OfJoints::Each(_) => 1.0,
+        let factor = dataset.and_then(|dataset| match dataset.spec.units.position {
+            Some(OfJoints::All(unit)) => Some(unit.factor()),
+            Some(OfJoints::Each(_)) | None => None,
         });
+        map.known_units[0] = factor.is_some();
+        let factor = factor.unwrap_or(1.0);
         let read = |joints: &[String]| -> Option<Vec<Recording>> {
             let of = |path: &&Path| {
                 let Sieved { mut recording, rejected, .. } = lenient::positions(path, joints, &map).ok()?;
@@ -214,7 +216,7 @@ impl LoggedArm {
         if !moving.is_empty() {
             notes.push(format!(
                 "joints not under study move in the logs, but are held in the middle of their range ({}); {CURE}",
-                moving.join(", ")
+                shortened(&moving)
             ));
         }
         Ok((found, notes))

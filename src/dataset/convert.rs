@@ -28,9 +28,10 @@ impl Dataset {
             (true, Some(gear)) => gear.clone(),
             (false, _) => vec![1.0; dof],
         };
-        let mut torque_factor = vec![units.torque.factor(); dof];
+        let torque_unit = units.torque.unwrap_or_default();
+        let mut torque_factor = vec![torque_unit.factor(); dof];
         // Currents by their name become torques where the dataset says how.
-        let currents = units.torque.is_current() || (sieved.currents && constant.is_some());
+        let currents = torque_unit.is_current() || (sieved.currents && constant.is_some());
         if currents {
             let Some(constant) = &constant else {
                 return Err(needs("motors.torque_constant_nm_a", "torque is given as a current"));
@@ -100,7 +101,14 @@ impl Dataset {
     }
 
     /// The `factor` of the unit of each joint.
-    fn units<T: Copy>(&self, key: &str, given: &OfJoints<T>, factor: fn(T) -> f64, dof: usize) -> Result<Vec<f64>> {
+    fn units<T: Copy>(
+        &self,
+        key: &str,
+        given: &Option<OfJoints<T>>,
+        factor: fn(T) -> f64,
+        dof: usize,
+    ) -> Result<Vec<f64>> {
+        let Some(given) = given else { return Ok(vec![1.0; dof]) };
         match given {
             OfJoints::All(unit) => Ok(vec![factor(*unit); dof]),
             OfJoints::Each(units) if units.len() == dof => Ok(units.iter().map(|unit| factor(*unit)).collect()),

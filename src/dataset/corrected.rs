@@ -2,9 +2,10 @@
 
 use super::description::Dataset;
 use super::spec::SCHEMA;
+use super::units::TorqueUnit;
 use crate::error::{Error, Result};
 use crate::quality::descriptions::{Change, Description};
-use crate::quality::{OtherUnit, UnitChanges};
+use crate::quality::{OtherRate, UnitChanges};
 use crate::recording::memory;
 use crate::robot::{JointKind, Robot};
 use std::path::{Path, PathBuf};
@@ -83,7 +84,7 @@ pub fn corrected(
     let scales: Vec<f64> = order.iter().map(scale).collect();
     let shared = scales.first().copied().filter(|first| scales.iter().all(|scale| scale == first));
     if scales.iter().any(|scale| *scale != 1.0) {
-        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_current());
+        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_some_and(TorqueUnit::is_current));
         if !currents && shared.is_some_and(|scale| (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale)) {
             section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
         } else {
@@ -108,29 +109,41 @@ pub fn corrected(
         let old = written.get("time_factor").cloned();
         written.insert("time_factor".into(), scaled(old, factor));
     }
-    // A joint that is held counts as one that turns.
-    let slides = |name: &String| robot.joints.iter().any(|j| j.name == *name && j.kind == JointKind::Prismatic);
-    let slide: Vec<bool> = order.iter().map(slides).collect();
-    if let Some(unit) = units_of(&slide, units, "") {
+    let of_positions = |joint: usize| units.position(joint).map(|unit| unit.symbol().to_owned());
+    if let Some(unit) = units_of(&order, robot, &of_positions, ["rad", "m"]) {
         written.insert("position".into(), unit);
     }
-    if let Some(unit) = units_of(&slide, units, "/s").filter(|_| !units.velocities_are_si) {
+    let of_velocities = |joint: usize| units.velocity(joint).map(OtherRate::symbol);
+    if let Some(unit) = units_of(&order, robot, &of_velocities, ["rad/s", "m/s"]) {
         written.insert("velocity".into(), unit);
     }
     table.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
     Ok(table.to_string())
 }
 
-/// The unit of positions, or with `per` that of velocities: one where all joints share it, else one per joint.
-fn units_of(slide: &[bool], units: UnitChanges, per: &str) -> Option<Value> {
-    units.turning.or(units.sliding)?;
-    let of = |slides: bool| {
-        let kind = if slides { JointKind::Prismatic } else { JointKind::Revolute };
-        units.unit(kind).map_or(if slides { "m" } else { "rad" }, OtherUnit::symbol)
+/// The unit of a quantity: one where all joints share it, else one for each of the file's joints; none where `of` no joint there is
+/// another than that of SI, of joints that turn and slide. A joint that is held has that of those that turn, where they share one.
+fn units_of(
+    order: &[String],
+    robot: &Robot,
+    of: &dyn Fn(usize) -> Option<String>,
+    [turning, sliding]: [&str; 2],
+) -> Option<Value> {
+    let unit = |joint: usize| {
+        let slides = robot.joints[joint].kind == JointKind::Prismatic;
+        of(joint).unwrap_or_else(|| if slides { sliding } else { turning }.to_owned())
     };
-    let each: Vec<Value> = slide.iter().map(|slides| Value::from(format!("{}{per}", of(*slides)))).collect();
+    (0..robot.dof()).find_map(of)?;
+    let turn: Vec<String> =
+        (0..robot.dof()).filter(|&joint| robot.joints[joint].kind == JointKind::Revolute).map(unit).collect();
+    let held = turn.first().filter(|first| turn.iter().all(|unit| unit == *first));
+    let of_name = |name: &String| match robot.joints.iter().position(|joint| joint.name == *name) {
+        Some(joint) => unit(joint),
+        None => held.cloned().unwrap_or_else(|| turning.to_owned()),
+    };
+    let each: Vec<String> = order.iter().map(of_name).collect();
     let first = each.first()?.clone();
-    Some(if each.iter().all(|unit| *unit == first) { first } else { Value::Array(each) })
+    Some(if each.iter().all(|unit| *unit == first) { Value::from(first) } else { Value::from(each) })
 }
 
 /// Names all files from the root.

@@ -24,9 +24,10 @@
 //! [units]
 //! time = "ms"                   # s, ms, us, ns; recognised from its name and numbers where it is not given
 //! position = "deg"              # rad, deg, mrad, rev, m, mm, um; or a list of one per joint, as for velocity and acceleration
-//! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, m/s, mm/s, um/s
+//! velocity = "rpm"              # rad/s, deg/s, mrad/s, rpm, rev/s, m/s, mm/s, um/s
 //! acceleration = "deg/s2"       # rad/s2, deg/s2, m/s2
-//! torque = "A"                  # Nm, mNm, kNm, A, mA, N
+//! torque = "A"                  # Nm, mNm, kNm, kgf cm, kgf m, ozf in, lbf in, lbf ft, A, mA, N
+//! # Units that the names of the columns give, as `q1 [deg]`, are used where none is given here.
 //! time_factor = 1.6             # of a clock that runs wrong: true seconds per second of the log
 //!
 //! [motors]                      # a number for all or one per joint

@@ -38,7 +38,10 @@ impl Dataset {
         }
         let mut columns = self.spec.columns.clone();
         columns.rate_hz = rate_hz.or(columns.rate_hz);
-        columns.time_factor = self.spec.units.time.map(TimeUnit::factor);
+        let units = &self.spec.units;
+        columns.time_factor = units.time.map(TimeUnit::factor);
+        columns.known_units =
+            [units.position.is_some(), units.velocity.is_some(), units.acceleration.is_some(), units.torque.is_some()];
         let mut sieved = lenient::load_together(files, Some(order), &columns)?;
         self.convert(&mut sieved)?;
         select(&mut sieved, order, &robot.joint_names());

@@ -47,8 +47,8 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     let mut all: Vec<(PathBuf, Sieved)> = train.into_iter().chain(test).collect();
     let mut sieved: Vec<&mut Sieved> = all.iter_mut().map(|(_, sieved)| sieved).collect();
     let (quality::Together { reports, verdict }, units) = quality::examine_in_own_units(&mut sieved, robot)?;
+    logs.notes.extend(units.lines(robot).into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.units = units;
-    logs.notes.extend(units.lines().into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
     let mut findings = Vec::new();
     for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {

@@ -52,10 +52,10 @@ pub(super) struct Part {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Units {
     pub time: Option<TimeUnit>,
-    pub position: OfJoints<PositionUnit>,
-    pub velocity: OfJoints<VelocityUnit>,
-    pub acceleration: OfJoints<AccelerationUnit>,
-    pub torque: TorqueUnit,
+    pub position: Option<OfJoints<PositionUnit>>,
+    pub velocity: Option<OfJoints<VelocityUnit>>,
+    pub acceleration: Option<OfJoints<AccelerationUnit>>,
+    pub torque: Option<TorqueUnit>,
     pub time_factor: Option<f64>,
 }
 

@@ -7,17 +7,16 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::marker::PhantomData;
 
+/// Force of a kilogram and of a pound under standard gravity, N, and an inch, m.
+pub(crate) const KILOGRAM_FORCE: f64 = 9.806_65;
+pub(crate) const POUND_FORCE: f64 = 0.453_592_37 * KILOGRAM_FORCE;
+pub(crate) const INCH: f64 = 0.0254;
+
 /// A unit for all joints, or one each.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum OfJoints<T> {
     All(T),
     Each(Vec<T>),
-}
-
-impl<T: Default> Default for OfJoints<T> {
-    fn default() -> Self {
-        OfJoints::All(T::default())
-    }
 }
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for OfJoints<T> {
@@ -89,6 +88,8 @@ pub enum VelocityUnit {
     Millionth,
     #[serde(rename = "rpm")]
     Rpm,
+    #[serde(rename = "rev/s")]
+    Turn,
 }
 
 /// Unit of accelerations.
@@ -108,10 +109,20 @@ pub enum TorqueUnit {
     #[default]
     #[serde(rename = "Nm", alias = "N m", alias = "N")]
     Si,
-    #[serde(rename = "mNm")]
+    #[serde(rename = "mNm", alias = "mN m", alias = "Nmm", alias = "N mm")]
     Millinewton,
-    #[serde(rename = "kNm")]
+    #[serde(rename = "kNm", alias = "kN m")]
     Kilonewton,
+    #[serde(rename = "kgf cm", alias = "kgf.cm", alias = "kg cm")]
+    KilogramForceCentimetre,
+    #[serde(rename = "kgf m", alias = "kgf.m", alias = "kg m")]
+    KilogramForceMetre,
+    #[serde(rename = "ozf in", alias = "ozf.in", alias = "oz in")]
+    OunceForceInch,
+    #[serde(rename = "lbf in", alias = "lbf.in", alias = "lb in")]
+    PoundForceInch,
+    #[serde(rename = "lbf ft", alias = "lbf.ft", alias = "lb ft", alias = "ft lbf")]
+    PoundForceFoot,
     #[serde(rename = "A")]
     Ampere,
     #[serde(rename = "mA")]
@@ -152,6 +163,7 @@ impl VelocityUnit {
             VelocityUnit::Thousandth => 1e-3,
             VelocityUnit::Millionth => 1e-6,
             VelocityUnit::Rpm => TAU / 60.0,
+            VelocityUnit::Turn => TAU,
         }
     }
 }
@@ -173,6 +185,11 @@ impl TorqueUnit {
             TorqueUnit::Si | TorqueUnit::Ampere => 1.0,
             TorqueUnit::Millinewton | TorqueUnit::Milliampere => 1e-3,
             TorqueUnit::Kilonewton => 1e3,
+            TorqueUnit::KilogramForceCentimetre => 1e-2 * KILOGRAM_FORCE,
+            TorqueUnit::KilogramForceMetre => KILOGRAM_FORCE,
+            TorqueUnit::OunceForceInch => POUND_FORCE / 16.0 * INCH,
+            TorqueUnit::PoundForceInch => POUND_FORCE * INCH,
+            TorqueUnit::PoundForceFoot => POUND_FORCE * 12.0 * INCH,
         }
     }
 

@@ -14,6 +14,9 @@ const FROZEN_S: f64 = 0.1;
 /// Speed up to the last sample before that which no joint loses within a sample, rad/s or m/s.
 const STOPS_DEAD: f64 = 0.2;
 
+/// Samples within which the torque of a motor that is switched off has gone.
+const FALLS_IN: usize = 3;
+
 /// A joint whose logged speed is below this share of its usual speed may stick: velocities have a last digit and an offset of
 /// their own, which add up to a path where nothing moves.
 const STICKS: f64 = 0.1;
@@ -220,6 +223,7 @@ fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iter
     let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
     let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
+    let tau = view.log.tau.channel(joint);
     runs(q).filter(move |(_, length)| *length >= shortest).filter(move |&(start, length)| {
         let end = start + length;
         let makes_up = end < q.len() && (q[end] - q[end - 1]).abs() > (4.0 * typical).max(1e-3);
@@ -230,8 +234,10 @@ fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iter
         });
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
         let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);
+        // A motor that is switched off lets its brake fall in.
+        let off = tau.iter().any(|v| *v != 0.0) && tau[(start + FALLS_IN).min(end)..end].iter().all(|v| *v == 0.0);
         let stops_dead =
-            end == q.len() && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
+            end == q.len() && !off && length as f64 * view.period > FROZEN_S && speed(2).min(speed(4)) > STOPS_DEAD;
         makes_up || runs_on || stops_dead
     })
 }

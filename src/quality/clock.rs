@@ -47,6 +47,14 @@ pub(super) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Findi
     if !sieved.mended.is_empty() {
         out.push(Finding::new(Kind::Mended, Severity::Note, "log", sieved.mended.join("; ")));
     }
+    if let Some(column) = &sieved.of_controller {
+        let text = format!(
+            "{column} and its like are torques that the controller wanted or computed, by their name, and nothing measured is in the log: \
+             identification gives the controller's model back, and friction or faults that it does not know are not in them; log \
+             measured torques or motor currents"
+        );
+        out.push(Finding::new(Kind::ModelTorque, Severity::Warning, "tau", text));
+    }
     let groups: [(Kind, &[Cause], &str); 3] = [
         (Kind::BadRows, &[Cause::Unreadable, Cause::NotFinite, Cause::Absurd], "cannot be used"),
         (Kind::DuplicateTime, &[Cause::DuplicateTime], "repeat the time of the row before"),

@@ -2,16 +2,16 @@
 
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
-use super::motion::{OtherUnit, PositionUnits};
+use super::motion::PositionUnits;
 use super::report::{Report, Together, UnitChanges};
 use super::velocity::in_true_time;
 use super::view::View;
-use super::{channels, clock, motion, torque, velocity};
+use super::{channels, clock, motion, rates, torque, velocity};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
 use crate::recording::resample::{self, Clock};
-use crate::robot::{JointKind, Robot};
+use crate::robot::Robot;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -70,11 +70,12 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
     }
+    let measured = |log: &&usize| logs[**log].of_controller.is_none();
     if descriptions::is_modelled(&all, robot, verdict.as_ref().map(|verdict| &verdict.description)) {
         let text = "no friction in any joint's torque, and a rigid-body model explains it: probably the controller's model (a desired or \
                     target torque) or a simulation, not a measurement, so that identification gives that model back; or sensors behind \
                     the gears, which do not see friction";
-        for &log in &with_torque {
+        for &log in with_torque.iter().filter(measured) {
             reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
         }
     }
@@ -103,25 +104,30 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         summaries = motion::summaries(&view, robot);
         let endless = motion::endless(&sieved.unwrapped, robot, view.dof());
         let position_units = PositionUnits::of(&view, &summaries, robot, &endless);
-        [units.turning, units.sliding] =
-            [JointKind::Revolute, JointKind::Prismatic].map(|kind| position_units.shared(kind));
-        let kind = |joint: usize| robot.map_or(JointKind::Revolute, |robot| robot.joints[joint].kind);
-        units.velocities_are_si = velocity::is_si(&view, |joint| units.unit(kind(joint)).map(OtherUnit::in_si));
+        // Derivatives across a long gap are those of no motion.
+        let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
+        units = rates::found(longest.as_ref().unwrap_or(&even), &position_units, robot)?;
+        findings.extend(rates::findings(&units, &position_units, &view));
         // All else is asked of positions in rad and m, and of motion in true time: what comes of a wrong unit is no fault of its own.
-        let in_si = units.positions_in_si(&even, robot);
+        let in_si = units.positions_in_si(&even);
         let view = in_si.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
         findings.extend(channels::findings(&view, &sieved.recording));
-        // Derivatives across a long gap are those of no motion.
-        let longest = resample::longest_stretch(recording).map(|rows| {
-            let log = resample::evenly(&recording.slice(rows));
-            units.positions_in_si(&log, robot).unwrap_or(log)
-        });
+        let longest = longest.map(|log| units.positions_in_si(&log).unwrap_or(log));
         let whole = view;
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
         units.time_factor = velocity::clock_factor(view, robot);
-        let frozen = channels::with_frozen_position(view, &findings);
-        findings.extend(velocity::findings(view, units.time_factor, &frozen));
+        let positions_are_known = !position_units.any();
+        if let Some(robot) = robot.filter(|_| view.log.qd.is_none() && positions_are_known) {
+            units.time_factor = descriptions::clock_factor(view.log, robot)?;
+            let finding =
+                |factor| Finding::new(Kind::ClockFactor, Severity::Warning, "t", descriptions::clock_text(factor));
+            findings.extend(units.time_factor.map(finding));
+        }
+        // Velocities are not compared with positions that stand or count something else.
+        let mut incomparable = channels::with_frozen_position(view, &findings);
+        incomparable.extend((0..view.dof()).filter(|&joint| position_units.is_unknown(joint)));
+        findings.extend(velocity::findings(view, units.time_factor, &incomparable));
         let in_true_time = |log: &Recording| {
             let factor = units.time_factor?;
             let mut log = log.clone();
@@ -144,7 +150,9 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
         about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
         // Torques are not compared with positions in another unit, or half a turn from where the joint is.
-        let positions_doubtful = position_units.any() || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
+        let positions_doubtful = position_units.any()
+            || !units.positions.is_empty()
+            || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
         // Torques are compared with motion in true time.
         let corrected = in_true_time(view.log);

@@ -9,6 +9,7 @@ pub mod descriptions;
 mod examination;
 mod finding;
 mod motion;
+mod rates;
 mod report;
 mod statistics;
 mod torque;
@@ -20,6 +21,7 @@ pub use channels::{clipping, motor_off};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, with_logs};
 pub use motion::{JointSummary, OtherUnit};
+pub use rates::OtherRate;
 pub use report::{Report, Together, UnitChanges};
 pub use units::examine_in_own_units;
 

@@ -1,21 +1,25 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay, and the clock.
 
 use super::finding::{Finding, Kind, Severity};
+use super::rates::places;
 use super::statistics::{correlation, size_quantile};
 use super::view::View;
 use crate::channels::Channels;
 use crate::linear::root_mean_square;
 use crate::robot::Robot;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Known factors between velocities in other units, with the advice.
-const FACTORS: [(f64, &str); 6] = [
+const FACTORS: [(f64, &str); 9] = [
     (180.0 / PI, "it is in deg/s where the position is in rad: convert one of them"),
     (PI / 180.0, "the position is in deg where the velocity is in rad/s: convert the position"),
     (30.0 / PI, "it is in rpm: convert it to rad/s"),
     (1e3, "it is in mrad/s or mm/s: convert it to rad/s or m/s"),
     (1e-3, "the position is in mrad or mm where the velocity is in rad/s or m/s: convert the position"),
     (1e-6, "the position is in um where the velocity is in m/s: convert the position"),
+    (TAU, "the position is in turns where the velocity is in rad/s: convert the position"),
+    (1.0 / TAU, "it is in turns per second: convert it to rad/s"),
+    (60.0, "it is in rpm where the position is in turns, or at the motor side of a gear of 60: convert it"),
 ];
 
 /// Relative deviation from a known factor.
@@ -38,6 +42,9 @@ const OF_UNIT: f64 = 0.03;
 const TIMES: [f64; 6] = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9];
 const OF_TIME: f64 = 0.02;
 
+/// Relative deviation up to which the factors of several velocities are one.
+const SHARED: f64 = 0.02;
+
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
@@ -50,13 +57,14 @@ fn moving(view: &View) -> Vec<usize> {
     (0..view.dof()).filter(moves).collect()
 }
 
-/// Findings about the velocity columns of joints whose position is not `frozen`; `clock` is the factor by which the clock is wrong.
-pub(super) fn findings(view: &View, clock: Option<f64>, frozen: &[usize]) -> Vec<Finding> {
+/// Findings about the velocity columns of joints whose position can be compared; `clock` is the factor by which the clock is wrong.
+pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) -> Vec<Finding> {
     let Some(logged) = &view.log.qd else { return Vec::new() };
     let mut out = Vec::new();
     let moving = moving(view);
     out.extend(clock.map(|factor| clock_finding(factor, moving.len())));
-    for joint in moving.into_iter().filter(|joint| !frozen.contains(joint)) {
+    let mut factors: Vec<(usize, f64, &str)> = Vec::new();
+    for joint in moving.into_iter().filter(|joint| !incomparable.contains(joint)) {
         let (own, column) = (view.qd.channel(joint), logged.channel(joint));
         let place = view.place("qd", joint);
         let like = correlation(own, column);
@@ -85,10 +93,11 @@ pub(super) fn findings(view: &View, clock: Option<f64>, frozen: &[usize]) -> Vec
         }
         let factor = slope.abs();
         if clock.is_none() && (factor - 1.0).abs() > TOLERANCE {
-            let known = FACTORS.iter().find(|(known, _)| (factor / known - 1.0).abs() < TOLERANCE);
+            let off = |known: f64| (factor / known - 1.0).abs();
+            let nearest = FACTORS.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+            let known = nearest.filter(|(known, _)| off(*known) < TOLERANCE);
             let advice = known.map_or("is it at the motor side of the gear? Convert it to the joint side", |(_, a)| a);
-            let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
-            out.push(Finding::new(Kind::VelocityUnit, Severity::Warning, place.clone(), text));
+            factors.push((joint, factor, advice));
         }
         if let Some(lag) = delay(own, column, view.period) {
             let text = format!(
@@ -100,7 +109,22 @@ pub(super) fn findings(view: &View, clock: Option<f64>, frozen: &[usize]) -> Vec
             out.push(Finding::new(Kind::VelocityDelay, Severity::Note, place, text));
         }
     }
+    out.extend(of_factors(view, &factors));
     out
+}
+
+/// Findings about velocities that are some times the change of position per second, by joint: one where all share it.
+fn of_factors(view: &View, factors: &[(usize, f64, &str)]) -> Vec<Finding> {
+    let finding = |joints: &[usize], factor: f64, advice: &str| {
+        let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
+        Finding::new(Kind::VelocityUnit, Severity::Warning, places(view, "qd", joints), text)
+    };
+    match factors {
+        [(_, factor, advice), _, ..] if factors.iter().all(|other| (other.1 / factor - 1.0).abs() < SHARED) => {
+            vec![finding(&factors.iter().map(|own| own.0).collect::<Vec<_>>(), *factor, advice)]
+        }
+        _ => factors.iter().map(|&(joint, factor, advice)| finding(&[joint], factor, advice)).collect(),
+    }
 }
 
 /// Change of the position of a joint per second over its logged velocity, where they belong together.

@@ -10,6 +10,7 @@ mod file;
 mod model;
 pub mod visuals;
 
+pub(crate) use assembly::shortened;
 pub use assembly::{Choice, InertiaCheck, load};
 pub use file::{to_mjcf, to_urdf, with_parameters};
 pub use model::{

@@ -119,7 +119,7 @@ fn wrong_columns_stop_it() {
     changed("still.csv", 0.., |column, cell| if column == "q4" { "0.25".to_owned() } else { cell.to_owned() });
     for (log, kind, place) in [
         ("flipped.csv", "torque_sign", "tau3"),
-        ("degrees.csv", "position_unit", "q2"),
+        ("degrees.csv", "position_unit", "q"),
         ("still.csv", "hardly_moves", "q4"),
     ] {
         let output = diagnose(log, &TEST);

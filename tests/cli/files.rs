@@ -105,3 +105,61 @@ fn columns_in_several_files() {
         &["1000 and 499 rows", "matched"],
     );
 }
+
+/// Units in the names of columns are used, as those of time are, and the [units] of a dataset overrule them.
+#[test]
+fn units_in_the_names_of_columns() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ARM);
+    let degrees = 180.0 / std::f64::consts::PI;
+    let row = |t: f64| {
+        let mut cells = one_joint(t);
+        let comma = cells.find(',').unwrap();
+        let q: f64 = cells[..comma].parse().unwrap();
+        cells.replace_range(..comma, &format!("{:.7}", degrees * q));
+        cells
+    };
+    for header in ["t,q1 [deg],tau1 [Nm]", "t,q1_deg,tau1_nm", "t,a_position[deg],a_effort", "t,q1,tau1\ns,deg,Nm"] {
+        case.write("log.csv", &sines(header, row));
+        let said = case.tauscope(&["inspect", "log.csv", "--robot", "one.urdf"]);
+        assert_done(&said);
+        let said = text(&said.stdout);
+        assert!(
+            said.contains("-1.000 .. 1.000") && said.contains("positions are in deg, the unit of their names"),
+            "{said}"
+        );
+        assert!(!said.contains("warning"), "{said}");
+    }
+    let dataset = "schema = \"tauscope.dataset/1\"\nrobot = \"one.urdf\"\n[[train]]\nfile = \"log.csv\"\n[units]\nposition = \"rad\"\n";
+    case.write("d.toml", dataset);
+    let said = text(&case.tauscope(&["inspect", "--dataset", "d.toml"]).stdout);
+    assert!(said.contains("the positions are in degrees") && !said.contains("the unit of their names"), "{said}");
+    // The name says rad and the numbers say degrees: these are believed, and the correction overrules the name.
+    case.write("log.csv", &sines("t,q1 [rad],tau1", row));
+    let said = case.tauscope(&["inspect", "log.csv", "--robot", "one.urdf", "--out", "out"]);
+    assert!(text(&said.stdout).contains("the positions are in degrees"), "{}", text(&said.stdout));
+    assert!(case.read("out/corrected.toml").contains("position = \"deg\""));
+    let said = text(&case.tauscope(&["inspect", "--dataset", "out/corrected.toml"]).stdout);
+    assert!(said.contains("-1.000 .. 1.000") && !said.contains("warning"), "{said}");
+}
+
+/// Torques that a controller computed are taken where none was measured, with a warning; currents with what makes torques of them.
+#[test]
+fn logs_of_ur_without_measured_torques() {
+    let case = Case::new(&[]);
+    let said = |columns: &str| {
+        case.write("log.csv", &sines(columns, one_joint));
+        let said = case.tauscope(&["inspect", "log.csv"]);
+        assert_done(&said);
+        text(&said.stdout)
+    };
+    let of_controller = said("timestamp,actual_q_0,target_moment_0");
+    assert!(
+        of_controller.contains("warning: tau: target_moment_0 and its like are torques that the controller"),
+        "{of_controller}"
+    );
+    let currents = said("timestamp,actual_q_0,actual_current_0");
+    assert!(currents.contains("motor currents") && currents.contains("torque_constant_nm_a"), "{currents}");
+    let measured = said("timestamp,actual_q_0,joint_torque_0");
+    assert!(!measured.contains("warning") && !measured.contains("current"), "{measured}");
+}

@@ -139,7 +139,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
 
     let named = arguments.logs.named(arguments.arm.robot.clone());
     let description = answer.description.as_ref().map(|verdict| &verdict.description);
-    corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units)?;
+    corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units.clone())?;
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
     let text = match answer.conclusion() {
         Some(conclusion) => write_conclusion(&folder, &answer, conclusion, scenario.as_ref(), global)?,

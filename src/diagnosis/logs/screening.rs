@@ -86,7 +86,7 @@ pub(crate) fn screen_in_own_units(
     let mut sieved: Vec<&mut Sieved> = logs.iter_mut().map(|(_, sieved)| sieved).collect();
     let (together, units) = quality::examine_in_own_units(&mut sieved, robot)?;
     let corrected = |screened: &mut Screened| {
-        screened.faults.extend(units.lines().into_iter().map(|(kind, place, text)| DataFault {
+        screened.faults.extend(units.lines(robot).into_iter().map(|(kind, place, text)| DataFault {
             kind,
             log: screened.name.clone(),
             place: place.to_owned(),

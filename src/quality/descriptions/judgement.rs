@@ -2,13 +2,14 @@
 
 use super::change::Description;
 use super::fitting::{Fit, Friction, Physics, Rows};
+use super::jumps;
 use super::known::Known;
-use super::scale::Scaled;
 use super::search::{Found, Outcome, search};
 use super::settle::settled;
+use super::sizes::scale::Scaled;
+use super::sizes::{factors, scale};
 use super::tried::Tried;
 use super::verdict::{Alternative, Verdict};
-use super::{factors, jumps, scale};
 use crate::quality::view::View;
 use crate::robot::Robot;
 use nalgebra::Vector3;

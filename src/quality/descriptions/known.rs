@@ -8,7 +8,7 @@
 
 use super::compare::{Comparison, compare};
 use super::fitting::{Physics, Rows};
-use super::scale::ALIKE;
+use super::sizes::ALIKE;
 use super::tried::Tried;
 
 /// Under described bodies a torque may have this many times the residual that it has under free ones. Right bodies come within a few

@@ -11,36 +11,34 @@
 //! | which set of changes is the smallest | `search` |
 //! | which of those that the logs do not separate | `settle` |
 //! | which way friction acts, without a model | `jumps` |
-//! | a free direction of gravity | `tilt` |
-//! | how large torques are | `scale` |
-//! | how large the torque of one joint is | `factors` |
-//! | where the zero of a joint is | `zeros` |
-//! | the least value of a function | `golden` |
+//! | changes that have a size: gravity, scales, zeros | `sizes` |
+//! | whether the clock is wrong | `clock` |
+//! | whether positions are in turns | `turns` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
 mod change;
+mod clock;
 mod compare;
-mod factors;
 mod findings;
 mod fitting;
-mod golden;
 mod judgement;
 mod jumps;
 mod known;
-mod scale;
 mod search;
 mod settle;
-mod tilt;
+mod sizes;
 mod tried;
+mod turns;
 mod verdict;
-mod zeros;
 
 pub use change::{Change, Description};
+pub(super) use clock::{clock_factor, clock_text};
 pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};
+pub(super) use turns::are_turns;
 pub use verdict::{Alternative, Verdict};
 
 #[cfg(test)]

@@ -6,14 +6,14 @@
 
 use super::change::Description;
 use super::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
-use super::factors;
 use super::fitting::{Fit, Physics, Rows};
 use super::jumps::contradicts;
 use super::known::Known;
-use super::scale::ALIKE;
-use super::tilt::free_direction;
+use super::sizes::ALIKE;
+use super::sizes::factors;
+use super::sizes::free_direction;
+use super::sizes::zeros;
 use super::tried::Tried;
-use super::zeros;
 use rayon::prelude::*;
 
 /// Most changes of a set. Each must be clearly better than the set without it, so that only logs with as many faults come here.

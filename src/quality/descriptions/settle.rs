@@ -2,8 +2,8 @@
 
 use super::compare::compare;
 use super::fitting::{Physics, Rows};
-use super::scale::ALIKE;
 use super::search::{Found, Outcome};
+use super::sizes::ALIKE;
 use super::tried::Tried;
 
 /// Positions leave the limits from this on, rad (m): zeros of calibrated joints are known better.

@@ -9,6 +9,7 @@ pub use summary::JointSummary;
 pub(crate) use summary::summaries;
 
 use super::finding::{Finding, Kind, Severity};
+use super::rates::places;
 use super::view::View;
 use crate::robot::{JointKind, Robot};
 use std::f64::consts::TAU;
@@ -64,14 +65,13 @@ pub(super) fn findings(
                     identified from it";
         return vec![Finding::new(Kind::NoMotion, Severity::Fatal, "q", text)];
     }
-    for (joint, summary) in summaries.iter().enumerate() {
+    for (joints, text) in units.texts(logged) {
+        out.push(Finding::new(Kind::PositionUnit, Severity::Warning, places(view, "q", &joints), text));
+    }
+    for (joint, summary) in summaries.iter().enumerate().filter(|(joint, _)| !units.doubts(*joint)) {
         let place = view.place("q", joint);
         let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
         let limits = robot.map(|robot| robot.joints[joint].limits);
-        if let Some(text) = units.text(joint, &logged[joint]) {
-            out.push(Finding::new(Kind::PositionUnit, Severity::Warning, place, text));
-            continue;
-        }
         if let Some(limits) = limits {
             if leaves_limits(robot, joint, &summary.range) {
                 let text = format!(

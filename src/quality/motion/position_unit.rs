@@ -1,6 +1,7 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
 use super::summary::JointSummary;
+use crate::quality::rates::grouped;
 use crate::quality::velocity;
 use crate::quality::view::View;
 use crate::robot::{JointKind, Limits, Robot};
@@ -33,9 +34,18 @@ pub enum OtherUnit {
     Milliradian,
     Millimetre,
     Micrometre,
+    Turn,
 }
 
 impl OtherUnit {
+    /// Those in which positions of a kind of joint may be.
+    pub(crate) fn of(kind: JointKind) -> &'static [OtherUnit] {
+        match kind {
+            JointKind::Revolute => &[OtherUnit::Degree, OtherUnit::Milliradian, OtherUnit::Turn],
+            JointKind::Prismatic => &[OtherUnit::Millimetre, OtherUnit::Micrometre],
+        }
+    }
+
     /// How a dataset names it.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -43,12 +53,17 @@ impl OtherUnit {
             OtherUnit::Milliradian => "mrad",
             OtherUnit::Millimetre => "mm",
             OtherUnit::Micrometre => "um",
+            OtherUnit::Turn => "rev",
         }
     }
 
     /// The unit in a sentence.
     pub(crate) fn words(self) -> &'static str {
-        if self == OtherUnit::Degree { "degrees" } else { self.symbol() }
+        match self {
+            OtherUnit::Degree => "degrees",
+            OtherUnit::Turn => "turns",
+            other => other.symbol(),
+        }
     }
 
     /// How many of it make one of SI.
@@ -57,6 +72,7 @@ impl OtherUnit {
             OtherUnit::Degree => 180.0 / PI,
             OtherUnit::Milliradian | OtherUnit::Millimetre => 1e3,
             OtherUnit::Micrometre => 1e6,
+            OtherUnit::Turn => 1.0 / TAU,
         }
     }
 }
@@ -118,6 +134,17 @@ struct Shown {
     ratio: Option<f64>,
 }
 
+/// The limit that is farther from zero.
+fn bound(limits: Limits) -> f64 {
+    limits.lower.abs().max(limits.upper.abs())
+}
+
+/// Whether positions are too far from zero for SI units.
+fn is_far(summary: &JointSummary, bound: f64, units: &Units) -> bool {
+    let largest = summary.range[0].abs().max(summary.range[1].abs());
+    largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest }
+}
+
 /// Units in which the positions of a joint fit its limits, where they do not in SI units; there may be none.
 fn fitting(
     summary: &JointSummary,
@@ -129,12 +156,12 @@ fn fitting(
     let [low, high] = summary.range;
     let largest = low.abs().max(high.abs());
     let (bound, fastest) =
-        limits.map_or((f64::INFINITY, f64::INFINITY), |l| (l.lower.abs().max(l.upper.abs()), l.velocity));
+        limits.map_or((f64::INFINITY, f64::INFINITY), |limits| (self::bound(limits), limits.velocity));
     let fastest = if endless { fastest.min(FASTEST_ENDLESS) } else { fastest };
     // A joint within its limits that is too fast jumps; nothing is said about its unit.
     let leaves = if bound.is_finite() { largest > bound } else { high - low > units.range };
     let too_fast = summary.speed > TOO_FAST * fastest && leaves;
-    let far = largest > if bound.is_finite() { BEYOND * bound.max(units.least) } else { units.largest };
+    let far = is_far(summary, bound, units);
     // A joint that turns without end may be anywhere: its speed alone shows the unit.
     let beyond = if endless { too_fast } else { far };
     let of_velocity = |unit: OtherUnit| shown.ratio.is_some_and(|ratio| (ratio / unit.in_si() - 1.0).abs() < RATIO);
@@ -147,7 +174,12 @@ fn fitting(
         let away = if (1.0..=TURNS_AWAY).contains(&away.abs()) { away * turn } else { 0.0 };
         let nearest = (low - away).abs().max((high - away).abs());
         let speed_fits = summary.speed / ratio < NOT_FASTER * fastest;
-        let place_fits = if endless { speed_fits } else { nearest / ratio < bound.min(units.largest) * WITHIN };
+        // A joint that turns without end is as fast in its own unit as one in rad that is not suspected.
+        let place_fits = if endless {
+            summary.speed / ratio < TOO_FAST * fastest
+        } else {
+            nearest / ratio < bound.min(units.largest) * WITHIN
+        };
         let shows = shown_by_velocity == Some(unit)
             || (shown_by_velocity.is_none() && (place == 0 || (!shown.whole && (high - low) / ratio >= units.moves)));
         (place_fits && shows && (beyond || (too_fast && speed_fits))).then_some(unit)
@@ -175,7 +207,21 @@ impl PositionUnits {
             let units = Units::of(kinds[joint]);
             fitting(&summaries[joint], limits, units, endless[joint], shown)
         };
-        PositionUnits { doubts: (0..view.dof()).map(doubt).collect(), kinds }
+        let mut doubts: Vec<Option<Vec<OtherUnit>>> = (0..view.dof()).map(doubt).collect();
+        // One recorder gives all joints one unit: speed alone shows another of a few joints no better than a wrong clock does.
+        for kind in [JointKind::Revolute, JointKind::Prismatic] {
+            let own = |joint: &usize| kinds[*joint] == kind;
+            let doubtful: Vec<usize> = (0..kinds.len()).filter(|j| own(j) && doubts[*j].is_some()).collect();
+            if 2 * doubtful.len() < (0..kinds.len()).filter(own).count() {
+                for joint in doubtful.into_iter().filter(|&joint| !endless[joint]) {
+                    let bound = robot.map_or(f64::INFINITY, |robot| bound(robot.joints[joint].limits));
+                    if !is_far(&summaries[joint], bound, Units::of(kind)) {
+                        doubts[joint] = None;
+                    }
+                }
+            }
+        }
+        PositionUnits { doubts, kinds }
     }
 
     /// Whether the positions of any joint are not in rad or m.
@@ -183,12 +229,33 @@ impl PositionUnits {
         self.doubts.iter().any(Option::is_some)
     }
 
-    /// The unit of the joints of a kind, where half of them or more show it: one recorder gives all of them one unit, and small motions
-    /// do not show it.
-    pub(crate) fn shared(&self, kind: JointKind) -> Option<OtherUnit> {
+    /// Whether the positions of a joint are not in rad or m.
+    pub(crate) fn doubts(&self, joint: usize) -> bool {
+        self.doubts[joint].is_some()
+    }
+
+    /// Whether the positions of a joint are in none of the known units.
+    pub(crate) fn is_unknown(&self, joint: usize) -> bool {
+        self.doubts[joint].as_ref().is_some_and(Vec::is_empty)
+    }
+
+    /// The unit of each joint, where it is none of SI: that of all joints of a kind where half of them or more show it, as one recorder
+    /// gives all of them one unit and small motions do not show it, else that of the joint alone.
+    pub(crate) fn units(&self) -> Vec<Option<OtherUnit>> {
+        let of = |joint: usize| self.shared(self.kinds[joint]).or_else(|| self.of_joint(joint));
+        (0..self.kinds.len()).map(of).collect()
+    }
+
+    fn shared(&self, kind: JointKind) -> Option<OtherUnit> {
         let joints = (0..self.kinds.len()).filter(|&joint| self.kinds[joint] == kind);
         let unit = self.likely(kind)?;
         (2 * self.count(kind, unit) >= joints.count()).then_some(unit)
+    }
+
+    /// The unit that the positions of a joint show by themselves.
+    fn of_joint(&self, joint: usize) -> Option<OtherUnit> {
+        let fitting = self.doubts[joint].as_ref()?;
+        self.likely(self.kinds[joint]).filter(|unit| fitting.contains(unit)).or(fitting.first().copied())
     }
 
     /// The first unit that half of the joints fit whose positions are not in SI units.
@@ -205,22 +272,35 @@ impl PositionUnits {
         self.doubts.iter().zip(&self.kinds).filter(shows).count()
     }
 
-    /// Why the positions of a joint do not look like those of SI units, where they do not.
-    pub(super) fn text(&self, joint: usize, summary: &JointSummary) -> Option<String> {
-        let fitting = self.doubts[joint].as_ref()?;
-        let kind = self.kinds[joint];
-        let Units { si, else_, .. } = Units::of(kind);
-        let largest = summary.range[0].abs().max(summary.range[1].abs());
-        let likely = self.likely(kind).filter(|unit| fitting.contains(unit)).or(fitting.first().copied());
-        Some(match likely {
-            Some(unit) => format!(
-                "positions up to {largest:.1} and speeds up to {:.1} per second are far too large in {si}; are they in {}? \
-                 Convert them to {si}",
-                summary.speed,
-                unit.words()
-            ),
-            None => format!("positions up to {largest:.3e} are {else_} Convert them to {si} at the joint"),
-        })
+    /// Why the positions of joints do not look like those of SI units, with the joints: one text for those of one unit.
+    pub(super) fn texts(&self, summaries: &[JointSummary]) -> Vec<(Vec<usize>, String)> {
+        let dof = self.kinds.len();
+        let largest = |joints: &[usize]| {
+            let of = |&joint: &usize| summaries[joint].range.iter().fold(0.0f64, |most, end| most.max(end.abs()));
+            joints.iter().map(of).fold(0.0, f64::max)
+        };
+        let doubtful = |joint: usize| {
+            self.doubts[joint].as_ref()?;
+            Some((Units::of(self.kinds[joint]).si, self.of_joint(joint)))
+        };
+        let text = |si: &str, unit: Option<OtherUnit>, joints: &[usize]| {
+            let fastest = joints.iter().map(|&joint| summaries[joint].speed).fold(0.0, f64::max);
+            let largest = largest(joints);
+            match unit {
+                Some(unit) => format!(
+                    "the positions are in {}: up to {largest:.1}, at up to {fastest:.1} per second, they are far too large in {si}; convert \
+                     them, or set [units] position = \"{}\" in a dataset",
+                    unit.words(),
+                    unit.symbol()
+                ),
+                None => {
+                    let else_ = Units::of(self.kinds[joints[0]]).else_;
+                    format!("positions up to {largest:.3e} are {else_} Convert them to {si} at the joint")
+                }
+            }
+        };
+        let groups = grouped(dof, doubtful).into_iter();
+        groups.map(|((si, unit), joints)| (joints.clone(), text(si, unit, &joints))).collect()
     }
 }
 
@@ -293,6 +373,8 @@ mod tests {
         assert_eq!(degrees([-90.0, 90.0], 14.9, true), None);
         assert_eq!(degrees([-90.0, 90.0], 15.1, true), Some(true));
         assert_eq!(degrees([-9e4, 9e4], 1e5, true), Some(false));
+        // As fast as one in rad that is not suspected: fifteen rad/s.
+        assert_eq!([859.0, 860.0].map(|speed| degrees([-9e4, 9e4], speed, true)), [Some(true), Some(false)]);
     }
 
     #[test]

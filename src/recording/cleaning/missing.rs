@@ -20,6 +20,10 @@ const FEWEST_ROWS: usize = 50;
 /// cover a few.
 const GOES_ON: f64 = 10.0;
 
+/// A joint is at a constant speed where its mean speed in each of so many parts of the log is within this share of that of the whole.
+const PARTS: usize = 10;
+const STEADY: f64 = 0.1;
+
 /// The columns in use of which no row holds a number; none where there is no row, or where it is all that there is of position.
 pub(crate) fn empty_columns(layout: &Layout, columns: &[Vec<f64>]) -> Vec<usize> {
     let is_empty = |column: &usize| {
@@ -71,14 +75,16 @@ pub(crate) fn constant_torques(log: &mut Recording) -> Vec<String> {
     constant.iter().map(mend).collect()
 }
 
-/// Puts NaN in the place of velocities that are the same in every row although the position goes on: they are not used;
-/// returns a note on it.
+/// Puts NaN in the place of velocities that are the same in every row although the position goes on, and not at a constant speed: they are
+/// not used; returns a note on it. Positions that were wrapped have been unwrapped.
 pub(crate) fn constant_velocities(log: &mut Recording) -> Vec<String> {
     let Some(qd) = &mut log.qd else { return Vec::new() };
     let mut notes = Vec::new();
     for (joint, name) in log.joints.iter().enumerate() {
         let own = qd.channel_mut(joint);
-        if let Some(value) = in_every_row(own).filter(|_| goes_on(log.q.channel(joint))) {
+        let q = log.q.channel(joint);
+        let measured = |value: &f64| !goes_on(q) || (*value != 0.0 && is_steady(&log.time, q));
+        if let Some(value) = in_every_row(own).filter(|value| !measured(value)) {
             notes.push(format!(
                 "the velocity of {name} is {value} in every row although the joint moves: it was not measured, and is not used"
             ));
@@ -89,6 +95,15 @@ pub(crate) fn constant_velocities(log: &mut Recording) -> Vec<String> {
         log.qd = None;
     }
     notes
+}
+
+/// Whether a position goes on at the same speed all along: over each of some parts of the log.
+fn is_steady(time: &[f64], q: &[f64]) -> bool {
+    let speed = |from: usize, to: usize| (q[to] - q[from]) / (time[to] - time[from]);
+    let last = q.len() - 1;
+    let mean = speed(0, last);
+    let part = |k: usize| k * last / PARTS;
+    (0..PARTS).all(|k| (speed(part(k), part(k + 1)) - mean).abs() < STEADY * mean.abs())
 }
 
 /// The value of a signal that has the same in every row, if there are rows enough to decide.
@@ -139,5 +154,21 @@ mod tests {
         let notes = constant_velocities(&mut log);
         assert!(notes.len() == 1 && notes[0].contains("axis_1 is 0 in every row"), "{notes:?}");
         assert_eq!([0, 1, 2].map(|joint| log.has_velocity(joint)), [false, true, true]);
+    }
+
+    #[test]
+    fn a_wheel_at_a_constant_speed_has_a_constant_velocity() {
+        let measured = |bend: f64, velocity: f64| {
+            let mut log = samples::full(1, 101);
+            log.time = (0..101).map(|row| 0.01 * f64::from(row)).collect();
+            // Its speed grows from one to one and twice the bend.
+            let q: Vec<f64> = log.time.iter().map(|t| t + bend * t * t).collect();
+            log.q.channel_mut(0).copy_from_slice(&q);
+            log.qd = Some(log.q.map(|_, q| vec![velocity; q.len()]));
+            constant_velocities(&mut log).is_empty()
+        };
+        // The parts at the ends are 0.9 times the bend from the mean.
+        assert_eq!([measured(0.0, 1.0), measured(0.12, 1.0), measured(0.14, 1.0)], [true, true, false]);
+        assert!(!measured(0.0, 0.0));
     }
 }

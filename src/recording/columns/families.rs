@@ -45,8 +45,8 @@ pub(super) fn candidates<'a>(
     meanings.iter().enumerate().filter_map(of).collect()
 }
 
-/// Of columns that could be the same quantity, those that are called alike: torques before currents, those of more joints,
-/// and names that this program writes before others.
+/// Of columns that could be the same quantity, those that are called alike: measured torques before those of a controller, torques before
+/// currents, those of more joints, and names that this program writes before others.
 pub(super) fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
     let mut families: BTreeMap<&str, Vec<Candidate>> = BTreeMap::new();
     for candidate in candidates {
@@ -54,7 +54,8 @@ pub(super) fn best_family(candidates: Vec<Candidate>) -> Vec<Candidate> {
     }
     let order = |family: &Vec<Candidate>| {
         let first = family.first().map(|candidate| candidate.meaning);
-        (first.is_some_and(|m| m.current), std::cmp::Reverse(family.len()), first.map_or(0, |m| m.rank))
+        let kind = (first.is_some_and(|m| m.of_controller), first.is_some_and(|m| m.current));
+        (kind, std::cmp::Reverse(family.len()), first.map_or(0, |m| m.rank))
     };
     families.into_values().min_by_key(order).unwrap_or_default()
 }

@@ -1,7 +1,9 @@
 //! Which column of a table is which signal of which joint.
 
+use super::names::Unit;
 use crate::channels::Channels;
 use crate::recording::{Recording, Signals};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// In place of a column that the file has not.
@@ -26,8 +28,12 @@ pub(crate) struct Layout {
     pub(super) qdd: Option<Vec<usize>>,
     pub(super) tau: Vec<usize>,
     pub(super) truth: Option<[Vec<usize>; 4]>,
+    /// Units of columns, where their names give them.
+    pub(super) units: BTreeMap<usize, Unit>,
     /// Torques are motor currents.
     pub currents: bool,
+    /// The first column of torque, where a controller wanted or computed the torques.
+    pub of_controller: Option<String>,
     /// What the file has and the recording will not.
     pub notes: Vec<String>,
     /// How the columns were understood where that is not obvious.
@@ -102,6 +108,13 @@ impl Layout {
     /// Indices of the columns of velocity and acceleration.
     pub(crate) fn derivatives(&self) -> impl Iterator<Item = usize> + '_ {
         [&self.qd, &self.qdd].into_iter().flatten().flatten().copied().filter(|column| *column != ABSENT)
+    }
+
+    /// Units of position, velocity, acceleration and torque of every joint, where the names of the columns give them.
+    pub(crate) fn units(&self) -> [Vec<Option<Unit>>; 4] {
+        let of = |columns: &[usize]| columns.iter().map(|column| self.units.get(column).copied()).collect();
+        let optional = |columns: &Option<Vec<usize>>| columns.as_deref().map_or(Vec::new(), of);
+        [of(&self.q), optional(&self.qd), optional(&self.qdd), of(&self.tau)]
     }
 
     /// The first row with a value that is not finite or a time that does not increase. `columns` is indexed as the

@@ -1,5 +1,6 @@
 //! Names of columns that a data set gives.
 
+use super::names;
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -42,6 +43,9 @@ pub struct ColumnMap {
     /// Seconds per unit of time, where it is known; else it is recognised from the column's name and the numbers.
     #[serde(skip)]
     pub time_factor: Option<f64>,
+    /// Whether the unit of position, velocity, acceleration and torque is known: the names of the columns say nothing about it then.
+    #[serde(skip)]
+    pub known_units: [bool; 4],
 }
 
 impl ColumnMap {
@@ -71,7 +75,11 @@ impl ColumnMap {
                 };
                 return Err(Error::input(path, None, field, format!("there is no such column; {those}")));
             };
-            renamed[column] = target;
+            // The unit stays with the column.
+            renamed[column] = match names::unit_of(&header[column]) {
+                Some(unit) if target != "t" => format!("{target} [{unit}]"),
+                _ => target,
+            };
         }
         Ok(renamed)
     }

@@ -65,12 +65,14 @@ impl Layout {
         let mut used = BTreeSet::new();
         let mut found: [[Found; 4]; 2] = Default::default();
         let mut bases = [None; 4];
-        let mut currents = false;
+        let (mut currents, mut of_controller) = (false, false);
+        let mut units = BTreeMap::new();
         for (truth, quantity) in
             [false, true].into_iter().flat_map(|truth| (0..4).map(move |quantity| (truth, quantity)))
         {
             let family = best_family(candidates(&meanings, &names, &numbers, truth, quantity));
             currents |= family.iter().any(|candidate| candidate.meaning.current);
+            of_controller |= family.iter().any(|candidate| candidate.meaning.of_controller);
             let positions = found[0][names::POSITION].len();
             let base =
                 base(&family, if quantity == names::POSITION { None } else { bases[names::POSITION] }, positions);
@@ -94,6 +96,7 @@ impl Layout {
                     return Err(Error::input(path, line, &header[candidate.column], problem));
                 }
                 used.insert(candidate.column);
+                units.extend(candidate.meaning.unit.map(|unit| (candidate.column, unit)));
             }
         }
         if let [Some(of_position), .., Some(of_torque)] = bases
@@ -149,9 +152,12 @@ impl Layout {
         if !unused.is_empty() {
             notes.push(format!("columns not used: {}", listed(&unused)));
         }
+        let first_torque = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
         if currents {
-            let column = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
-            understood.push(format!("{column} and its like are motor currents, taken in the place of torques"));
+            understood.push(format!(
+                "{first_torque} and its like are motor currents, taken in the place of torques: a dataset with [motors] torque_constant_nm_a \
+                 (N m per A, and gear_ratio where it is that of the motor) makes torques of them"
+            ));
         }
         Ok(Layout {
             time: time.time,
@@ -164,7 +170,9 @@ impl Layout {
             qdd,
             tau,
             truth: truth_columns,
+            units,
             currents,
+            of_controller: of_controller.then(|| first_torque.to_owned()),
             notes,
             understood,
             joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },

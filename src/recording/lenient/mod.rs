@@ -7,6 +7,7 @@
 mod join;
 mod read;
 mod source;
+mod units;
 
 pub use super::cleaning::{Cause, Rejected};
 pub use super::columns::{Column, ColumnMap, JointNames};

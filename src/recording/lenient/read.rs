@@ -2,6 +2,7 @@
 
 use super::join;
 use super::source::{self, Source};
+use super::units;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::recording::cleaning::{Rejected, Rows, missing, unwrap};
@@ -12,7 +13,8 @@ use std::path::{Path, PathBuf};
 /// A log without its unusable rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sieved {
-    /// The accepted rows; there may be none. Time is in seconds, all else in the units of the file.
+    /// The accepted rows; there may be none. Time is in seconds, all else in SI units where the names of the columns give units, else in
+    /// the units of the file.
     pub recording: Recording,
     /// Line (CSV), row (Parquet) or message (ROS 2) of every sample, counted from 1.
     pub lines: Vec<usize>,
@@ -27,6 +29,8 @@ pub struct Sieved {
     pub unwrapped: Vec<(usize, f64)>,
     /// Torques are motor currents by their name.
     pub currents: bool,
+    /// The first column of torque, where torques are those that a controller wanted or computed, by their names.
+    pub of_controller: Option<String>,
     /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
     pub spoilt: Option<String>,
 }
@@ -109,15 +113,17 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut rows = Rows { header, lines, columns };
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
-    let currents = layout.currents;
+    let (currents, of_controller) = (layout.currents, layout.of_controller.take());
+    let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
+    mended.extend(units::in_si(&mut recording, of_names, map.known_units));
     sources[0].describe(&mut recording);
     mended.extend(missing::constant_torques(&mut recording));
-    mended.extend(missing::constant_velocities(&mut recording));
     let (unwrapped, note) = unwrap(&mut recording);
     mended.extend(note);
-    let sieved =
-        Sieved { recording, lines: rows.lines, rejected, notes, mended, unwrapped, currents, spoilt: clock.spoilt };
+    mended.extend(missing::constant_velocities(&mut recording));
+    let (lines, spoilt) = (rows.lines, clock.spoilt);
+    let sieved = Sieved { recording, lines, rejected, notes, mended, unwrapped, currents, of_controller, spoilt };
     match sieved.rejected.first() {
         Some(first) if sieved.lines.is_empty() => {
             let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);

@@ -12,3 +12,4 @@ mod places;
 
 pub use choice::{Choice, InertiaCheck};
 pub use load::load;
+pub(crate) use places::shortened;

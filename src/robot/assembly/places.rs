@@ -106,14 +106,35 @@ impl Description {
         }
         for (list, place) in [(given, "as given"), (middle, "in the middle of their range")] {
             if !list.is_empty() {
-                notes.push(format!("joints not under study stand still {place}: {}", list.join(", ")));
+                notes.push(format!("joints not under study stand still {place}: {}", shortened(&list)));
             }
         }
         held
     }
 }
 
+/// The first three of a list, and how many more there are.
+pub(crate) fn shortened(list: &[String]) -> String {
+    const NAMED: usize = 3;
+    // One more is as short as its number.
+    match list.len() {
+        all if all > NAMED + 1 => format!("{} and {} more", list[..NAMED].join(", "), all - NAMED),
+        _ => list.join(", "),
+    }
+}
+
 /// Whether a joint of the file can have a coordinate.
 fn moves(joint: &JointDescription) -> bool {
     joint.kind().is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shortened;
+
+    #[test]
+    fn long_lists_are_counted() {
+        let list = |count: usize| shortened(&(1..=count).map(|joint| format!("j{joint}")).collect::<Vec<_>>());
+        assert_eq!([list(1), list(4), list(5)], ["j1", "j1, j2, j3, j4", "j1, j2, j3 and 2 more"].map(str::to_owned));
+    }
 }

@@ -1,14 +1,17 @@
 //! Which quantity of which joint a column holds, from its name.
 
 use super::quantity::{QUANTITIES, Quantity, TORQUE, TRUE};
+use super::unit::Unit;
 use super::words::{SEPARATORS, without_unit, words};
 
 /// Words for the current of a motor, which stands in for its torque.
 const CURRENT: [&str; 7] = ["current", "currents", "motor_current", "motor_currents", "amps", "cur", "curr"];
 
 /// Units that stand behind a name without brackets.
-const UNIT_WORDS: [&str; 14] =
-    ["deg", "degs", "degree", "degrees", "dps", "degps", "rad", "rads", "radps", "rps", "nm", "mnm", "pct", "percent"];
+const UNIT_WORDS: [&str; 26] = [
+    "deg", "degs", "degree", "degrees", "dps", "degps", "rad", "rads", "radps", "rps", "rpm", "mrad", "rev", "revs",
+    "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
+];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
 const MEASURED: [&str; 16] = [
@@ -42,6 +45,10 @@ const WANTED: [&str; 19] = [
     "action",
 ];
 
+/// Those of them that mean that a controller wanted or computed the value: a torque of this kind is taken where none was measured.
+const OF_CONTROLLER: [&str; 11] =
+    ["target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "goal", "setpoint", "d"];
+
 /// The same of names with a number at their end, as `tau_J_d_0` and `tau_ext_hat_filtered_0` of a Panda.
 const WANTED_NUMBERED: [&str; 4] = ["d", "ext", "hat", "filtered"];
 
@@ -73,7 +80,7 @@ pub(crate) enum Joint {
 }
 
 /// One way to understand a column's name.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Meaning {
     /// Of the truth behind a simulated log.
     pub truth: bool,
@@ -87,21 +94,44 @@ pub(crate) struct Meaning {
     pub rank: u8,
     /// A motor current in place of a torque.
     pub current: bool,
+    /// A torque that a controller wanted or computed, in the place of a measured one.
+    pub of_controller: bool,
+    /// The unit that the name gives.
+    pub unit: Option<Unit>,
     /// Counts only for a joint of exactly this name: else it would be a value that was wanted.
     pub exact_only: bool,
 }
 
 /// All ways to understand a column's name, the most likely first.
 pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
-    let (column, _) = without_unit(column);
-    let mut out = readings(column);
-    // A joint may be called like a unit: that comes first.
-    if let Some((stem, unit)) = column.rsplit_once(['_', ' ', '.'])
-        && UNIT_WORDS.contains(&unit.to_lowercase().as_str())
+    let (column, unit) = without_unit(column);
+    let mut out = Vec::new();
+    // The unit may stand before the number of the joint.
+    if let Some((stem, number)) = index(column)
+        && let Some((stem, unit)) = stem.rsplit_once(['_', ' ', '.']).filter(|(_, unit)| is_unit_word(unit))
     {
-        out.extend(readings(stem));
+        out = in_unit(readings(&format!("{stem}_{number}")), Some(unit));
+        out.retain(|meaning| matches!(meaning.joint, Joint::Number(_)));
+    }
+    out.extend(in_unit(readings(column), unit));
+    // A joint may be called like a unit: that comes first.
+    if let Some((stem, unit)) = column.rsplit_once(['_', ' ', '.']).filter(|(_, unit)| is_unit_word(unit)) {
+        out.extend(in_unit(readings(stem), Some(unit)));
     }
     out
+}
+
+fn is_unit_word(word: &str) -> bool {
+    UNIT_WORDS.contains(&word.to_lowercase().as_str())
+}
+
+/// Readings of a name with the unit that stands behind it.
+fn in_unit(mut readings: Vec<Meaning>, unit: Option<&str>) -> Vec<Meaning> {
+    for meaning in &mut readings {
+        meaning.unit = unit.and_then(|unit| Unit::of(unit, meaning.quantity)).or(meaning.unit);
+        meaning.current |= meaning.unit.is_some_and(Unit::is_current);
+    }
+    readings
 }
 
 /// The ways to understand a name without a unit.
@@ -121,13 +151,33 @@ fn readings(column: &str) -> Vec<Meaning> {
         family: String::new(),
         rank: 0,
         current: false,
+        of_controller: false,
+        unit: None,
         exact_only: wanted,
     }));
-    if !wanted {
+    if wanted {
+        out.extend(of_controller(name));
+    } else {
         out.extend(named(name));
     }
     out.iter_mut().for_each(|meaning| meaning.truth = truth);
     out
+}
+
+/// `target_moment_0`, `tau_J_d_0`, `elbow_effort_cmd`: torques that a controller wanted or computed.
+fn of_controller(name: &str) -> Vec<Meaning> {
+    let measured: Vec<&str> =
+        name.split('_').filter(|word| !OF_CONTROLLER.contains(&word.to_lowercase().as_str())).collect();
+    if measured.len() == name.split('_').count() {
+        return Vec::new();
+    }
+    let mut readings = readings(&measured.join("_"));
+    readings.retain(|meaning| meaning.quantity == TORQUE && !meaning.exact_only);
+    for meaning in &mut readings {
+        meaning.of_controller = true;
+        meaning.family = format!("{} of the controller", meaning.family);
+    }
+    readings
 }
 
 /// The names that this program writes and documents.
@@ -164,7 +214,17 @@ fn numbered(name: &str) -> Option<Meaning> {
     // The names written have one family, in which velocity may be `qd` or `dq`.
     let family = if written { String::new() } else { stem.to_owned() };
     let rank = if written { 0 } else { 1 };
-    Some(Meaning { truth: false, quantity, joint: Joint::Number(number), family, rank, current, exact_only: false })
+    Some(Meaning {
+        truth: false,
+        quantity,
+        joint: Joint::Number(number),
+        family,
+        rank,
+        current,
+        of_controller: false,
+        unit: None,
+        exact_only: false,
+    })
 }
 
 /// `/joint_states/position/elbow`, `position_elbow`, `elbow.pos`, `/joint_states/elbow/position`, `elbow current`.
@@ -178,6 +238,8 @@ fn named(name: &str) -> Option<Meaning> {
             family,
             rank,
             current,
+            of_controller: false,
+            unit: None,
             exact_only: false,
         })
     };

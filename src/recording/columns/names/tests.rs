@@ -3,7 +3,8 @@
 use super::*;
 
 fn first(column: &str) -> Option<(usize, Joint)> {
-    meanings(column).into_iter().find(|meaning| !meaning.exact_only).map(|meaning| (meaning.quantity, meaning.joint))
+    let measured = |meaning: &Meaning| !meaning.exact_only && !meaning.of_controller;
+    meanings(column).into_iter().find(measured).map(|meaning| (meaning.quantity, meaning.joint))
 }
 
 #[test]
@@ -79,6 +80,51 @@ fn what_was_not_measured_at_a_joint_is_left() {
     }
     // A joint may be called like that.
     assert!(meanings("q_tool").iter().any(|meaning| meaning.joint == Joint::Name("tool".into())));
+}
+
+#[test]
+fn torques_of_a_controller_are_known_as_that() {
+    let of = |column: &str| meanings(column).into_iter().find(|meaning| meaning.of_controller);
+    for (column, joint) in [
+        ("target_moment_0", Joint::Number(0)),
+        ("tau_J_d_3", Joint::Number(3)),
+        ("torque_cmd_2", Joint::Number(2)),
+        ("desired_torque[1]", Joint::Number(1)),
+        ("elbow_effort_cmd", Joint::Name("elbow".into())),
+    ] {
+        let meaning = of(column).unwrap_or_else(|| panic!("{column}"));
+        assert_eq!((meaning.quantity, meaning.joint), (TORQUE, joint), "{column}");
+    }
+    for column in ["target_q_0", "actual_TCP_force_0", "tau_ext_hat_filtered_2", "tau_1", "position_error_1"] {
+        assert_eq!(of(column), None, "{column}");
+    }
+}
+
+#[test]
+fn units_in_names() {
+    for (column, symbol) in [
+        ("q1 [deg]", Some("deg")),
+        ("q1 (deg)", Some("deg")),
+        ("q1_deg", Some("deg")),
+        ("q_deg_1", Some("deg")),
+        ("elbow_position[deg]", Some("deg")),
+        ("elbow_position_deg", Some("deg")),
+        ("elbow_velocity_rpm", Some("rpm")),
+        ("velocity_rpm[2]", Some("rpm")),
+        ("qd3 [mm/s]", Some("mm/s")),
+        ("tau2 [kgf.cm]", Some("kgf cm")),
+        ("tau2_mNm", Some("mN m")),
+        ("tau2 [%]", None),
+        ("q1 [rad/s]", None),
+        ("q1", None),
+    ] {
+        let meaning = &meanings(column)[0];
+        assert_eq!(meaning.unit.map(|unit| unit.symbol), symbol, "{column}");
+        assert!(matches!(&meaning.joint, Joint::Number(_)) || meaning.joint == Joint::Name("elbow".into()), "{column}");
+    }
+    assert!(meanings("tau1 [mA]")[0].current);
+    // A joint may be called like a unit.
+    assert_eq!(meanings("q_elbow_deg")[0].joint, Joint::Name("elbow_deg".into()));
 }
 
 #[test]

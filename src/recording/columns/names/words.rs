@@ -33,3 +33,8 @@ pub(super) fn without_unit(name: &str) -> (&str, Option<&str>) {
     }
     (name, None)
 }
+
+/// The unit in brackets at the end of a name.
+pub(crate) fn unit_of(name: &str) -> Option<&str> {
+    without_unit(name).1
+}

@@ -2,16 +2,11 @@
 
 use super::cells::{date, is_empty, number};
 use super::separators::SEPARATORS;
+use crate::recording::columns::names;
 
 /// Lines that are looked at, and rows of numbers that show how many cells a row has.
 const LINES: usize = 60;
 const ROWS: usize = 3;
-
-/// Units that a second line may name.
-const UNITS: [&str; 26] = [
-    "s", "sec", "ms", "us", "ns", "rad", "rad/s", "rad/s2", "rad/s^2", "deg", "deg/s", "deg/s2", "deg/s^2", "°", "°/s",
-    "m", "mm", "m/s", "mm/s", "nm", "n*m", "n.m", "n m", "n", "a", "ma",
-];
 
 fn is_number(cell: &[u8]) -> bool {
     number(cell, true).is_some() || date(cell).is_some()
@@ -100,7 +95,7 @@ fn joined(names: &[u8], below: &[u8], separator: u8) -> Option<Vec<u8>> {
         return None;
     }
     let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
-    let is_unit = |cell: &String| UNITS.contains(&bare(cell).to_lowercase().as_str());
+    let is_unit = |cell: &String| names::is_unit(&bare(cell));
     let units = below.iter().filter(|cell| is_unit(cell)).count();
     let of_units = 2 * units > below.iter().filter(|cell| !cell.is_empty()).count();
     let cells = names.iter().zip(&below).map(|(name, cell)| match (name.as_str(), cell.as_str()) {

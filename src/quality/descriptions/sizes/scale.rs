@@ -3,15 +3,15 @@
 //! A load at the tip makes the torques of the wrist many times larger, and friction those of all joints. So a factor counts only where
 //! the bodies with it explain the torques clearly better than the bodies with a load, friction, constants and rotors.
 
-use super::change::{Change, Description};
-use super::compare::{EXPLAINED, compare};
-use super::fitting::{FRICTION_COLUMNS, Fit, JointTable, Physics, Rows, Tables};
+use super::super::change::{Change, Description};
+use super::super::compare::{EXPLAINED, compare};
+use super::super::fitting::{FRICTION_COLUMNS, Fit, JointTable, Physics, Rows, Tables};
+use super::super::tried::Tried;
 use super::golden::golden;
-use super::tried::Tried;
 use nalgebra::{DMatrix, DVector};
 
 /// The bodies' torque counts where the residual of a joint's fit, or the mean of all joints, is less than this of its torque ..
-pub(super) const ALIKE: f64 = 0.35;
+pub(crate) const ALIKE: f64 = 0.35;
 
 /// .. and that of the fit without it is this many times more.
 const NEEDED: f64 = 2.0;
@@ -23,7 +23,7 @@ const PLAUSIBLE: f64 = 8.0;
 const WIDEST: f64 = 100.0;
 
 /// Ratio of two neighbours of the factors that are tried first, at most; between them golden sections, to within one per cent.
-pub(super) const STEP: f64 = 1.8;
+pub(crate) const STEP: f64 = 1.8;
 const SECTIONS: usize = 10;
 
 /// Factors of the joints within this of the one that all share are that one: described bodies are wrong by as much.
@@ -40,7 +40,7 @@ const ROUNDS: usize = 3;
 const TRIED: usize = 2;
 
 /// Torques of another scale than that of the described bodies.
-pub(super) struct Scaled {
+pub(crate) struct Scaled {
     /// The logs as they are.
     pub before: Tried,
     /// With the factors.
@@ -50,7 +50,7 @@ pub(super) struct Scaled {
 }
 
 /// The scale of the torques, where it is clearly another than that of the described bodies with any load.
-pub(super) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
+pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
     let tables = bodies.tables(rows, start);
     let alone = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect::<Vec<_>>();
     let first = first(&alone)?;
@@ -96,7 +96,7 @@ pub(super) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
 
 /// Whether the torques of the joints are so many times larger or smaller than those of the described bodies that masses alone do not
 /// make the difference from joint to joint.
-pub(super) fn differ(bodies: &Physics, rows: &Rows, start: &Description) -> bool {
+pub(crate) fn differ(bodies: &Physics, rows: &Rows, start: &Description) -> bool {
     let tables = bodies.tables(rows, start);
     let alone: Vec<_> = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect();
     sizes(&alone).is_some_and(|sizes| is_spread(&sizes))
@@ -137,19 +137,23 @@ fn implausible(factors: &[Option<f64>]) -> Option<f64> {
 }
 
 /// How well all rows are fitted under a description, less for a better fit; infinite where nothing can be fitted.
-pub(super) fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
+pub(crate) fn merit(tables: &Tables, rows: &Rows, description: &Description) -> f64 {
     Fit::new(tables, rows, description).merit().unwrap_or(f64::INFINITY)
 }
 
 /// The factor around a first one, up to so many times larger and smaller, under which `merit` is least.
-pub(super) fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
+pub(crate) fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Option<f64> {
     let (grid, merits) = spread(first, widest, &merit);
     let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
     merits[least].is_finite().then(|| between(grid[least] / STEP, grid[least] * STEP, merit))
 }
 
 /// Factors around a first one, evenly spread by their logarithms, with the merit of each.
-pub(super) fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn spread(
+    first: f64,
+    widest: f64,
+    merit: &impl Fn(f64) -> f64,
+) -> (Vec<f64>, Vec<f64>) {
     let steps = (2.0 * widest.ln() / STEP.ln()).ceil() as usize;
     let step = 2.0 * widest.ln() / steps as f64;
     let at = |place: usize| (first.abs().ln() - widest.ln() + step * place as f64).exp();
@@ -159,7 +163,7 @@ pub(super) fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (V
 }
 
 /// The factor between two others under which `merit`, which has one valley there, is least.
-pub(super) fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
     golden(low.ln(), high.ln(), SECTIONS, |log| merit(log.exp())).exp()
 }
 

@@ -1,7 +1,7 @@
 //! A free direction of gravity: the mounting of an arm on a slope or a rail.
 
-use super::change::{Change, Description};
-use super::fitting::{Fit, Physics, Rows};
+use super::super::change::{Change, Description};
+use super::super::fitting::{Fit, Physics, Rows};
 use nalgebra::Vector3;
 
 /// First and last step of the search over directions, degrees.
@@ -12,7 +12,11 @@ const STEPS: [f64; 5] = [40.0, 20.0, 10.0, 5.0, 2.5];
 const NEAR: f64 = 15.0;
 
 /// The direction of gravity that fits all rows best, where it is neither along an axis nor the described one.
-pub(super) fn free_direction(physics: &Physics, rows: &Rows, from: &Description) -> Option<Change> {
+pub(crate) fn free_direction(
+    physics: &Physics,
+    rows: &Rows,
+    from: &Description,
+) -> Option<Change> {
     let size = from.gravity.norm();
     if size == 0.0 {
         return None;

@@ -5,8 +5,8 @@
 //! come out otherwise. Free bodies take up the zero of the last joint, and that of a joint around which gravity is symmetric and which
 //! stands on nothing that moves; those described show the last one's too.
 
-use super::change::Description;
-use super::fitting::{Fit, Physics, Rows};
+use super::super::change::Description;
+use super::super::fitting::{Fit, Physics, Rows};
 use super::golden::golden;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -41,7 +41,11 @@ const CHANGES_DEG: f64 = 20.0;
 const FURTHER: f64 = 5.0;
 
 /// The description with an offset of one more zero, for joints that have none yet and to which all rows give one beyond what is reported.
-pub(super) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+pub(crate) fn of_single_joints(
+    physics: &Physics,
+    rows: &Rows,
+    from: &Description,
+) -> Vec<Description> {
     // Joints by themselves have gravity of any phase.
     if matches!(physics, Physics::Alone) || from.scaled().next().is_some() {
         return Vec::new();

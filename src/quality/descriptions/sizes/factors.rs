@@ -4,11 +4,11 @@
 //! bodies this gives the ratio of their scales, whatever the bodies are: no wrong mass explains it. Which torques have a factor is
 //! decided by the number of changes: one torque is wrong before five are.
 
-use super::change::{Change, Description};
-use super::compare::{EXPLAINED, compare};
-use super::fitting::{Physics, Rows, Tables};
+use super::super::change::{Change, Description};
+use super::super::compare::{EXPLAINED, compare};
+use super::super::fitting::{Physics, Rows, Tables};
+use super::super::tried::Tried;
 use super::scale::{ALIKE, STEP, best, between, merit, spread};
-use super::tried::Tried;
 
 /// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
 const REPORTED: f64 = 2.0;
@@ -28,7 +28,11 @@ const ROUNDS: usize = 3;
 
 /// The description with a factor for the torque of one more joint, for each joint that has none yet and to which all rows give one
 /// beyond what is reported.
-pub(super) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+pub(crate) fn of_single_joints(
+    physics: &Physics,
+    rows: &Rows,
+    from: &Description,
+) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
     // together with another change it explains too much.
     if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_factors() {
@@ -103,7 +107,7 @@ fn determined(merit: impl Fn(f64) -> f64) -> Option<f64> {
 /// torque has another factor on each joint. It takes the place of factors of some that were `found`, where free bodies explain the torques
 /// no worse by it and the described ones clearly better. The ratios of the factors are those under free bodies, their common size
 /// is that of the described ones.
-pub(super) fn of_all_joints(
+pub(crate) fn of_all_joints(
     free: &Physics,
     bodies: &Physics,
     rows: &Rows,

@@ -1,0 +1,18 @@
+//! Changes of a description that have a size, which is fitted.
+//!
+//! | question | module |
+//! |---|---|
+//! | a free direction of gravity | `tilt` |
+//! | how large torques are | `scale` |
+//! | how large the torque of one joint is | `factors` |
+//! | where the zero of a joint is | `zeros` |
+//! | the least value of a function | `golden` |
+
+pub(super) mod factors;
+mod golden;
+pub(super) mod scale;
+mod tilt;
+pub(super) mod zeros;
+
+pub(super) use scale::ALIKE;
+pub(super) use tilt::free_direction;

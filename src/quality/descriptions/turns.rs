@@ -1,0 +1,51 @@
+//! Whether positions are in turns, from the torques of gravity: they look like those of an arm that hardly moves.
+
+use super::change::Description;
+use super::compare::{EXPLAINED, compare};
+use super::fitting::{Physics, Rows};
+use super::tried::Tried;
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+use crate::error::Result;
+use crate::quality::view::View;
+use crate::recording::Recording;
+use crate::robot::{JointKind, Robot};
+use std::f64::consts::TAU;
+
+/// Positions exceed the limits by no more than this factor.
+const WITHIN: f64 = 1.05;
+
+/// Whether free bodies explain the torques clearly better where the positions of joints that turn are taken for turns, which are then within
+/// their limits.
+///
+/// # Errors
+/// Those of the filters.
+pub(crate) fn are_turns(log: &Recording, robot: &Robot) -> Result<bool> {
+    let turns = |joint: usize| robot.joints[joint].kind == JointKind::Revolute;
+    let fits = |joint: usize| {
+        let limits = robot.joints[joint].limits;
+        let bound = limits.lower.abs().max(limits.upper.abs());
+        !turns(joint) || log.q.channel(joint).iter().all(|q| TAU * q.abs() < WITHIN * bound)
+    };
+    if !(0..robot.dof()).all(fits) || !(0..robot.dof()).any(turns) {
+        return Ok(false);
+    }
+    let times = |signals: &Channels, factor: f64| {
+        signals.map(|joint, signal| {
+            let factor = if turns(joint) { factor } else { 1.0 };
+            signal.iter().map(|value| factor * value).collect()
+        })
+    };
+    let converted = Recording { q: times(&log.q, TAU), ..log.clone() };
+    let Some(mut rows) = Rows::new(&[&View::new(&converted, Some(robot))?], Some(robot)) else { return Ok(false) };
+    let physics = Physics::free(robot);
+    let tried = |rows: &Rows| Tried::new(&physics, rows, Description::as_given(robot.dof(), robot.gravity));
+    let Some(with) = tried(&rows) else { return Ok(false) };
+    let Motion { q, qd, qdd } = &rows.motion;
+    rows.motion = Motion { q: times(q, 1.0 / TAU), qd: times(qd, 1.0 / TAU), qdd: times(qdd, 1.0 / TAU) };
+    let Some(as_given) = tried(&rows) else { return Ok(false) };
+    let shares: Vec<f64> = with.evaluation.unexplained.iter().copied().flatten().collect();
+    let explained = 2 * shares.iter().filter(|share| **share < EXPLAINED).count() >= shares.len().max(1);
+    let gain = compare(&as_given.evaluation, &with.evaluation, &rows.log);
+    Ok(explained && gain.is_some_and(|gain| gain.is_better(1, EXPLAINED) && gain.is_large(1)))
+}

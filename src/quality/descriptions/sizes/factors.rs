@@ -28,11 +28,7 @@ const ROUNDS: usize = 3;
 
 /// The description with a factor for the torque of one more joint, for each joint that has none yet and to which all rows give one
 /// beyond what is reported.
-pub(crate) fn of_single_joints(
-    physics: &Physics,
-    rows: &Rows,
-    from: &Description,
-) -> Vec<Description> {
+pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
     // together with another change it explains too much.
     if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_factors() {

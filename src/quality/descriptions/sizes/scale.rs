@@ -149,11 +149,7 @@ pub(crate) fn best(first: f64, widest: f64, merit: impl Fn(f64) -> f64) -> Optio
 }
 
 /// Factors around a first one, evenly spread by their logarithms, with the merit of each.
-pub(crate) fn spread(
-    first: f64,
-    widest: f64,
-    merit: &impl Fn(f64) -> f64,
-) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn spread(first: f64, widest: f64, merit: &impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
     let steps = (2.0 * widest.ln() / STEP.ln()).ceil() as usize;
     let step = 2.0 * widest.ln() / steps as f64;
     let at = |place: usize| (first.abs().ln() - widest.ln() + step * place as f64).exp();

@@ -12,11 +12,7 @@ const STEPS: [f64; 5] = [40.0, 20.0, 10.0, 5.0, 2.5];
 const NEAR: f64 = 15.0;
 
 /// The direction of gravity that fits all rows best, where it is neither along an axis nor the described one.
-pub(crate) fn free_direction(
-    physics: &Physics,
-    rows: &Rows,
-    from: &Description,
-) -> Option<Change> {
+pub(crate) fn free_direction(physics: &Physics, rows: &Rows, from: &Description) -> Option<Change> {
     let size = from.gravity.norm();
     if size == 0.0 {
         return None;

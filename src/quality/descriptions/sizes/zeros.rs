@@ -41,11 +41,7 @@ const CHANGES_DEG: f64 = 20.0;
 const FURTHER: f64 = 5.0;
 
 /// The description with an offset of one more zero, for joints that have none yet and to which all rows give one beyond what is reported.
-pub(crate) fn of_single_joints(
-    physics: &Physics,
-    rows: &Rows,
-    from: &Description,
-) -> Vec<Description> {
+pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     // Joints by themselves have gravity of any phase.
     if matches!(physics, Physics::Alone) || from.scaled().next().is_some() {
         return Vec::new();

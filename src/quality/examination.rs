@@ -150,7 +150,9 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
         about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
         // Torques are not compared with positions in another unit, or half a turn from where the joint is.
+        let of_position = |finding: &Finding| finding.kind == Kind::PositionUnit;
         let positions_doubtful = position_units.any()
+            || findings.iter().any(of_position)
             || !units.positions.is_empty()
             || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);

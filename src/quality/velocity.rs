@@ -9,18 +9,38 @@ use crate::linear::root_mean_square;
 use crate::robot::Robot;
 use std::f64::consts::{PI, TAU};
 
-/// Known factors between velocities in other units, with the advice.
-const FACTORS: [(f64, &str); 9] = [
-    (180.0 / PI, "it is in deg/s where the position is in rad: convert one of them"),
-    (PI / 180.0, "the position is in deg where the velocity is in rad/s: convert the position"),
-    (30.0 / PI, "it is in rpm: convert it to rad/s"),
-    (1e3, "it is in mrad/s or mm/s: convert it to rad/s or m/s"),
-    (1e-3, "the position is in mrad or mm where the velocity is in rad/s or m/s: convert the position"),
-    (1e-6, "the position is in um where the velocity is in m/s: convert the position"),
-    (TAU, "the position is in turns where the velocity is in rad/s: convert the position"),
-    (1.0 / TAU, "it is in turns per second: convert it to rad/s"),
-    (60.0, "it is in rpm where the position is in turns, or at the motor side of a gear of 60: convert it"),
+/// Which signal is in another unit where velocity and change of position per second differ by a factor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Other {
+    Position,
+    Velocity,
+}
+
+/// Known factors between velocities and the change of position per second, with what is in another unit and the advice.
+const FACTORS: [(f64, Other, &str); 9] = [
+    (180.0 / PI, Other::Velocity, "it is in deg/s where the position is in rad: convert one of them"),
+    (PI / 180.0, Other::Position, "the position is in deg where the velocity is in rad/s: convert the position"),
+    (30.0 / PI, Other::Velocity, "it is in rpm: convert it to rad/s"),
+    (1e3, Other::Velocity, "it is in mrad/s or mm/s: convert it to rad/s or m/s"),
+    (
+        1e-3,
+        Other::Position,
+        "the position is in mrad or mm where the velocity is in rad/s or m/s: convert the position",
+    ),
+    (1e-6, Other::Position, "the position is in um where the velocity is in m/s: convert the position"),
+    (TAU, Other::Position, "the position is in turns where the velocity is in rad/s: convert the position"),
+    (1.0 / TAU, Other::Velocity, "it is in turns per second: convert it to rad/s"),
+    (
+        60.0,
+        Other::Velocity,
+        "it is in rpm where the position is in turns, or at the motor side of a gear of 60: convert it",
+    ),
 ];
+
+/// Advice on a velocity that is larger or smaller than the change of position by a factor of no unit.
+const AT_MOTOR: &str = "is it at the motor side of the gear? Convert it to the joint side";
+const POSITION_AT_MOTOR: &str = "is the position at the motor side of the gear, or the clock wrong? Convert it to the joint side, or set \
+                                 [units] time_factor in a dataset";
 
 /// Relative deviation from a known factor.
 const TOLERANCE: f64 = 0.1;
@@ -63,7 +83,7 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
     let mut out = Vec::new();
     let moving = moving(view);
     out.extend(clock.map(|factor| clock_finding(factor, moving.len())));
-    let mut factors: Vec<(usize, f64, &str)> = Vec::new();
+    let mut factors: Vec<(usize, f64, Other, &str)> = Vec::new();
     for joint in moving.into_iter().filter(|joint| !incomparable.contains(joint)) {
         let (own, column) = (view.qd.channel(joint), logged.channel(joint));
         let place = view.place("qd", joint);
@@ -95,9 +115,12 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
         if clock.is_none() && (factor - 1.0).abs() > TOLERANCE {
             let off = |known: f64| (factor / known - 1.0).abs();
             let nearest = FACTORS.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
-            let known = nearest.filter(|(known, _)| off(*known) < TOLERANCE);
-            let advice = known.map_or("is it at the motor side of the gear? Convert it to the joint side", |(_, a)| a);
-            factors.push((joint, factor, advice));
+            let known = nearest.filter(|(known, _, _)| off(*known) < TOLERANCE);
+            let gear = if factor > 1.0 { AT_MOTOR } else { POSITION_AT_MOTOR };
+            let advice = known.map_or(gear, |(_, _, advice)| advice);
+            // A gear may be near the factor of a unit.
+            let exact = known.filter(|(known, _, _)| off(*known) < OF_UNIT);
+            factors.push((joint, factor, exact.map_or(Other::Velocity, |(_, other, _)| *other), advice));
         }
         if let Some(lag) = delay(own, column, view.period) {
             let text = format!(
@@ -114,16 +137,20 @@ pub(super) fn findings(view: &View, clock: Option<f64>, incomparable: &[usize]) 
 }
 
 /// Findings about velocities that are some times the change of position per second, by joint: one where all share it.
-fn of_factors(view: &View, factors: &[(usize, f64, &str)]) -> Vec<Finding> {
-    let finding = |joints: &[usize], factor: f64, advice: &str| {
+fn of_factors(view: &View, factors: &[(usize, f64, Other, &str)]) -> Vec<Finding> {
+    let finding = |joints: &[usize], factor: f64, other: Other, advice: &str| {
         let text = format!("the velocity is {factor:.4} times the change of position per second; {advice}");
-        Finding::new(Kind::VelocityUnit, Severity::Warning, places(view, "qd", joints), text)
+        let (kind, column) = match other {
+            Other::Position => (Kind::PositionUnit, "q"),
+            Other::Velocity => (Kind::VelocityUnit, "qd"),
+        };
+        Finding::new(kind, Severity::Warning, places(view, column, joints), text)
     };
     match factors {
-        [(_, factor, advice), _, ..] if factors.iter().all(|other| (other.1 / factor - 1.0).abs() < SHARED) => {
-            vec![finding(&factors.iter().map(|own| own.0).collect::<Vec<_>>(), *factor, advice)]
+        [(_, factor, unit, advice), _, ..] if factors.iter().all(|other| (other.1 / factor - 1.0).abs() < SHARED) => {
+            vec![finding(&factors.iter().map(|own| own.0).collect::<Vec<_>>(), *factor, *unit, advice)]
         }
-        _ => factors.iter().map(|&(joint, factor, advice)| finding(&[joint], factor, advice)).collect(),
+        _ => factors.iter().map(|&(joint, factor, unit, advice)| finding(&[joint], factor, unit, advice)).collect(),
     }
 }
 
@@ -178,8 +205,10 @@ pub(super) fn clock_factor(view: &View, robot: Option<&Robot>) -> Option<f64> {
         NOT_FASTER * if limit.is_finite() && limit > 0.0 { limit } else { FASTEST }
     };
     let too_fast = |joint: &usize| size_quantile(logged.channel(*joint).iter().copied(), 0.99) > fastest(*joint);
-    let possible = (median - 1.0).abs() > TOLERANCE
-        && is_of_clock(median, 1.0 / view.period, moving.len(), || !moving.iter().any(too_fast));
+    // Where positions change faster still, the velocities are the ones that a joint can rather have.
+    let possible_speeds = || median > 1.0 || !moving.iter().any(too_fast);
+    let possible =
+        (median - 1.0).abs() > TOLERANCE && is_of_clock(median, 1.0 / view.period, moving.len(), possible_speeds);
     let time = TIMES.into_iter().find(|unit| (median / unit - 1.0).abs() < OF_TIME);
     (shared && possible).then(|| time.unwrap_or(median))
 }
@@ -191,7 +220,7 @@ fn is_of_clock(factor: f64, rate_hz: f64, joints: usize, possible: impl Fn() -> 
         return true;
     }
     let logged = |rate: f64| (LOGGED_HZ[0]..=LOGGED_HZ[1]).contains(&rate);
-    let is_unit = FACTORS.iter().any(|(known, _)| (1.0 / (factor * known) - 1.0).abs() < OF_UNIT);
+    let is_unit = FACTORS.iter().any(|(known, ..)| (1.0 / (factor * known) - 1.0).abs() < OF_UNIT);
     // Where a unit, or the gear of the only joint, is as good a reason, the clock must give a rate that no log has.
     let other_cause = is_unit || joints == 1;
     logged(rate_hz / factor) && !(other_cause && logged(rate_hz)) && possible()

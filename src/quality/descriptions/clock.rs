@@ -4,8 +4,9 @@
 //! square of time. Bodies are free here: wrong masses, and inertias that are placeholders, change nothing about it.
 
 use super::change::Description;
-use super::compare::{EXPLAINED, compare};
+use super::compare::{DISTINCT, EXPLAINED, compare};
 use super::fitting::{Physics, Rows};
+use super::judgement::judge;
 use super::tried::Tried;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
@@ -34,7 +35,8 @@ const MOST_SAMPLES: usize = 20_000;
 const SLOW: f64 = 1e-3;
 
 /// True seconds per second of the clock, where free bodies explain the torques clearly better by it than by the clock, and than without
-/// inertia: a factor that only makes noisy accelerations small is none of the clock.
+/// inertia: a factor that only makes noisy accelerations small is none of the clock. No other change of the description explains them as well
+/// in the time of the clock.
 ///
 /// # Errors
 /// Those of the filters.
@@ -82,7 +84,13 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
         let gain = tried(&rows).and_then(|other| compare(&other.evaluation, &with.evaluation, &rows.log));
         gain.is_some_and(|gain| gain.is_better(TRIED.len(), EXPLAINED) && gain.is_large(1))
     };
-    Ok((explained && is_clearly_better(factor) && is_clearly_better(SLOW)).then_some(factor))
+    if !explained || !is_clearly_better(factor) || !is_clearly_better(SLOW) {
+        return Ok(None);
+    }
+    // Torques without gravity, or under another, change the ratio of gravity to inertia too.
+    let other = judge(&[&View::new(&log, Some(robot))?], Some(robot));
+    let explains = other.is_some_and(|verdict| verdict.after < DISTINCT * with.share());
+    Ok((!explains).then_some(factor))
 }
 
 /// A motion that takes its path so many times faster.

@@ -19,7 +19,7 @@ const LARGE: f64 = 2.0;
 const GROWS: f64 = 1.2;
 
 /// A description is clearly worse than another where all torques together (product of the factors) gain this.
-const DISTINCT: f64 = 1.3;
+pub(super) const DISTINCT: f64 = 1.3;
 
 /// An explained torque has less than this share unexplained: of an arm whose geometry is known, and of joints by themselves, whose
 /// models lack the pull of the others.

@@ -10,6 +10,9 @@ const NAMED: usize = 4;
 /// What the factor of one torque comes from.
 const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [motors] gear_ratio, torque_constant_nm_a";
 
+/// Said where the described bodies do not explain the torques of a changed motion.
+const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is the log that of another robot?";
+
 /// A change in words; `joints` are the names.
 pub fn words(change: Change, joints: &[String]) -> String {
     let name = |joint: usize| joints[joint].as_str();
@@ -121,6 +124,7 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
         percent(verdict.before)
     );
     let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
+    let next = if verdict.unlike_bodies { format!("{next}; {ANOTHER}") } else { next };
     let rivals: Vec<String> = verdict.alternatives.iter().take(NAMED).map(named).collect();
     changes
         .iter()

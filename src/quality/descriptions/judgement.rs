@@ -1,13 +1,14 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
 use super::change::Description;
+use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};
 use super::jumps;
 use super::known::Known;
 use super::search::{Found, Outcome, search};
 use super::settle::settled;
 use super::sizes::scale::Scaled;
-use super::sizes::{factors, scale};
+use super::sizes::{ALIKE, factors, scale};
 use super::tried::Tried;
 use super::verdict::{Alternative, Verdict};
 use crate::quality::view::View;
@@ -71,16 +72,35 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let gravity = robot.map_or(Vector3::zeros(), |robot| robot.gravity);
     let start = Description::as_given(dof, gravity);
     let seconds: f64 = views.iter().map(|view| lasts(view.log.samples(), view.period)).sum();
-    let replicated = |found: &Found| match views.len() {
-        1 => seconds >= LONG_ENOUGH_S,
-        _ => found.gain.least_of_logs > 0.0,
+    let bodies = robot.and_then(Physics::bodies);
+    // Another arm is described by other motions, as other joints or zeros: the described bodies must be those of the torques then.
+    let alike = |found: &Found| {
+        let under = |bodies: &Physics| Tried::new(bodies, &rows, found.best.description.clone());
+        bodies.as_ref().map(|bodies| under(bodies).is_some_and(|tried| tried.share() < ALIKE))
+    };
+    let separate = |found: &Found| {
+        let gain = |next: &Tried| compare(&next.evaluation, &found.best.evaluation, &rows.log);
+        found.next.as_ref().is_none_or(|next| gain(next).is_some_and(|gain| gain.is_large(1)))
+    };
+    let moves = |description: &Description| (0..dof).any(|joint| description.changes_position_of(joint));
+    let replicated = |found: &Found| {
+        let agree = match views.len() {
+            1 => seconds >= LONG_ENOUGH_S,
+            _ => found.gain.least_of_logs > 0.0,
+        };
+        let moved = moves(&found.best.description);
+        agree && (!moved || (alike(found) == Some(true) && separate(found)))
+    };
+    let unlike = |found: &Found| {
+        let description = &found.best.description;
+        (moves(description) || description.gravity != gravity) && alike(found) == Some(false)
     };
     let with_motion = jumps::with_motion(views);
     let Some(robot) = robot else {
         let outcome = search(Known::alone(&Physics::Alone), &rows, &with_motion, start)?;
-        return verdict(outcome, |_| false);
+        return verdict(outcome, |_| false, |_| false);
     };
-    let (free, bodies) = (Physics::free(robot), Physics::bodies(robot));
+    let free = Physics::free(robot);
     let known = Known { physics: &free, other: bodies.as_ref() };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
     // Free bodies know nothing of a factor that all joints share. What they see of several is a factor of the joint that differs most;
@@ -101,11 +121,10 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         return Some(scaled_verdict(&outcome.start, after, factors));
     }
     if outcome.found.is_some() {
-        return verdict(settled(bodies.as_ref(), &rows, outcome), replicated);
+        return verdict(settled(bodies.as_ref(), &rows, outcome), replicated, unlike);
     }
-    let bodies = bodies?;
-    let outcome = search(Known { physics: &bodies, other: Some(&free) }, &rows, &with_motion, start)?;
-    verdict(settled(None, &rows, outcome), replicated)
+    let outcome = search(Known { physics: bodies.as_ref()?, other: Some(&free) }, &rows, &with_motion, start)?;
+    verdict(settled(None, &rows, outcome), replicated, unlike)
 }
 
 /// The verdict on torques of another scale, which the logs do not trace to a cause.
@@ -118,16 +137,18 @@ fn scaled_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> Ve
         next: None,
         description: after.description,
         factors,
+        unlike_bodies: false,
         beyond_doubt: false,
     }
 }
 
-fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verdict> {
+fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool, unlike: impl Fn(&Found) -> bool) -> Option<Verdict> {
     let Outcome { start, found } = outcome;
     let found = found?;
     // From what a factor comes the logs cannot show.
     let scaled = found.best.description.scaled().next();
     let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated(&found);
+    let unlike_bodies = unlike(&found);
     let alternative =
         |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {
@@ -138,6 +159,7 @@ fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool) -> Option<Verd
         next: found.next.map(alternative),
         description: found.best.description,
         factors: Vec::new(),
+        unlike_bodies,
         beyond_doubt,
     })
 }

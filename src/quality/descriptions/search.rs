@@ -78,6 +78,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         return Some(Outcome { start, found });
     }
     let (mut seen, mut grown) = (vec![start.description.clone()], vec![start.description.clone()]);
+    let whole = rows.whole();
     let (mut tried, mut without_gain) = (0, 0);
     for size in 0..MOST {
         let mut candidates: Vec<Description> = Vec::new();
@@ -89,12 +90,12 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             }
         }
         if size == 0 && matches!(physics, Physics::Free(_)) {
-            let tilted = free_direction(physics, rows, &start.description);
+            let tilted = free_direction(physics, &whole, &start.description);
             candidates.extend(tilted.map(|change| start.description.with(change)));
         }
         // A factor or an offset takes many fits: only the best is grown by one.
         let sized = |from: &Description| {
-            [factors::of_single_joints(physics, rows, from), zeros::of_single_joints(physics, rows, from)].concat()
+            [factors::of_single_joints(physics, &whole, from), zeros::of_single_joints(physics, &whole, from)].concat()
         };
         for next in grown.first().map_or(Vec::new(), sized) {
             if !seen.iter().chain(&candidates).any(|other| other.same_but_for_sizes(&next)) {
@@ -102,7 +103,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             }
         }
         tried += candidates.len();
-        let judged = judged(physics, rows, &candidates, &start);
+        let judged = judged(physics, [rows, &whole], &candidates, &start);
         seen.extend(candidates);
         grown = judged.iter().take(GROWN).map(|(tried, _)| tried.description.clone()).collect();
         let reached = found.as_ref().map_or(0.0, |found| found.gain.gain);
@@ -120,8 +121,13 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
     Some(Outcome { start, found })
 }
 
-/// The best candidates with their gains over the start, the best first.
-fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tried) -> Vec<(Tried, Comparison)> {
+/// The best candidates with their gains over the start, the best first; the rows are those in blocks, and whole.
+fn judged(
+    physics: &Physics,
+    [rows, whole]: [&Rows; 2],
+    candidates: &[Description],
+    start: &Tried,
+) -> Vec<(Tried, Comparison)> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for place in 0..candidates.len() {
         match groups.iter_mut().find(|group| candidates[group[0]].same_motion(&candidates[place])) {
@@ -130,8 +136,8 @@ fn judged(physics: &Physics, rows: &Rows, candidates: &[Description], start: &Tr
         }
     }
     let merits = |group: &Vec<usize>| -> Vec<(usize, f64)> {
-        let tables = physics.tables(rows, &candidates[group[0]]);
-        let merit = |&place: &usize| Some((place, Fit::new(&tables, rows, &candidates[place]).merit()?));
+        let tables = physics.tables(whole, &candidates[group[0]]);
+        let merit = |&place: &usize| Some((place, Fit::new(&tables, whole, &candidates[place]).merit()?));
         group.iter().filter_map(merit).collect()
     };
     let mut order: Vec<(usize, f64)> = groups.par_iter().map(merits).collect::<Vec<_>>().concat();

@@ -28,6 +28,9 @@ pub struct Verdict {
     pub next: Option<Alternative>,
     /// Factors of the torques to those of the described bodies, where their scale is wrong.
     pub factors: Vec<Option<f64>>,
+    /// Whether positions or gravity are changed, and the described bodies explain the torques no better for it: the log may be that of
+    /// another arm.
+    pub unlike_bodies: bool,
     /// Whether there is no alternative and the logs are long enough, or several that agree: then the changed description
     /// can be gone on with.
     pub beyond_doubt: bool,

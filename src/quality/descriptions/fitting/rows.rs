@@ -110,6 +110,11 @@ impl Rows {
 }
 
 impl Rows {
+    /// All rows with one block per log: for fits of all rows, which ask for no blocks.
+    pub(crate) fn whole(&self) -> Rows {
+        self.thinned(self.block.len())
+    }
+
     /// About so many of the rows, evenly spaced, with one block per log: for a scan over many motions.
     pub(crate) fn thinned(&self, count: usize) -> Rows {
         let step = (self.block.len() / count.max(1)).max(1);

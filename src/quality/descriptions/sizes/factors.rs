@@ -111,24 +111,25 @@ pub(crate) fn of_all_joints(
     found: &Tried,
 ) -> Option<(Tried, Vec<Option<f64>>)> {
     let given = &start.description;
+    let whole = rows.whole();
     let takes_part = |joint: &usize| start.evaluation.unexplained[given.torque_of[*joint]].is_some();
     let joints: Vec<usize> = (0..given.dof()).filter(takes_part).collect();
     let with = |scales: &[f64]| given.with_scales(1.0, &scales.iter().map(|scale| 1.0 / scale).collect::<Vec<_>>());
     let mut scales = vec![1.0; given.dof()];
-    let described = bodies.tables(rows, given);
+    let described = bodies.tables(&whole, given);
     for widest in [WIDEST, NEAR] {
         for &joint in &joints {
-            scales[joint] = fitted(&described, rows, &with, &scales, joint, widest)?;
+            scales[joint] = fitted(&described, &whole, &with, &scales, joint, widest)?;
         }
     }
-    let tables = free.tables(rows, given);
+    let tables = free.tables(&whole, given);
     for _ in 0..ROUNDS {
         for &joint in &joints {
-            scales[joint] = fitted(&tables, rows, &with, &scales, joint, NEAR)?;
+            scales[joint] = fitted(&tables, &whole, &with, &scales, joint, NEAR)?;
         }
     }
     let of_shared = |shared: f64| scales.iter().map(|scale| scale * shared).collect::<Vec<f64>>();
-    let shared = |shared: f64| merit(&described, rows, &with(&of_shared(shared)));
+    let shared = |shared: f64| merit(&described, &whole, &with(&of_shared(shared)));
     let scales = of_shared(best(1.0, NEAR, shared)?);
     // Bodies that are not like the torques know no size.
     let of_bodies = Tried::new(bodies, rows, with(&scales)).filter(|tried| tried.share() < ALIKE)?;

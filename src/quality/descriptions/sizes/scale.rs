@@ -51,14 +51,15 @@ pub(crate) struct Scaled {
 
 /// The scale of the torques, where it is clearly another than that of the described bodies with any load.
 pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
-    let tables = bodies.tables(rows, start);
+    let whole = rows.whole();
+    let tables = bodies.tables(&whole, start);
     let alone = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect::<Vec<_>>();
     let first = first(&alone)?;
     let before = Tried::new(bodies, rows, start.clone())?;
     let scaled = |factor: f64| start.with(Change::TorqueScale(1.0 / factor));
-    let shared = best(first, WIDEST, |factor| merit(&tables, rows, &scaled(factor)))?;
+    let shared = best(first, WIDEST, |factor| merit(&tables, &whole, &scaled(factor)))?;
     // Factors that differ much are far from one that all share: a load that makes up for it is hard to leave.
-    let of_each = |factors: &[f64]| merit(&tables, rows, &start.with_scales(shared, factors));
+    let of_each = |factors: &[f64]| merit(&tables, &whole, &start.with_scales(shared, factors));
     let without_load: Vec<f64> = alone.iter().map(|factor| factor.map_or(shared, f64::abs)).collect();
     let starts = [vec![shared; start.dof()], without_load];
     let mut each = starts.into_iter().min_by(|a, b| of_each(a).total_cmp(&of_each(b)))?;

@@ -3,11 +3,12 @@
 //!
 //! A wrong zero turns all that a joint carries against all that it stands on: the pull of gravity and the coupling of the joints
 //! come out otherwise. Free bodies take up the zero of the last joint, and that of a joint around which gravity is symmetric and which
-//! stands on nothing that moves; those described show the last one's too.
+//! stands on nothing that moves. Those described are not asked about the last joint either: a load that they lack turns with it.
 
 use super::super::change::Description;
 use super::super::fitting::{Fit, Physics, Rows};
 use super::golden::golden;
+use crate::dynamics::Chain;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -42,8 +43,12 @@ const FURTHER: f64 = 5.0;
 
 /// The description with an offset of one more zero, for joints that have none yet and to which all rows give one beyond what is reported.
 pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
-    // Joints by themselves have gravity of any phase.
-    if matches!(physics, Physics::Alone) || from.scaled().next().is_some() {
+    let chain = match physics {
+        Physics::Free(model) => model.chain().clone(),
+        Physics::Bodies(robot) => Chain::new(robot),
+        Physics::Alone => return Vec::new(),
+    };
+    if from.scaled().next().is_some() {
         return Vec::new();
     }
     let few = rows.thinned(SCANNED);
@@ -61,7 +66,8 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     let without = merit(given);
     let steps = (360.0 / STEP_DEG) as usize;
     let grid = |place: usize| (place as f64 * STEP_DEG).to_radians();
-    let joints: Vec<usize> = (0..from.dof()).filter(|&joint| rows.turns[joint] && given[joint] == 0.0).collect();
+    let joints: Vec<usize> =
+        (0..from.dof()).filter(|&joint| rows.turns[joint] && given[joint] == 0.0 && !is_last(&chain, joint)).collect();
     let tried: Vec<(usize, usize)> =
         joints.iter().flat_map(|&joint| (1..steps).map(move |place| (joint, place))).collect();
     let merits: Vec<f64> = tried.par_iter().map(|&(joint, place)| merit(&at(joint, grid(place)))).collect();
@@ -100,6 +106,12 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
         reported(&offsets).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets)))
     };
     found.into_par_iter().filter_map(together).collect()
+}
+
+/// Whether a joint carries no other.
+fn is_last(chain: &Chain, joint: usize) -> bool {
+    let carries = |other: usize| (0..chain.bodies()).all(|body| !chain.moves(other, body) || chain.moves(joint, body));
+    !(0..chain.dof()).any(|other| other != joint && carries(other))
 }
 
 /// Offsets as they are reported, rad within half a turn; none where one is too small for that.

@@ -141,7 +141,7 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "q",
         ),
         Kind::OutsideLimits => (Signals(|log| log.q.channel_mut(0).iter_mut().for_each(|v| *v += 3.0)), "q1"),
-        Kind::PositionZero => (Signals(|log| log.q.channel_mut(2).iter_mut().for_each(|v| *v += 1.5708)), "q3"),
+        Kind::PositionZero => (Signals(|log| log.q.channel_mut(2).iter_mut().for_each(|v| *v += 1.2)), "q3"),
         Kind::Swapped => (
             Signals(|log| {
                 let (second, fourth) = (log.tau.channel(1).to_vec(), log.tau.channel(3).to_vec());

@@ -51,7 +51,7 @@ impl<'a> Known<'a> {
             }
             // Free bodies may not see the change, and lose nothing by being asked without it.
             Physics::Bodies(_) => {
-                let free = [best, reference].map(|tried| other(tried));
+                let free = [best, reference].map(other);
                 gain.is_large(changes) && free.iter().all(|free| free.as_ref().is_some_and(|free| as_good(best, free)))
             }
         }

@@ -72,15 +72,13 @@ pub(super) fn findings(
         let place = view.place("q", joint);
         let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
         let limits = robot.map(|robot| robot.joints[joint].limits);
-        if let Some(limits) = limits {
-            if leaves_limits(robot, joint, &summary.range) {
-                let text = format!(
-                    "the positions {:.3} .. {:.3} leave the URDF's limits {:.3} .. {:.3}; check zero positions, signs and the \
+        if let Some(limits) = limits.filter(|_| leaves_limits(robot, joint, &summary.range)) {
+            let text = format!(
+                "the positions {:.3} .. {:.3} leave the URDF's limits {:.3} .. {:.3}; check zero positions, signs and the \
                      order of the joints",
-                    summary.range[0], summary.range[1], limits.lower, limits.upper
-                );
-                out.push(Finding::new(Kind::OutsideLimits, Severity::Warning, place.clone(), text));
-            }
+                summary.range[0], summary.range[1], limits.lower, limits.upper
+            );
+            out.push(Finding::new(Kind::OutsideLimits, Severity::Warning, place.clone(), text));
         }
         if still(joint) {
             let unit = if revolute { "rad" } else { "m" };

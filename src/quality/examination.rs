@@ -3,7 +3,8 @@
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::PositionUnits;
-use super::report::{Report, Together, UnitChanges};
+use super::report::{Report, Together};
+use super::unit_changes::UnitChanges;
 use super::velocity::in_true_time;
 use super::view::View;
 use super::{channels, clock, motion, rates, torque, velocity};

@@ -9,10 +9,12 @@ pub mod descriptions;
 mod examination;
 mod finding;
 mod motion;
+mod places;
 mod rates;
 mod report;
 mod statistics;
 mod torque;
+mod unit_changes;
 mod units;
 mod velocity;
 mod view;
@@ -21,8 +23,8 @@ pub use channels::{clipping, motor_off};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, with_logs};
 pub use motion::{JointSummary, OtherUnit};
-pub use rates::OtherRate;
-pub use report::{Report, Together, UnitChanges};
+pub use report::{Report, Together};
+pub use unit_changes::{OtherRate, UnitChanges};
 pub use units::examine_in_own_units;
 
 #[cfg(test)]

@@ -3,13 +3,14 @@
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::{OtherUnit, PositionUnits};
-use super::report::UnitChanges;
+use super::places::{grouped, places};
+use super::unit_changes::{OtherRate, UnitChanges};
 use super::velocity;
 use super::view::View;
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::robot::{Joint, JointKind, Robot};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Relative deviation of a velocity from its unit where it is converted: the ratios of gears lie between units.
 const OF_UNIT: f64 = 0.03;
@@ -19,39 +20,6 @@ const SAME: f64 = 0.1;
 
 /// Positions in another unit leave the limits by more than this factor, and are within it in their own.
 const WITHIN: f64 = 1.05;
-
-/// A unit of velocities other than rad/s and m/s.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OtherRate {
-    /// A unit of positions per second.
-    PerSecond(OtherUnit),
-    /// Turns per minute.
-    Rpm,
-}
-
-impl OtherRate {
-    /// How a dataset names it.
-    pub fn symbol(self) -> String {
-        match self {
-            OtherRate::PerSecond(unit) => format!("{}/s", unit.symbol()),
-            OtherRate::Rpm => "rpm".to_owned(),
-        }
-    }
-
-    /// How many of it make one of SI.
-    pub(crate) fn in_si(self) -> f64 {
-        match self {
-            OtherRate::PerSecond(unit) => unit.in_si(),
-            OtherRate::Rpm => 30.0 / PI,
-        }
-    }
-
-    /// Those in which velocities of a kind of joint may be.
-    fn of(kind: JointKind) -> impl Iterator<Item = OtherRate> {
-        let rpm = (kind == JointKind::Revolute).then_some(OtherRate::Rpm);
-        OtherUnit::of(kind).iter().copied().map(OtherRate::PerSecond).chain(rpm)
-    }
-}
 
 /// Units of the positions and velocities of a log at even steps. Positions that are far beyond their limits show their unit by themselves,
 /// turns show it in the torques.
@@ -215,27 +183,6 @@ pub(super) fn findings(units: &UnitChanges, positions: &PositionUnits, view: &Vi
         out.push(Finding::new(Kind::VelocityUnit, Severity::Warning, places(view, "qd", &joints), text));
     }
     out
-}
-
-/// The joints that share a property, by the property.
-pub(super) fn grouped<T: PartialEq>(dof: usize, of: impl Fn(usize) -> Option<T>) -> Vec<(T, Vec<usize>)> {
-    let mut out: Vec<(T, Vec<usize>)> = Vec::new();
-    for joint in 0..dof {
-        let Some(own) = of(joint) else { continue };
-        match out.iter_mut().find(|(known, _)| *known == own) {
-            Some((_, joints)) => joints.push(joint),
-            None => out.push((own, vec![joint])),
-        }
-    }
-    out
-}
-
-/// The columns of a quantity of some joints, or of all.
-pub(super) fn places(view: &View, quantity: &str, joints: &[usize]) -> String {
-    if joints.len() == view.dof() && joints.len() > 1 {
-        return format!("{quantity}1 .. {quantity}{}", view.dof());
-    }
-    joints.iter().map(|&joint| view.place(quantity, joint)).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

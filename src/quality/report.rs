@@ -2,21 +2,10 @@
 
 use super::descriptions::Verdict;
 use super::finding::{Finding, Severity};
-use super::motion::{JointSummary, OtherUnit};
-use super::rates::OtherRate;
+use super::motion::JointSummary;
+use super::unit_changes::UnitChanges;
 use crate::recording::lenient::Rejected;
 use crate::recording::resample::Clock;
-
-/// Units of a log that are not those of its description.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct UnitChanges {
-    /// True seconds per second of the clock.
-    pub time_factor: Option<f64>,
-    /// Unit of the position of each joint that is in another than rad or m; empty where none is.
-    pub positions: Vec<Option<OtherUnit>>,
-    /// Unit of the velocity of each joint that is in another than rad/s or m/s; empty where none is.
-    pub velocities: Vec<Option<OtherRate>>,
-}
 
 /// Everything found in a log.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

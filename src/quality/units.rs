@@ -3,8 +3,9 @@
 use super::examination::examine_together;
 use super::finding::Kind;
 use super::motion::OtherUnit;
-use super::rates::{OtherRate, grouped};
-use super::report::{Report, Together, UnitChanges};
+use super::places::grouped;
+use super::report::{Report, Together};
+use super::unit_changes::{OtherRate, UnitChanges};
 use super::velocity::{self, in_true_time};
 use crate::channels::Channels;
 use crate::error::Result;

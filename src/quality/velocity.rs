@@ -1,7 +1,7 @@
 //! Logged velocity against the derivative of logged position: sign, unit, order of the columns, delay, and the clock.
 
 use super::finding::{Finding, Kind, Severity};
-use super::rates::places;
+use super::places::places;
 use super::statistics::{correlation, size_quantile};
 use super::view::View;
 use crate::channels::Channels;

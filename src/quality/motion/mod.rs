@@ -9,7 +9,7 @@ pub use summary::JointSummary;
 pub(crate) use summary::summaries;
 
 use super::finding::{Finding, Kind, Severity};
-use super::rates::places;
+use super::places::places;
 use super::view::View;
 use crate::robot::{JointKind, Robot};
 use std::f64::consts::TAU;

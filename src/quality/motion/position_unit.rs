@@ -1,7 +1,7 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
 use super::summary::JointSummary;
-use crate::quality::rates::grouped;
+use crate::quality::places::grouped;
 use crate::quality::velocity;
 use crate::quality::view::View;
 use crate::robot::{JointKind, Limits, Robot};

@@ -2,6 +2,7 @@
 
 use super::tree::{Description, JointDescription, LinkDescription};
 use crate::error::{Error, Result};
+use crate::robot::JointKind;
 
 impl Description {
     /// The joints that move by themselves, branch by branch outwards, children of a link in the order of the file.
@@ -52,15 +53,19 @@ impl Description {
         named.iter().filter(|name| !follows(name)).cloned().collect()
     }
 
-    /// The joints that move by themselves between the base and some link, for every link where they are `count`.
+    /// The joints that move by themselves between the base and some link, for every link where they are `count`; also without a lift or
+    /// rail on which the arm stands, whose joints slide.
     pub fn chains_of(&self, count: usize) -> Vec<Vec<String>> {
         let masters: Vec<&str> = self.masters().iter().map(|joint| joint.name.as_str()).collect();
         let chain = |link: &LinkDescription| {
             let path = self.path_to(&link.name).unwrap_or_default();
-            let own = path.iter().map(|joint| joint.name.clone()).filter(|name| masters.contains(&name.as_str()));
-            own.collect::<Vec<String>>()
+            let own: Vec<_> = path.into_iter().filter(|joint| masters.contains(&joint.name.as_str())).collect();
+            let (rail, arm) = own.split_at_checked(own.len().saturating_sub(count))?;
+            let slides = |joint: &&JointDescription| joint.kind() == Some(JointKind::Prismatic);
+            let is_arm = rail.iter().all(slides) && (rail.is_empty() || !arm.iter().any(slides));
+            (is_arm && arm.len() == count).then(|| arm.iter().map(|joint| joint.name.clone()).collect())
         };
-        self.links.iter().map(chain).filter(|chain| chain.len() == count).collect()
+        self.links.iter().filter_map(chain).collect()
     }
 
     /// The joints branch by branch, each behind the one that carries it.
@@ -92,5 +97,35 @@ impl Description {
     /// An error about a joint, at its line.
     pub(in crate::robot) fn refused(&self, joint: &JointDescription, problem: impl Into<String>) -> Error {
         Error::input(&self.source, joint.line, format!("joint `{}`", joint.name), problem)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::robot::description;
+
+    /// An arm of joints of these kinds, one on the other.
+    fn chains(kinds: &[&str], count: usize) -> Vec<String> {
+        let mut text = String::from("<robot name=\"r\"><link name=\"l0\"/>");
+        for (joint, kind) in kinds.iter().enumerate() {
+            text += &format!(
+                "<link name=\"l{0}\"/><joint name=\"j{0}\" type=\"{kind}\"><parent link=\"l{joint}\"/><child link=\"l{0}\"/>\
+                 <axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"9\" velocity=\"9\"/></joint>",
+                joint + 1
+            );
+        }
+        let file = description::parse(&(text + "</robot>"), "arm").unwrap();
+        file.chains_of(count).into_iter().map(|chain| chain.join(" ")).collect()
+    }
+
+    #[test]
+    fn an_arm_on_a_lift_is_a_chain_of_its_own() {
+        let turns = ["revolute"; 3];
+        assert_eq!(chains(&turns, 2), ["j1 j2"]);
+        let lifted = ["prismatic", "revolute", "revolute"];
+        assert_eq!(chains(&lifted, 2), ["j1 j2", "j2 j3"]);
+        assert_eq!(chains(&lifted, 3), ["j1 j2 j3"]);
+        // A gripper that slides is none of the arm.
+        assert_eq!(chains(&["revolute", "revolute", "prismatic"], 2), ["j1 j2"]);
     }
 }

@@ -196,15 +196,20 @@ fn scaled(value: Option<Value>, factor: f64) -> Value {
     }
 }
 
-/// A number for all or one for each, `usual` where there is none, changed by what each joint has of its own.
-fn each_of<T>(value: Option<&Value>, usual: f64, changes: &[T], new: impl Fn(f64, &T) -> f64) -> Value {
+/// The number of one joint, where a value is one for all or one for each, and `usual` where it is none.
+fn number_of(value: Option<&Value>, place: usize, usual: f64) -> f64 {
     let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(usual);
-    let old = |place: usize| match value {
+    match value {
         Some(Value::Array(each)) => each.get(place).map_or(usual, number),
         Some(one) => number(one),
         None => usual,
-    };
-    Value::Array(changes.iter().enumerate().map(|(place, change)| Value::from(new(old(place), change))).collect())
+    }
+}
+
+/// A number for all or one for each, `usual` where there is none, changed by what each joint has of its own.
+fn each_of<T>(value: Option<&Value>, usual: f64, changes: &[T], new: impl Fn(f64, &T) -> f64) -> Value {
+    let of = |(place, change): (usize, &T)| Value::from(new(number_of(value, place, usual), change));
+    Value::Array(changes.iter().enumerate().map(of).collect())
 }
 
 /// Multiplies the signs of a key, unless all stay as they are.
@@ -212,13 +217,9 @@ fn signs(motors: &mut Table, key: &str, change: Vec<f64>) {
     if change.iter().all(|sign| *sign == 1.0) {
         return;
     }
-    let number = |value: &Value| value.as_float().or(value.as_integer().map(|v| v as f64)).unwrap_or(1.0);
-    let old = |place: usize| match motors.get(key) {
-        Some(Value::Array(each)) => each.get(place).map_or(1.0, number),
-        Some(one) => number(one),
-        None => 1.0,
-    };
-    let new = change.iter().enumerate().map(|(place, sign)| Value::from((old(place) * sign) as i64)).collect();
+    let old = motors.get(key);
+    let of = |(place, sign): (usize, &f64)| Value::from((number_of(old, place, 1.0) * sign) as i64);
+    let new = change.iter().enumerate().map(of).collect();
     motors.insert(key.into(), Value::Array(new));
 }
 

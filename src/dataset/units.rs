@@ -1,16 +1,12 @@
 //! Units at the edge of a log's file.
 
+use crate::recording::{INCH, KILOGRAM_FORCE, POUND_FORCE};
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::marker::PhantomData;
-
-/// Force of a kilogram and of a pound under standard gravity, N, and an inch, m.
-pub(crate) const KILOGRAM_FORCE: f64 = 9.806_65;
-pub(crate) const POUND_FORCE: f64 = 0.453_592_37 * KILOGRAM_FORCE;
-pub(crate) const INCH: f64 = 0.0254;
 
 /// A unit for all joints, or one each.
 #[derive(Debug, Clone, PartialEq)]

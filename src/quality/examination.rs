@@ -154,7 +154,6 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let of_position = |finding: &Finding| finding.kind == Kind::PositionUnit;
         let positions_doubtful = position_units.any()
             || findings.iter().any(of_position)
-            || !units.positions.is_empty()
             || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
         // Torques are compared with motion in true time.

@@ -155,7 +155,7 @@ fn is_of_positions(view: &View, robot: Option<&Robot>, unit: OtherUnit, joints: 
 /// Findings about units that the velocities show; those of positions that show theirs by themselves are found with them.
 pub(super) fn findings(units: &UnitChanges, positions: &PositionUnits, view: &View) -> Vec<Finding> {
     let mut out = Vec::new();
-    let by_velocity = |joint: usize| units.positions.get(joint).copied().flatten().filter(|_| !positions.doubts(joint));
+    let by_velocity = |joint: usize| units.position(joint).filter(|_| !positions.doubts(joint));
     for (unit, joints) in grouped(view.dof(), by_velocity) {
         let place = places(view, "q", &joints);
         let of_velocity = joints.iter().any(|&joint| view.log.has_velocity(joint) && units.velocity(joint).is_none());
@@ -168,13 +168,11 @@ pub(super) fn findings(units: &UnitChanges, positions: &PositionUnits, view: &Vi
         out.push(Finding::new(Kind::PositionUnit, Severity::Warning, place, text));
     }
     let of_its_own = |joint: usize| {
-        let unit = units.velocities.get(joint).copied().flatten()?;
-        let position = units.positions.get(joint).copied().flatten();
-        (position.map(OtherRate::PerSecond) != Some(unit) && view.log.has_velocity(joint)).then_some(unit)
+        let unit = units.velocity(joint)?;
+        (units.position(joint).map(OtherRate::PerSecond) != Some(unit) && view.log.has_velocity(joint)).then_some(unit)
     };
     for (unit, joints) in grouped(view.dof(), of_its_own) {
-        let position = units.positions.get(joints[0]).copied().flatten();
-        let of_positions = position.map_or("rad or m", OtherUnit::words);
+        let of_positions = units.position(joints[0]).map_or("rad or m", OtherUnit::words);
         let symbol = unit.symbol();
         let text = format!(
             "the velocities are in {symbol} where the positions are in {of_positions}; convert them, or set [units] velocity = \

@@ -15,6 +15,7 @@ mod samples;
 mod sampling;
 mod signals;
 
+pub(crate) use columns::names::{INCH, KILOGRAM_FORCE, POUND_FORCE};
 pub use files::{load, save, writable};
 pub use formats::{csv, parquet};
 pub use sampling::resample;

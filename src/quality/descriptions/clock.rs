@@ -75,9 +75,7 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
     }
     let Some(mut rows) = rows(factor)? else { return Ok(None) };
     let Some(with) = tried(&rows) else { return Ok(None) };
-    // Friction may make the torque of small joints.
-    let shares: Vec<f64> = with.evaluation.unexplained.iter().copied().flatten().collect();
-    let explained = 2 * shares.iter().filter(|share| **share < EXPLAINED).count() >= shares.len().max(1);
+    let explained = with.explains_half();
     let motion = rows.motion.clone();
     let mut is_clearly_better = |than: f64| {
         rows.motion = faster(&motion, than);

@@ -82,23 +82,22 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         let gain = |next: &Tried| compare(&next.evaluation, &found.best.evaluation, &rows.log);
         found.next.as_ref().is_none_or(|next| gain(next).is_some_and(|gain| gain.is_large(1)))
     };
-    let moves = |description: &Description| (0..dof).any(|joint| description.changes_position_of(joint));
-    let replicated = |found: &Found| {
+    let confirmed = |found: &Found| {
+        let description = &found.best.description;
+        let moved = (0..dof).any(|joint| description.changes_position_of(joint));
+        let asked = moved || description.gravity != gravity;
+        let alike = asked.then(|| alike(found)).flatten();
         let agree = match views.len() {
             1 => seconds >= LONG_ENOUGH_S,
             _ => found.gain.least_of_logs > 0.0,
         };
-        let moved = moves(&found.best.description);
-        agree && (!moved || (alike(found) == Some(true) && separate(found)))
-    };
-    let unlike = |found: &Found| {
-        let description = &found.best.description;
-        (moves(description) || description.gravity != gravity) && alike(found) == Some(false)
+        let replicated = agree && (!moved || (alike == Some(true) && separate(found)));
+        Confirmed { replicated, unlike_bodies: alike == Some(false) }
     };
     let with_motion = jumps::with_motion(views);
     let Some(robot) = robot else {
         let outcome = search(Known::alone(&Physics::Alone), &rows, &with_motion, start)?;
-        return verdict(outcome, |_| false, |_| false);
+        return verdict(outcome, |_| Confirmed::default());
     };
     let free = Physics::free(robot);
     let known = Known { physics: &free, other: bodies.as_ref() };
@@ -121,10 +120,10 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         return Some(scaled_verdict(&outcome.start, after, factors));
     }
     if outcome.found.is_some() {
-        return verdict(settled(bodies.as_ref(), &rows, outcome), replicated, unlike);
+        return verdict(settled(bodies.as_ref(), &rows, outcome), confirmed);
     }
     let outcome = search(Known { physics: bodies.as_ref()?, other: Some(&free) }, &rows, &with_motion, start)?;
-    verdict(settled(None, &rows, outcome), replicated, unlike)
+    verdict(settled(None, &rows, outcome), confirmed)
 }
 
 /// The verdict on torques of another scale, which the logs do not trace to a cause.
@@ -142,13 +141,22 @@ fn scaled_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> Ve
     }
 }
 
-fn verdict(outcome: Outcome, replicated: impl Fn(&Found) -> bool, unlike: impl Fn(&Found) -> bool) -> Option<Verdict> {
+/// What confirms the best of a search beyond its gain.
+#[derive(Default)]
+struct Confirmed {
+    /// The logs are long enough or agree, and the described bodies do where positions are changed.
+    replicated: bool,
+    /// The described bodies contradict it.
+    unlike_bodies: bool,
+}
+
+fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<Verdict> {
     let Outcome { start, found } = outcome;
     let found = found?;
     // From what a factor comes the logs cannot show.
     let scaled = found.best.description.scaled().next();
-    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated(&found);
-    let unlike_bodies = unlike(&found);
+    let Confirmed { replicated, unlike_bodies } = confirmed(&found);
+    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated;
     let alternative =
         |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {

@@ -1,6 +1,7 @@
 //! A description that was judged.
 
 use super::change::Description;
+use super::compare::EXPLAINED;
 use super::fitting::{Evaluation, Fit, Physics, Rows};
 
 /// A description with its residuals.
@@ -17,6 +18,12 @@ impl Tried {
         let tables = physics.tables(rows, &description);
         let evaluation = Fit::new(&tables, rows, &description).evaluate()?;
         Some(Tried { description, evaluation })
+    }
+
+    /// Whether it explains half of the torques at least: friction may make those of small joints.
+    pub(super) fn explains_half(&self) -> bool {
+        let shares: Vec<f64> = self.evaluation.unexplained.iter().copied().flatten().collect();
+        2 * shares.iter().filter(|share| **share < EXPLAINED).count() >= shares.len().max(1)
     }
 
     /// Geometric mean over the torques of the shares left unexplained.

@@ -44,8 +44,7 @@ pub(crate) fn are_turns(log: &Recording, robot: &Robot) -> Result<bool> {
     let Motion { q, qd, qdd } = &rows.motion;
     rows.motion = Motion { q: times(q, 1.0 / TAU), qd: times(qd, 1.0 / TAU), qdd: times(qdd, 1.0 / TAU) };
     let Some(as_given) = tried(&rows) else { return Ok(false) };
-    let shares: Vec<f64> = with.evaluation.unexplained.iter().copied().flatten().collect();
-    let explained = 2 * shares.iter().filter(|share| **share < EXPLAINED).count() >= shares.len().max(1);
+    let explained = with.explains_half();
     let gain = compare(&as_given.evaluation, &with.evaluation, &rows.log);
     Ok(explained && gain.is_some_and(|gain| gain.is_better(1, EXPLAINED) && gain.is_large(1)))
 }

@@ -35,10 +35,7 @@ const BEYOND: f64 = 0.01;
 
 /// Whether positions of a joint leave its limits.
 pub(super) fn leaves_limits(robot: Option<&Robot>, joint: usize, positions: &[f64]) -> bool {
-    robot.is_some_and(|robot| {
-        let limits = robot.joints[joint].limits;
-        positions.iter().any(|q| (limits.lower - q).max(q - limits.upper) > BEYOND)
-    })
+    robot.is_some_and(|robot| robot.joints[joint].limits.left_by(positions) > BEYOND)
 }
 
 /// Findings about the motion; `logged` are the summaries in the units of the log.

@@ -42,6 +42,13 @@ pub struct Limits {
     pub effort: f64,
 }
 
+impl Limits {
+    /// By how much positions leave the limits, rad (m); zero or less where they do not.
+    pub(crate) fn left_by(&self, positions: &[f64]) -> f64 {
+        positions.iter().map(|q| (self.lower - q).max(q - self.upper)).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
 /// Friction and rotor of a joint's drive, at the joint side of the gear.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drive {

@@ -5,7 +5,7 @@ use crate::dynamics::Motion;
 use crate::linear::root_mean_square;
 use crate::quality::channels;
 use crate::quality::view::{self, View};
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, Limits, Robot};
 use std::ops::Range;
 
 /// Spacing of the rows, s. Gravity, inertia and friction of an arm act below 10 Hz; more rows would only repeat them.
@@ -48,8 +48,8 @@ pub(crate) struct Rows {
     pub moves: Vec<Vec<bool>>,
     /// Whether a joint turns, and does not slide.
     pub turns: Vec<bool>,
-    /// Least and greatest position of a joint, rad (m).
-    pub limits: Vec<[f64; 2]>,
+    /// Limits of every joint, where they are known.
+    pub limits: Vec<Option<Limits>>,
     /// Whether a torque channel holds measurements that change.
     pub measured: Vec<bool>,
     /// Root mean square of every torque channel.
@@ -90,15 +90,11 @@ impl Rows {
         let tau = pick(views.iter().map(|view| &view.tau).collect());
         let kind = |joint: usize| robot.map(|robot| robot.joints[joint].kind);
         let moves = (0..dof).map(|joint| moves(motion.q.channel(joint), motion.qd.channel(joint), kind(joint)));
-        let limits = |joint: usize| {
-            let of = |robot: &Robot| [robot.joints[joint].limits.lower, robot.joints[joint].limits.upper];
-            robot.map_or([f64::NEG_INFINITY, f64::INFINITY], of)
-        };
         let measured = |tau: &[f64]| tau.iter().all(|v| v.is_finite()) && tau.iter().any(|v| *v != tau[0]);
         Some(Rows {
             moves: moves.collect(),
             turns: (0..dof).map(|joint| kind(joint) != Some(JointKind::Prismatic)).collect(),
-            limits: (0..dof).map(limits).collect(),
+            limits: (0..dof).map(|joint| robot.map(|robot| robot.joints[joint].limits)).collect(),
             measured: tau.iter().zip(spoilt).map(|(tau, spoilt)| !spoilt && measured(tau)).collect(),
             size: tau.iter().map(root_mean_square).collect(),
             motion,
@@ -134,8 +130,7 @@ impl Rows {
 
     /// By how much the positions of a joint leave its limits, rad (m); zero or less where they do not.
     pub(crate) fn beyond_limits(&self, joint: usize, positions: &[f64]) -> f64 {
-        let [lower, upper] = self.limits[joint];
-        positions.iter().map(|q| (lower - q).max(q - upper)).fold(f64::NEG_INFINITY, f64::max)
+        self.limits[joint].map_or(f64::NEG_INFINITY, |limits| limits.left_by(positions))
     }
 
     /// Number of logs.

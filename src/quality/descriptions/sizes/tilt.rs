@@ -1,7 +1,8 @@
 //! A free direction of gravity: the mounting of an arm on a slope or a rail.
 
 use super::super::change::{Change, Description};
-use super::super::fitting::{Fit, Physics, Rows};
+use super::super::fitting::{Physics, Rows};
+use super::scale::merit as merit_of;
 use nalgebra::Vector3;
 
 /// First and last step of the search over directions, degrees.
@@ -20,7 +21,7 @@ pub(crate) fn free_direction(physics: &Physics, rows: &Rows, from: &Description)
     let merit = |direction: &Vector3<f64>| {
         let description = from.with(Change::Gravity((direction * size).into()));
         let tables = physics.tables(rows, &description);
-        Fit::new(&tables, rows, &description).merit().unwrap_or(f64::INFINITY)
+        merit_of(&tables, rows, &description)
     };
     let axes = (0..3).flat_map(|axis| [1.0, -1.0].map(|sign| sign * Vector3::ith(axis, 1.0)));
     let known: Vec<Vector3<f64>> = std::iter::once(from.gravity / size).chain(axes).collect();

@@ -6,8 +6,9 @@
 //! stands on nothing that moves. Those described are not asked about the last joint either: a load that they lack turns with it.
 
 use super::super::change::Description;
-use super::super::fitting::{Fit, Physics, Rows};
+use super::super::fitting::{Physics, Rows};
 use super::golden::golden;
+use super::scale::merit as merit_of;
 use crate::dynamics::Chain;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -55,7 +56,7 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     let merit = |offsets: &[f64]| {
         let description = from.with_zeros(offsets);
         let tables = physics.tables(&few, &description);
-        Fit::new(&tables, &few, &description).merit().unwrap_or(f64::INFINITY)
+        merit_of(&tables, &few, &description)
     };
     let given = &from.position_offset;
     let at = |joint: usize, offset: f64| -> Vec<f64> {

@@ -102,6 +102,23 @@ pub(crate) struct Meaning {
     pub exact_only: bool,
 }
 
+impl Meaning {
+    /// A measured quantity of a joint, in a unit that is not known.
+    fn new(quantity: usize, joint: Joint, family: String) -> Meaning {
+        Meaning {
+            truth: false,
+            quantity,
+            joint,
+            family,
+            rank: 0,
+            current: false,
+            of_controller: false,
+            unit: None,
+            exact_only: false,
+        }
+    }
+}
+
 /// All ways to understand a column's name, the most likely first.
 pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
     let (column, unit) = without_unit(column);
@@ -144,17 +161,10 @@ fn readings(column: &str) -> Vec<Meaning> {
     if !wanted {
         out.extend(numbered(name));
     }
-    out.extend(plain(name).map(|(quantity, joint)| Meaning {
-        truth: false,
-        quantity,
-        joint,
-        family: String::new(),
-        rank: 0,
-        current: false,
-        of_controller: false,
-        unit: None,
-        exact_only: wanted,
-    }));
+    out.extend(
+        plain(name)
+            .map(|(quantity, joint)| Meaning { exact_only: wanted, ..Meaning::new(quantity, joint, String::new()) }),
+    );
     if wanted {
         out.extend(of_controller(name));
     } else {
@@ -214,17 +224,7 @@ fn numbered(name: &str) -> Option<Meaning> {
     // The names written have one family, in which velocity may be `qd` or `dq`.
     let family = if written { String::new() } else { stem.to_owned() };
     let rank = if written { 0 } else { 1 };
-    Some(Meaning {
-        truth: false,
-        quantity,
-        joint: Joint::Number(number),
-        family,
-        rank,
-        current,
-        of_controller: false,
-        unit: None,
-        exact_only: false,
-    })
+    Some(Meaning { rank, current, ..Meaning::new(quantity, Joint::Number(number), family) })
 }
 
 /// `/joint_states/position/elbow`, `position_elbow`, `elbow.pos`, `/joint_states/elbow/position`, `elbow current`.
@@ -232,15 +232,9 @@ fn named(name: &str) -> Option<Meaning> {
     let meaning = |(quantity, current): (usize, bool), joint: &str, family: String, rank| {
         let joint = joint.trim_matches(SEPARATORS);
         (!joint.is_empty()).then(|| Meaning {
-            truth: false,
-            quantity,
-            joint: Joint::Name(joint.to_owned()),
-            family,
             rank,
             current,
-            of_controller: false,
-            unit: None,
-            exact_only: false,
+            ..Meaning::new(quantity, Joint::Name(joint.to_owned()), family)
         })
     };
     // A quantity between groups and joint, or behind the joint, as a part of a path of its own.

@@ -14,10 +14,12 @@ pub(crate) struct Unit {
     pub factor: f64,
 }
 
+/// Force of a kilogram and of a pound under standard gravity, N, and an inch, m.
+pub(crate) const KILOGRAM_FORCE: f64 = 9.806_65;
+pub(crate) const POUND_FORCE: f64 = 0.453_592_37 * KILOGRAM_FORCE;
+pub(crate) const INCH: f64 = 0.0254;
+
 const DEGREE: f64 = PI / 180.0;
-const KGF: f64 = 9.806_65;
-const POUND: f64 = 0.453_592_37 * KGF;
-const INCH: f64 = 0.0254;
 
 /// Ampere, in which currents are that stand for torques.
 const AMPERE: &str = "A";
@@ -51,11 +53,11 @@ const UNITS: [Row; 34] = [
     (TORQUE, "mN m", "N m", 1e-3, &["mnm", "nmm"]),
     (TORQUE, "N cm", "N m", 1e-2, &["ncm"]),
     (TORQUE, "kN m", "N m", 1e3, &["knm"]),
-    (TORQUE, "kgf cm", "N m", 1e-2 * KGF, &["kgfcm", "kgcm", "kpcm"]),
-    (TORQUE, "kgf m", "N m", KGF, &["kgfm", "kgm", "kpm"]),
-    (TORQUE, "ozf in", "N m", POUND / 16.0 * INCH, &["ozfin", "ozin", "inoz"]),
-    (TORQUE, "lbf in", "N m", POUND * INCH, &["lbfin", "lbin", "inlbf", "inlb"]),
-    (TORQUE, "lbf ft", "N m", POUND * 12.0 * INCH, &["lbfft", "lbft", "ftlbf", "ftlb"]),
+    (TORQUE, "kgf cm", "N m", 1e-2 * KILOGRAM_FORCE, &["kgfcm", "kgcm", "kpcm"]),
+    (TORQUE, "kgf m", "N m", KILOGRAM_FORCE, &["kgfm", "kgm", "kpm"]),
+    (TORQUE, "ozf in", "N m", POUND_FORCE / 16.0 * INCH, &["ozfin", "ozin", "inoz"]),
+    (TORQUE, "lbf in", "N m", POUND_FORCE * INCH, &["lbfin", "lbin", "inlbf", "inlb"]),
+    (TORQUE, "lbf ft", "N m", POUND_FORCE * 12.0 * INCH, &["lbfft", "lbft", "ftlbf", "ftlb"]),
     (TORQUE, "N", "N", 1.0, &["n", "newton", "newtons"]),
     (TORQUE, "kN", "N", 1e3, &["kn"]),
     (TORQUE, AMPERE, AMPERE, 1.0, &["a", "amp", "amps", "ampere", "amperes"]),

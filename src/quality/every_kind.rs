@@ -22,7 +22,6 @@ const ALL: [Kind; 38] = [
     Kind::HeldSamples,
     Kind::Clipped,
     Kind::Spike,
-    Kind::TorqueSpike,
     Kind::Wrapped,
     Kind::UnsignedTorque,
     Kind::TorqueSign,
@@ -47,6 +46,7 @@ const ALL: [Kind; 38] = [
     Kind::MotorOff,
     Kind::ModelTorque,
     Kind::PositionZero,
+    Kind::TorqueSpike,
 ];
 
 /// A fault put into a clean log.

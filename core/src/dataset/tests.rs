@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use tempfile::TempDir;
 
-const ARM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+const ARM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
 const TWO: &str = r#"<robot name="two"><link name="base"/>
 <joint name="a" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="9" velocity="9"/></joint>
 <link name="l1"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>

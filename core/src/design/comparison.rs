@@ -25,7 +25,7 @@ const RANDOM_MOVES_PER_SECOND: f64 = 0.6;
 
 /// What one motion, or the median of several, achieves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Row {
+pub struct Row {
     /// Which motion.
     pub name: String,
     /// Parameters that can be separated.
@@ -50,7 +50,7 @@ pub(crate) struct Row {
 
 /// The table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Comparison {
+pub struct Comparison {
     /// Number of base parameters.
     pub parameters: usize,
     /// Length of all motions, s.
@@ -64,7 +64,7 @@ pub(crate) struct Comparison {
 ///
 /// # Errors
 /// Those of [`excite`].
-pub(crate) fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Comparison> {
+pub fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Comparison> {
     let judge = Judge::new(problem, request)?;
     let mut rows = Vec::new();
     for family in Family::ALL {
@@ -81,7 +81,7 @@ pub(crate) fn compare(problem: &Problem, request: &Request, watch: &mut Watch) -
 }
 
 /// What motions are judged on.
-pub(crate) struct Judge<'a> {
+pub struct Judge<'a> {
     problem: &'a Problem,
     held_out: Option<Information>,
     random_median: Option<Row>,
@@ -92,7 +92,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// Names the limits that no motion can keep.
-    pub(crate) fn new(problem: &'a Problem, request: &Request) -> Result<Self> {
+    pub fn new(problem: &'a Problem, request: &Request) -> Result<Self> {
         let held_out = random_motions(problem, request, "held-out excitation")?
             .iter()
             .map(|motion| problem.observe(motion).0)
@@ -105,12 +105,12 @@ impl<'a> Judge<'a> {
     }
 
     /// The median of random sequences; none where no random sequence keeps the limits.
-    pub(crate) fn random_median(&self) -> Option<&Row> {
+    pub fn random_median(&self) -> Option<&Row> {
         self.random_median.as_ref()
     }
 
     /// Judges one motion on the rate of the log.
-    pub(crate) fn row(&self, name: &str, motion: &dyn Reference) -> Row {
+    pub fn row(&self, name: &str, motion: &dyn Reference) -> Row {
         let experiment = &self.problem.experiment;
         let limits = self.problem.envelope.joints();
         let mut accelerations = vec![0.0f64; limits.len()];

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Rate at which a motion is checked before it is returned, Hz.
-pub(crate) const CHECK_RATE_HZ: f64 = 10_000.0;
+pub const CHECK_RATE_HZ: f64 = 10_000.0;
 
 /// Joints before this one carry no point that is watched: they place the arm, those after them turn its wrist.
 const FIRST_WATCHED: usize = 3;

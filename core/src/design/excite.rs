@@ -28,7 +28,7 @@ const OTHERS_SHARE: f64 = 0.3;
 
 /// What to search for, and how long.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Request {
+pub struct Request {
     /// The parametrisation.
     pub family: Family,
     /// Length, s.
@@ -47,7 +47,7 @@ pub(crate) struct Request {
 
 /// What came of it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Outcome {
+pub struct Outcome {
     /// The motion.
     pub motion: Motion,
     /// Its criterion on the search's grid.
@@ -67,7 +67,7 @@ pub(crate) type Watch<'a> = dyn FnMut(Progress, Option<&Motion>) -> bool + 'a;
 ///
 /// # Errors
 /// Names the limit or option that makes the request impossible, before the search where that shows, else after it.
-pub(crate) fn excite(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Outcome> {
+pub fn excite(problem: &Problem, request: &Request, watch: &mut Watch) -> Result<Outcome> {
     let blocks = blocks(request);
     let size = request.size.unwrap_or_else(|| request.family.usual_size(request.duration_s));
     if size < blocks {

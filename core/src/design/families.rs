@@ -12,7 +12,7 @@ use crate::excitation::{JointLimits, Motion};
 /// A parametrisation of motions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Family {
+pub enum Family {
     /// Rest-to-rest moves under the Freudenstein 1-3-5 law.
     Freudenstein,
     /// Finite Fourier series.
@@ -25,10 +25,10 @@ pub(crate) enum Family {
 
 impl Family {
     /// All of them, in the order of [`Motion::KINDS`].
-    pub(crate) const ALL: [Family; 4] = [Family::Freudenstein, Family::Fourier, Family::Quintic, Family::Bspline];
+    pub const ALL: [Family; 4] = [Family::Freudenstein, Family::Fourier, Family::Quintic, Family::Bspline];
 
     /// Its name, as motion files spell it.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         Motion::KINDS[self as usize]
     }
 
@@ -36,7 +36,7 @@ impl Family {
     ///
     /// # Errors
     /// Lists the names there are.
-    pub(crate) fn named(name: &str) -> Result<Self> {
+    pub fn named(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|family| family.name() == name).ok_or_else(|| {
             Error::request(
                 "kind",
@@ -46,7 +46,7 @@ impl Family {
     }
 
     /// Moves, harmonics, segments or free control points for `duration_s`, unless another number is asked for.
-    pub(crate) fn usual_size(self, duration_s: f64) -> usize {
+    pub fn usual_size(self, duration_s: f64) -> usize {
         let per_second = match self {
             Family::Freudenstein => 0.9,
             Family::Fourier => 0.8,
@@ -60,7 +60,7 @@ impl Family {
     ///
     /// # Errors
     /// Those of the encodings: limits that no motion can keep, a size that is too small.
-    pub(crate) fn encoding(self, limits: &[JointLimits], duration_s: f64, size: usize) -> Result<Box<dyn Encoding>> {
+    pub fn encoding(self, limits: &[JointLimits], duration_s: f64, size: usize) -> Result<Box<dyn Encoding>> {
         Ok(match self {
             Family::Freudenstein => Box::new(FreudensteinEncoding::new(limits, size, duration_s)?),
             Family::Fourier => Box::new(FourierEncoding::new(limits, size, duration_s, 1)?),

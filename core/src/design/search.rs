@@ -45,7 +45,7 @@ pub(crate) struct Plan {
 
 /// How far a search has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Progress {
+pub struct Progress {
     /// Evaluations so far.
     pub evaluations: usize,
     /// Value of the best motion inside the limits, if there is one yet.

@@ -15,7 +15,7 @@ pub(super) const NOISE: [f64; 6] = [3.0, 4.0, 2.0, 0.45, 0.35, 0.18];
 pub(super) const RATE: f64 = 500.0;
 
 pub(super) fn irb1600() -> Robot {
-    robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap()
+    robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap()
 }
 
 pub(super) fn limits(robot: &Robot) -> Vec<JointLimits> {

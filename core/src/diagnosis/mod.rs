@@ -16,7 +16,7 @@
 //!
 //! Each room imports only from rooms below it.
 
-mod answer;
+pub(crate) mod answer;
 mod backlash;
 mod criteria;
 mod evidence;
@@ -33,10 +33,9 @@ mod watch;
 
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_MJCF, EXTENDED_SCENARIO,
-    EXTENDED_URDF, Errors, ExtendedModel, Finding, Gain, LogSummary, NamedAlternative, NamedParameter, Outcome,
-    ResidualStructure, Resimulation, Scope, Share, torque,
+    EXTENDED_URDF, Engine, Errors, ExtendedModel, Finding, Followed, Gain, LogSummary, Measured, NamedAlternative,
+    NamedParameter, Outcome, ResidualStructure, Resimulation, Scope, Share, Simulator, torque,
 };
-pub(crate) use answer::{NOT_SIZED, finding, findings, joints, notices, predicts_worse};
 pub use backlash::Play;
 pub use criteria::{Criteria, Gate, Judgement, SearchCriteria};
 pub use evidence::Ranked;

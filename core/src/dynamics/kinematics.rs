@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn points_are_where_the_frames_of_the_robot_put_them() {
         for arm in ["urdf/irb1600_6_120.urdf", "tests/reference/skew7.urdf"] {
-            let path = format!("{}/{arm}", env!("CARGO_MANIFEST_DIR"));
+            let path = format!("{}/../{arm}", env!("CARGO_MANIFEST_DIR"));
             let robot = robot::load(path, InertiaCheck::Required).unwrap();
             let (chain, dof) = (Chain::new(&robot), robot.dof());
             let mut source = random::stream(5, "points", 0);

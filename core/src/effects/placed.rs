@@ -52,6 +52,12 @@ impl Placed {
             Scope::Arm => Vec::new(),
         }
     }
+
+    /// The joints, of `dof`, whose sensors it may distort.
+    #[doc(hidden)]
+    pub fn sensed(&self, dof: usize) -> Vec<usize> {
+        if self.effect.about().scope == Scope::Arm { (0..dof).collect() } else { self.joints() }
+    }
 }
 
 impl std::fmt::Debug for Placed {

@@ -27,7 +27,7 @@ pub trait Encoding: Send + Sync {
 }
 
 /// A point drawn uniformly from the box of an encoding, from the stream `label` number `index` of `seed`.
-pub(crate) fn random_point(encoding: &dyn Encoding, seed: u64, label: &str, index: u64) -> Vec<f64> {
+pub fn random_point(encoding: &dyn Encoding, seed: u64, label: &str, index: u64) -> Vec<f64> {
     let mut stream = random::stream(seed, label, index);
     (0..encoding.dimension()).map(|_| stream.random_range(-1.0..=1.0)).collect()
 }
@@ -112,7 +112,7 @@ fn multiply(values: &mut [f64], factor: f64) {
 
 /// Finite Fourier series; the unknowns of a joint are a_1 .. a_N, b_1 .. b_N in units of its velocity limit.
 #[derive(Clone, Debug)]
-pub(crate) struct FourierEncoding {
+pub struct FourierEncoding {
     limits: Vec<JointLimits>,
     harmonics: usize,
     period_s: f64,
@@ -124,7 +124,7 @@ impl FourierEncoding {
     ///
     /// # Errors
     /// Names the joint whose limits are infinite or leave out zero, or the argument at fault.
-    pub(crate) fn new(limits: &[JointLimits], harmonics: usize, period_s: f64, periods: u32) -> Result<Self> {
+    pub fn new(limits: &[JointLimits], harmonics: usize, period_s: f64, periods: u32) -> Result<Self> {
         require_usable(limits, period_s)?;
         require_at_least("harmonics", harmonics, 2)?;
         require_at_least("periods", periods as usize, 1)?;

@@ -108,14 +108,14 @@ impl Judged {
 
 /// What a motion that keeps inside the limits asks of an arm.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Report {
+pub struct Report {
     /// One entry per joint.
     pub joints: Vec<JointReport>,
 }
 
 /// What a motion asks of one joint.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct JointReport {
+pub struct JointReport {
     /// Name of the joint.
     pub name: String,
     /// Extremes of the motion.
@@ -145,7 +145,7 @@ pub(crate) fn check<S: AsRef<str>>(
 /// # Errors
 /// Names the joint that passes a limit by the largest factor, the time, the limit and the excess, and lists the other
 /// limits passed, in the units of `kinds`. Refuses limits, names or kinds for another number of joints, and a rate that is not above zero.
-pub(crate) fn check_kinds<S: AsRef<str>>(
+pub fn check_kinds<S: AsRef<str>>(
     reference: &dyn Reference,
     limits: &[JointLimits],
     rate_hz: f64,

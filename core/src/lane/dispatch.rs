@@ -14,7 +14,7 @@ const LARGEST_ANGLE: f64 = 1e6;
 
 /// A computation that is written once for all lanes. Whatever it calls must be inlined into it, or is compiled for the
 /// oldest machines.
-pub(crate) trait Kernel {
+pub trait Kernel {
     /// What comes out.
     type Output;
 
@@ -131,8 +131,9 @@ impl Lanes {
     }
 
     /// Runs a kernel in these lanes.
+    #[doc(hidden)]
     #[inline]
-    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
             Kind::Scalar => kernel.run::<f64>(),
             Kind::Pair => kernel.run::<Pair>(),

@@ -3,7 +3,7 @@
 mod aligned;
 #[cfg(target_arch = "x86_64")]
 mod chacha;
-mod dispatch;
+pub(crate) mod dispatch;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod number;

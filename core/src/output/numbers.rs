@@ -1,7 +1,7 @@
 //! Numbers in texts.
 
 /// Three significant digits; a dash for what is not a number.
-pub(crate) fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     if value.is_nan() {
         return "-".to_owned();
     }

@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn the_columns_are_the_torque_of_the_body() {
         for arm in ["urdf/irb1600_6_120.urdf", "tests/reference/skew7.urdf", "tests/reference/branching.urdf"] {
-            let path = format!("{}/{arm}", env!("CARGO_MANIFEST_DIR"));
+            let path = format!("{}/../{arm}", env!("CARGO_MANIFEST_DIR"));
             let robot = robot::load(path, InertiaCheck::Ignored).unwrap();
             let mut source = random::stream(3, "load columns", 0);
             let mut motion = Motion::zeros(robot.dof(), 9);

@@ -72,7 +72,8 @@ pub(super) fn shares(robot: &Robot, equations: &Equations, estimate: &Estimate) 
 
 impl Payload {
     /// A sentence where joints disagree about the load.
-    pub(crate) fn disagreement(&self) -> Option<String> {
+    #[doc(hidden)]
+    pub fn disagreement(&self) -> Option<String> {
         disagreement(&self.joints)
     }
 }

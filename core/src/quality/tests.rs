@@ -12,7 +12,7 @@ use crate::robot::{self, InertiaCheck, Robot};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
-const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 fn arm(file: &str) -> Robot {
     robot::load(format!("{ROOT}/{file}"), InertiaCheck::Required).unwrap()

@@ -36,7 +36,7 @@ fn key(seed: u64, label: &str, index: u64) -> [u8; 32] {
 }
 
 /// FNV-1a hash of a label from a given offset basis; fixed here because the standard library's hash may change.
-pub(crate) fn fnv1a(label: &str, basis: u64) -> u64 {
+pub fn fnv1a(label: &str, basis: u64) -> u64 {
     label.bytes().fold(basis, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 

@@ -3,12 +3,14 @@
 #[cfg(feature = "bags")]
 use super::formats::bag;
 use super::formats::{not_written, unknown_format};
-use super::{Recording, csv, parquet};
+#[cfg(feature = "parquet")]
+use super::parquet;
+use super::{Recording, csv};
 use crate::error::{Error, Result};
 use std::path::Path;
 
 /// Reads a log; the extension of the name (`csv`, `parquet`; `mcap`, `db3` or the folder of a ROS 2 bag) gives the format.
-/// What was read but not used is logged as a warning; [`csv::read`] and [`parquet::read`] return it.
+/// What was read but not used is logged as a warning; [`csv::read`] and `parquet::read` return it.
 ///
 /// With `joints` (the robot's joints in order) the log must have these joints; without, it names or numbers its own.
 ///
@@ -19,6 +21,7 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     let (recording, notes) = match extension.as_deref() {
         Some("csv") => csv::read(path, joints)?,
+        #[cfg(feature = "parquet")]
         Some("parquet") => parquet::read(path, joints)?,
         #[cfg(feature = "bags")]
         _ if bag::is_bag(path) => bag::recording(path, joints)?,
@@ -50,6 +53,7 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
             let has_source = !recording.provenance.is_empty() || !recording.robot.is_empty();
             lost.extend(has_source.then_some("where the log comes from"));
         }
+        #[cfg(feature = "parquet")]
         Some("parquet") => parquet::write(path, recording)?,
         #[cfg(feature = "bags")]
         Some(extension @ ("mcap" | "db3")) => {
@@ -70,7 +74,8 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
 pub fn writable(path: &Path) -> Result<()> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("csv" | "parquet") => Ok(()),
+        Some("csv") => Ok(()),
+        Some("parquet") if cfg!(feature = "parquet") => Ok(()),
         Some("mcap" | "db3") if cfg!(feature = "bags") => Ok(()),
         _ => Err(not_written(path)),
     }
@@ -78,6 +83,8 @@ pub fn writable(path: &Path) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    #![cfg(feature = "parquet")]
+
     use super::*;
     use crate::recording::samples;
 
@@ -100,7 +107,7 @@ mod tests {
         for name in ["log.npz", "log"] {
             let error = save(Path::new(name), &recording).unwrap_err().to_string();
             assert_eq!(error, writable(Path::new(name)).unwrap_err().to_string());
-            assert!(error.starts_with(name) && error.contains("are written as .csv, .parquet"), "{error}");
+            assert!(error.starts_with(name) && error.contains("are written as .csv"), "{error}");
         }
         assert!(writable(Path::new("log.CSV")).is_ok());
         let error = load(folder.path().join("none.csv"), None).unwrap_err().to_string();

@@ -96,10 +96,14 @@ pub fn is_held(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #[cfg(feature = "parquet")]
     use super::super::lenient::{self, ColumnMap};
-    use super::super::{parquet, samples};
+    #[cfg(feature = "parquet")]
+    use super::super::parquet;
+    use super::super::samples;
     use super::*;
 
+    #[cfg(feature = "parquet")]
     #[test]
     fn a_log_in_memory_is_read_as_its_file() {
         let folder = tempfile::tempdir().unwrap();

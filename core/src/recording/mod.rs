@@ -17,6 +17,8 @@ mod signals;
 
 pub(crate) use columns::names::{INCH, KILOGRAM_FORCE, POUND_FORCE};
 pub use files::{load, save, writable};
-pub use formats::{csv, parquet};
+pub use formats::csv;
+#[cfg(feature = "parquet")]
+pub use formats::parquet;
 pub use sampling::resample;
 pub use signals::{Recording, Signals};

@@ -194,7 +194,7 @@ mod tests {
     use crate::robot::InertiaCheck;
 
     fn arm(name: &str) -> Robot {
-        crate::robot::load(format!("{}/{name}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Ignored).unwrap()
+        crate::robot::load(format!("{}/../{name}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Ignored).unwrap()
     }
 
     #[test]
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn a_mesh_that_is_missing_is_named_and_replaced() {
         let folder = tempfile::tempdir().unwrap();
-        let text = std::fs::read_to_string(format!("{}/tests/reference/pendulum.urdf", env!("CARGO_MANIFEST_DIR")));
+        let text = std::fs::read_to_string(format!("{}/../tests/reference/pendulum.urdf", env!("CARGO_MANIFEST_DIR")));
         let visual =
             "<visual><geometry><mesh filename=\"package://some_arm/meshes/a.stl\"/></geometry></visual></link>";
         let path = folder.path().join("arm.urdf");

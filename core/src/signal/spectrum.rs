@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn agrees_with_scipy() {
-        let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/spectrum.json"));
+        let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/reference/spectrum.json"));
         let reference: Reference = serde_json::from_str(&text.unwrap()).unwrap();
         let (frequency, density) = amplitude_density(&reference.signal, reference.rate_hz);
         assert_eq!(frequency, reference.frequency);

@@ -3,7 +3,7 @@
 use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{Gain, all_inertias};
-use super::outcome::Conclusion;
+use super::outcome::{Conclusion, Measured};
 use super::quantities::{Evidence, Residuals, derived, residual_structure};
 use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter};
@@ -24,7 +24,6 @@ use crate::identification::model::Model;
 use crate::payload::Payload;
 use crate::recording::Recording;
 use crate::robot::Robot;
-use crate::scenario::Measured;
 use crate::signal::white_noise;
 
 /// Slowest rate of a log: its rows are means over a fiftieth of a second, Hz; and by how much of itself a clock may go slow.

@@ -198,7 +198,7 @@ pub(super) fn withdraw(
 
 /// Whether the held-out logs are predicted worse with a finding than without it, on the joints that it acts on together: it fits the
 /// training logs, and is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
-pub(crate) fn predicts_worse(found: &Found, noise: &[f64], criteria: &VerdictCriteria) -> bool {
+pub fn predicts_worse(found: &Found, noise: &[f64], criteria: &VerdictCriteria) -> bool {
     let joints = found.member.candidate.joints();
     let [before, after] =
         found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());

@@ -12,7 +12,6 @@ use crate::diagnosis::variance::{JointMap, Line, Part};
 use crate::payload::{self, Payload, Quantity};
 use crate::quality::Kind;
 use crate::robot::Robot;
-use crate::simulation::engine::EngineKind;
 use serde::{Serialize, Serializer};
 
 /// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
@@ -178,7 +177,7 @@ struct Extended {
 
 #[derive(Debug, Serialize)]
 struct Resimulated {
-    engine: EngineKind,
+    engine: &'static str,
     described_test_rms_nm: Option<Vec<f64>>,
     baseline_test_rms_nm: Vec<f64>,
     gain: Share,
@@ -339,7 +338,7 @@ impl Document {
                 mjcf: EXTENDED_MJCF,
                 resimulated_test_rms_nm: resimulation.map(|run| known(&run.extended_rms)),
                 resimulation: resimulation.map(|run| Resimulated {
-                    engine: run.engine,
+                    engine: run.engine.key,
                     described_test_rms_nm: run.described_rms.clone(),
                     baseline_test_rms_nm: run.baseline_rms.clone(),
                     gain: run.gain,

@@ -14,7 +14,7 @@ const ALL_INERTIAS: &str = "The inertias of the robot description are wrong on s
                             logs, and re-identified base parameters do. extended.urdf holds them.";
 
 /// What is said of a finding whose amplitudes the logs leave open.
-pub(crate) const NOT_SIZED: &str =
+pub const NOT_SIZED: &str =
     "the logs show that it is there, and not how its parameters share it: none differs significantly from zero";
 
 /// An effect that was found, in words and units.
@@ -72,7 +72,7 @@ pub struct NamedParameter {
 }
 
 /// All findings, wrong inertias as a whole first.
-pub(crate) fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
+pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
     let found = diagnosis.found.iter().zip(&diagnosis.derived);
     inertias.chain(found.map(|(found, derived)| finding(robot, found, derived))).collect()
@@ -97,7 +97,7 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
 }
 
 /// An effect found, with what follows from its parameters.
-pub(crate) fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Finding {
+pub fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
     let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
@@ -131,7 +131,7 @@ pub(crate) fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Find
 }
 
 /// Names of the joints of an effect; none for one on the whole arm.
-pub(crate) fn joints(robot: &Robot, family: Family) -> Vec<String> {
+pub fn joints(robot: &Robot, family: Family) -> Vec<String> {
     let effect = effects::find(family.effect).ok();
     let placed = effect.filter(|effect| effect.about().scope != Scope::Arm);
     let placed = placed.map(|effect| Placed::typical(effect, family.joint).joints()).unwrap_or_default();

@@ -19,13 +19,11 @@ mod resimulation;
 mod searched;
 
 pub use builder::DiagnosisBuilder;
-pub(crate) use diagnosis::predicts_worse;
-pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope};
+pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope, predicts_worse};
 pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF};
 pub use extended::{ExtendedModel, torque};
-pub use findings::{Finding, NamedAlternative, NamedParameter};
-pub(crate) use findings::{NOT_SIZED, finding, findings, joints};
+pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};
 pub use inertias::Gain;
-pub use outcome::{Answer, Conclusion, Outcome};
+pub use outcome::{Answer, Conclusion, Measured, Outcome};
 pub use quantities::{Derived, ResidualStructure, Share};
-pub use resimulation::Resimulation;
+pub use resimulation::{Engine, Followed, Resimulation, Simulator};

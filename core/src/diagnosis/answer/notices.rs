@@ -8,7 +8,7 @@ use crate::quality::Kind;
 use crate::robot::{Joint, Robot};
 
 /// What to do about the faults that stop a diagnosis.
-pub(crate) fn remedy(faults: &[DataFault]) -> String {
+pub fn remedy(faults: &[DataFault]) -> String {
     let places = |still: bool| -> Vec<&str> {
         let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
         let mut places: Vec<&str> = stops
@@ -26,7 +26,7 @@ pub(crate) fn remedy(faults: &[DataFault]) -> String {
 }
 
 /// What is said of the logs above the answer.
-pub(crate) fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
+pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
     let all = [
         unfinished(diagnosis),
         equal_states(diagnosis),
@@ -118,11 +118,11 @@ pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<Stri
 }
 
 /// An effort of a joint with its unit.
-pub(crate) fn effort(joint: &Joint, value: f64) -> String {
+pub fn effort(joint: &Joint, value: f64) -> String {
     with_unit(significant(value), joint.effort_unit())
 }
 
 /// A value with its unit; ratios have none.
-pub(crate) fn with_unit(value: String, unit: &str) -> String {
+pub fn with_unit(value: String, unit: &str) -> String {
     if unit == "1" { value } else { format!("{value} {unit}") }
 }

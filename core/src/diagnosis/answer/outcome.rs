@@ -3,14 +3,12 @@
 use super::diagnosis::Diagnosis;
 use super::extended::ExtendedModel;
 use super::findings::{Finding, findings};
-use super::resimulation::{Replay, Resimulation};
+use super::resimulation::{Replay, Resimulation, Simulator};
 use crate::diagnosis::logs::{CleanLogs, Consequence, DataFault};
 use crate::diagnosis::search::Verdict;
 use crate::error::{Error, Result};
 use crate::quality::{UnitChanges, descriptions};
 use crate::robot::Robot;
-use crate::scenario::Measured;
-use crate::simulation::engine::EngineKind;
 
 /// The answer of a diagnosis. It serialises as `diagnosis.json` has it, without the schema.
 #[derive(Debug)]
@@ -53,6 +51,19 @@ pub struct Conclusion {
     /// The extended model run along the held-out motions, once [`Conclusion::resimulate`] has.
     pub resimulation: Option<Resimulation>,
     pub(super) replay: Replay,
+}
+
+/// What was measured of the arm in addition to its model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Rate of the logs, Hz.
+    pub rate_hz: f64,
+    /// Largest acceleration of each joint, rad/s2.
+    pub acceleration: Vec<f64>,
+    /// Noise of the positions of each joint, rad.
+    pub position_noise: Vec<f64>,
+    /// Noise of the torques of each joint, N m.
+    pub torque_noise: Vec<f64>,
 }
 
 impl Answer {
@@ -104,13 +115,13 @@ impl Conclusion {
         self.replay.extended.as_ref().map_err(Error::clone)
     }
 
-    /// Runs the arm as described, the fitted baseline and the extended model along the held-out motions under the forward
-    /// dynamics of `engine`, and keeps the result.
+    /// Runs the arm as described, the fitted baseline and the extended model along the held-out motions in a `simulator`, and
+    /// keeps the result.
     ///
     /// # Errors
     /// If the baseline or the extended model cannot be simulated.
-    pub fn resimulate(&mut self, engine: EngineKind) -> Result<&Resimulation> {
-        let resimulation = self.replay.run(&self.diagnosis, engine)?;
+    pub fn resimulate(&mut self, simulator: impl Simulator) -> Result<&Resimulation> {
+        let resimulation = self.replay.run(&self.diagnosis, &simulator)?;
         Ok(self.resimulation.insert(resimulation))
     }
 }

@@ -1,5 +1,5 @@
-//! The extended model back in the simulator: the arm is driven along the measured held-out motion, in rapier or by the project's own
-//! forward dynamics, and its motor torque compared with the measured one.
+//! The extended model back in a simulator: the arm is driven along the measured held-out motion, and its motor torque compared with
+//! the measured one.
 //!
 //! The arm follows the filtered measured positions under computed torque of its own model with feedback, so that its torque
 //! is that of the simulator's forward dynamics and not of the regression that found the model.
@@ -14,8 +14,7 @@ use crate::diagnosis::regression::{Column, rms};
 use crate::dynamics::Motion;
 use crate::effects::Placed;
 use crate::error::{Error, Result};
-use crate::simulation::engine::EngineKind;
-use crate::simulation::following::{Followed, follow, sensed};
+use crate::robot::Robot;
 use rayon::prelude::*;
 
 /// Time after the start until the loop has settled, s.
@@ -24,11 +23,42 @@ const SETTLING_S: f64 = 0.5;
 /// Factor on the residual of the fitted model up to which that of its simulation is one of the same model.
 const STRAYS: f64 = 5.0;
 
+/// Runs an arm along a motion that was measured. `EngineKind` of the crate `tauscope` is one.
+pub trait Simulator: Sync {
+    /// What moves `robot`.
+    fn engine(&self, robot: &Robot) -> Engine;
+
+    /// Lets `robot`, with `effects` in addition to the friction of its drives, follow `motion` (where the joints really were; the
+    /// first sample at `start`, `period` seconds apart) under computed torque of its own model with feedback.
+    ///
+    /// # Errors
+    /// If the simulator does not take the arm, or the simulation runs away.
+    fn follow(&self, robot: &Robot, effects: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed>;
+}
+
+/// The forward dynamics of a simulator, by its names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Engine {
+    /// In files.
+    pub key: &'static str,
+    /// In texts.
+    pub name: &'static str,
+}
+
+/// What a simulated arm did, `[joint][time]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Motor torque as the sensors would log it, N m.
+    pub torque: Channels,
+    /// Motor positions, rad.
+    pub q: Channels,
+}
+
 /// Residuals of the models on the held-out logs when the simulator runs them along the motions.
 #[derive(Debug, Clone)]
 pub struct Resimulation {
     /// The forward dynamics.
-    pub engine: EngineKind,
+    pub engine: Engine,
     /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
     pub described_rms: Option<Vec<f64>>,
     /// That of the fitted baseline.
@@ -59,14 +89,13 @@ pub(super) struct Replay {
 }
 
 impl Replay {
-    /// Runs the models under the forward dynamics of `engine`.
+    /// Runs the models in a simulator.
     ///
     /// # Errors
     /// If the baseline or the extended model cannot be simulated.
-    pub(super) fn run(&self, diagnosis: &Diagnosis, engine: EngineKind) -> Result<Resimulation> {
-        let engine = engine.of(&self.described.robot);
+    pub(super) fn run(&self, diagnosis: &Diagnosis, simulator: &impl Simulator) -> Result<Resimulation> {
         let [baseline, extended] = [&self.baseline, &self.extended].map(|model| model.as_ref().map_err(Error::clone));
-        let fitted = resimulate(engine, &[baseline?, extended?], &self.rows)?;
+        let fitted = resimulate(simulator, &[baseline?, extended?], &self.rows)?;
         let (baseline, extended) = (&fitted[0], &fitted[1]);
         let noise = &diagnosis.errors.noise_floor;
         let (before, after) = (&baseline.residual, &extended.residual);
@@ -79,9 +108,9 @@ impl Replay {
                            for a simulation (friction or inertia that would have to be negative)";
             return Err(Error::request(format!("joint `{}`", self.described.robot.joints[joint].name), problem));
         }
-        let described = resimulate(engine, &[&self.described], &self.rows).ok();
+        let described = resimulate(simulator, &[&self.described], &self.rows).ok();
         Ok(Resimulation {
-            engine,
+            engine: simulator.engine(&self.described.robot),
             described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
             baseline_rms: rms(&baseline.valid, &baseline.residual),
             extended_rms,
@@ -108,15 +137,15 @@ struct Resimulated {
     pub positions: Vec<Channels>,
 }
 
-/// Runs `models` along the motions of all logs of `rows` under the forward dynamics of `engine`.
+/// Runs `models` along the motions of all logs of `rows`.
 ///
 /// # Errors
-/// If rapier does not take a model, or a simulation runs away; `models` are named by their place.
-fn resimulate(engine: EngineKind, models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
+/// If the simulator does not take a model, or a simulation runs away; `models` are named by their place.
+fn resimulate(simulator: &impl Simulator, models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
     let jobs: Vec<(usize, &Log)> =
         (0..models.len()).flat_map(|model| rows.logs.iter().map(move |log| (model, log))).collect();
     let runs: Vec<(Channels, Channels)> =
-        jobs.into_par_iter().map(|(k, log)| along(engine, models[k], log)).collect::<Result<_>>()?;
+        jobs.into_par_iter().map(|(k, log)| along(simulator, models[k], log)).collect::<Result<_>>()?;
     let mut valid = rows.valid.clone();
     for (log, &start) in rows.logs.iter().zip(&rows.starts) {
         let settling = log.blocks(&log.time).iter().filter(|&&t| t < log.time[0] + SETTLING_S).count();
@@ -138,9 +167,9 @@ fn resimulate(engine: EngineKind, models: &[&ExtendedModel], rows: &Rows) -> Res
 }
 
 /// Motor torque as the sensors would log it, when the arm follows the motion of a log, and its positions, `[joint][time]`.
-fn along(engine: EngineKind, model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
+fn along(simulator: &impl Simulator, model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
     let motion = true_motion(&model.effects, log)?;
-    let Followed { torque, q } = follow(engine, &model.robot, &model.effects, &motion, log.time[0], log.period)?;
+    let Followed { torque, q } = simulator.follow(&model.robot, &model.effects, &motion, log.time[0], log.period)?;
     Ok((torque, q))
 }
 
@@ -148,7 +177,7 @@ fn along(engine: EngineKind, model: &ExtendedModel, log: &Log) -> Result<(Channe
 fn true_motion(effects: &[Placed], log: &Log) -> Result<Motion> {
     let mut q = log.motion.q.clone();
     for placed in effects {
-        for joint in sensed(placed, q.channels()) {
+        for joint in placed.sensed(q.channels()) {
             let before = q.channel(joint).to_vec();
             placed.effect.distort_position(&placed.parameters, q.channel_mut(joint));
             q.channel_mut(joint).iter_mut().zip(before).for_each(|(x, q)| *x = 2.0 * q - *x);

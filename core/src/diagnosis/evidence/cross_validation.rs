@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn a_log_has_no_part_in_what_is_said_of_it() {
         let robot =
-            load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+            load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
         let (model, arm) = (Model::new(&robot), Arm::new(&robot, Trust::Nominal));
         let logs = [1, 2, 3].map(|seed| log(&arm, seed));
         let apart = Session::new(&model, Trust::Nominal, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();

@@ -453,7 +453,7 @@ mod tests {
     /// Base parameters of the IRB 1600 as they are give its torque back, shared rightly among bodies and rotors.
     #[test]
     fn a_description_without_rotors_leaves_what_is_more_to_them() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let real = load(path, InertiaCheck::Required).unwrap();
         let mut described = real.clone();
         described.joints.iter_mut().for_each(|joint| joint.drive.armature = 0.0);
@@ -468,7 +468,7 @@ mod tests {
 
     #[test]
     fn what_motion_does_not_tell_is_as_described() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let robot = load(path, InertiaCheck::Required).unwrap();
         let model = Model::new(&robot);
         let wave = |f: fn(f64) -> f64, size: f64| {

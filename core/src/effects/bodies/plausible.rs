@@ -60,7 +60,7 @@ mod tests {
     use crate::robot::{InertiaCheck, Robot, load};
 
     fn arm() -> Robot {
-        load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap()
+        load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap()
     }
 
     #[test]

@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn matches_scipy() {
         // scipy.interpolate.BSpline, made by tests/reference/excitation_bspline.py.
-        let reference = include_str!("../../../tests/reference/excitation_bspline.csv");
+        let reference = include_str!("../../../../tests/reference/excitation_bspline.csv");
         let points = vec![1.0, -2.0, 0.5, 1.5, -0.7];
         let mut rows = 0;
         for line in reference.lines().skip(1) {

@@ -34,10 +34,10 @@ use crate::lane::Lane;
 pub(crate) const ALPHA: f64 = 1125.0 / 1192.0;
 
 /// Peak velocity of a move in units of h/T, reached at half time.
-pub(crate) const PEAK_VELOCITY: f64 = 2.0;
+pub const PEAK_VELOCITY: f64 = 2.0;
 
 /// Peak acceleration of a move in units of h/T^2, reached at a quarter (and, negative, at three quarters) of the time.
-pub(crate) const PEAK_ACCELERATION: f64 = 240.0 * PI / 149.0;
+pub const PEAK_ACCELERATION: f64 = 240.0 * PI / 149.0;
 
 /// One rest-to-rest move of one joint under the 1-3-5 law.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use crate::identification::model::Model;
 use crate::identification::model::standard::{ROTOR, STANDARD};
 
 /// Which parameters of the arm are taken from the URDF.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {
     /// Inertias are taken from the URDF; friction and rotor inertia of every joint are fitted.

@@ -12,7 +12,7 @@ mod total_least_squares;
 mod weighted;
 
 pub(crate) use closed_loop_output_error::Didim;
-pub(crate) use estimator::{Data, Estimator, SimulatedRows};
+pub use estimator::{Data, Estimator, SimulatedRows};
 pub(crate) use instrumental_variables::InstrumentalVariables;
 pub(crate) use iteratively_reweighted::IterativelyReweighted;
 pub(crate) use levenberg_marquardt::LevenbergMarquardt;
@@ -37,7 +37,7 @@ pub(crate) static ALL: [&dyn Estimator; 7] = [
 ///
 /// # Errors
 /// Lists the names there are.
-pub(crate) fn find(name: &str) -> Result<&'static dyn Estimator> {
+pub fn find(name: &str) -> Result<&'static dyn Estimator> {
     ALL.into_iter().find(|estimator| estimator.name() == name).ok_or_else(|| {
         let names: Vec<&str> = ALL.iter().map(|estimator| estimator.name()).collect();
         Error::request(

@@ -191,7 +191,7 @@ mod tests {
     use rand::RngExt;
 
     fn arm() -> Model {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         Model::new(&robot::load(path, InertiaCheck::Required).unwrap())
     }
 

@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn the_irb_1600_has_52_base_parameters_of_78() {
         let robot =
-            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
                 .unwrap();
         let model = Model::new(&robot);
         assert_eq!(model.names().len(), 78);
@@ -323,7 +323,7 @@ mod tests {
     #[test]
     fn a_joint_without_torque_has_no_equation() {
         let robot =
-            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
                 .unwrap();
         let model = Model::with_equations(&robot, &[true, true, true, true, true, false]);
         // Rotor, friction and inertia about its own axis show in the torque of joint 6 alone.
@@ -346,7 +346,7 @@ mod tests {
     fn friction_columns_are_the_laws_at_unit_parameters() {
         use crate::effects::{Along, Placed, contribution};
         let robot =
-            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
+            robot::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required)
                 .unwrap();
         let chain = Chain::new(&robot);
         let mut motion = Motion::zeros(robot.dof(), 5);

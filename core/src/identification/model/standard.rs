@@ -12,4 +12,4 @@ pub(crate) const VISCOUS: usize = PARAMETERS + 1;
 pub(crate) const COULOMB: usize = PARAMETERS + 2;
 
 /// Standard parameters of a joint: ten inertial ones, Ia, Fv, Fc.
-pub(crate) const STANDARD: usize = PARAMETERS + 3;
+pub const STANDARD: usize = PARAMETERS + 3;

@@ -269,7 +269,7 @@ mod tests {
     use rand::RngExt;
 
     fn irb() -> Model {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         Model::new(&robot::load(path, InertiaCheck::Required).unwrap())
     }
 

@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn bodies_that_are_not_described_are_as_heavy_as_what_was_identified() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let real = robot::load(path, InertiaCheck::Required).unwrap();
         let mut described = real.clone();
         for joint in &mut described.joints {

@@ -14,7 +14,7 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
 fn arm(file: &str) -> Robot {
-    robot::load(format!("{}/{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap()
+    robot::load(format!("{}/../{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap()
 }
 
 fn irb() -> Robot {

@@ -13,6 +13,7 @@ pub(crate) enum Format {
     /// A table in text.
     Text,
     /// Parquet.
+    #[cfg(feature = "parquet")]
     Parquet,
     /// MCAP, SQLite, or the folder of a bag.
     #[cfg(feature = "bags")]
@@ -63,7 +64,7 @@ pub(crate) fn of(path: &Path) -> Result<Format> {
         return Ok(Format::Npz);
     }
     if is(b"PAR1") {
-        return Ok(Format::Parquet);
+        return parquet(path);
     }
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if let Some((what, cure)) = refused(&start, &extension, &name, bag) {
@@ -77,25 +78,48 @@ pub(crate) fn of(path: &Path) -> Result<Format> {
     if is(b"\x89MCAP0\r\n") || is(b"SQLite format 3\0") {
         return Err(unknown_format(path));
     }
-    Ok(if extension == "parquet" { Format::Parquet } else { Format::Text })
+    if extension == "parquet" { parquet(path) } else { Ok(Format::Text) }
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(_: &Path) -> Result<Format> {
+    Ok(Format::Parquet)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(path: &Path) -> Result<Format> {
+    Err(unknown_format(path))
 }
 
 /// The name of a log must give its format.
 pub(crate) fn unknown_format(path: &Path) -> Error {
-    let bags = match cfg!(feature = "bags") {
-        true => ".csv, .parquet, .mcap or .db3 (or is the folder of a ROS 2 bag)",
-        false => ".csv or .parquet (this build reads no ROS 2 bags: build it with the feature `bags`)",
+    let kinds = match (cfg!(feature = "parquet"), cfg!(feature = "bags")) {
+        (true, true) => ".csv, .parquet, .mcap or .db3 (or is the folder of a ROS 2 bag)",
+        (true, false) => ".csv or .parquet (this build reads no ROS 2 bags: build it with the feature `bags`)",
+        (false, true) => {
+            ".csv, .mcap or .db3 (or is the folder of a ROS 2 bag; this build reads no Parquet files: build it with the feature \
+             `parquet`)"
+        }
+        (false, false) => {
+            ".csv (this build reads neither Parquet files nor ROS 2 bags: build it with the features `parquet` and `bags`)"
+        }
     };
-    Error::input(path, None, "extension", format!("the name of a log must end in {bags}, which gives its format"))
+    Error::input(path, None, "extension", format!("the name of a log must end in {kinds}, which gives its format"))
 }
 
 /// Logs are written in fewer formats than they are read in.
 pub(crate) fn not_written(path: &Path) -> Error {
-    let bags = match cfg!(feature = "bags") {
-        true => ".csv, .parquet, .mcap or .db3",
-        false => ".csv or .parquet (this build writes no ROS 2 bags: build it with the feature `bags`)",
+    let kinds = match (cfg!(feature = "parquet"), cfg!(feature = "bags")) {
+        (true, true) => ".csv, .parquet, .mcap or .db3",
+        (true, false) => ".csv or .parquet (this build writes no ROS 2 bags: build it with the feature `bags`)",
+        (false, true) => {
+            ".csv, .mcap or .db3 (this build writes no Parquet files: build it with the feature `parquet`)"
+        }
+        (false, false) => {
+            ".csv (this build writes neither Parquet files nor ROS 2 bags: build it with the features `parquet` and `bags`)"
+        }
     };
-    Error::input(path, None, "extension", format!("logs are written as {bags}, which the end of the name chooses"))
+    Error::input(path, None, "extension", format!("logs are written as {kinds}, which the end of the name chooses"))
 }
 
 /// What a file is that is not read, and what to do about it.
@@ -212,13 +236,26 @@ mod tests {
             assert!(words.iter().all(|word| said.contains(word)), "{name}: {said}");
             assert_eq!(said.lines().count(), 1);
         }
-        for (name, content, format) in [
-            ("a.txt", &b"t q1 tau1\n"[..], "Text"),
-            ("a", b"t,q1,tau1\n", "Text"),
-            ("a.csv", b"PAR1\0", "Parquet"),
-            ("a.bin", b"\x93NUMPY\x01", "Npy"),
-        ] {
+        for (name, content, format) in
+            [("a.txt", &b"t q1 tau1\n"[..], "Text"), ("a", b"t,q1,tau1\n", "Text"), ("a.bin", b"\x93NUMPY\x01", "Npy")]
+        {
             assert_eq!(said(name, content), format);
+        }
+    }
+
+    #[test]
+    fn a_build_says_what_it_was_made_without() {
+        let parquet = ["a.csv", "a.parquet"].map(|name| said(name, b"PAR1\0"));
+        let bags = said("a.mcap", b"\x89MCAP0\r\n");
+        match cfg!(feature = "parquet") {
+            true => assert_eq!(parquet, ["Parquet"; 2]),
+            false => assert!(parquet.iter().all(|said| said.contains("Parquet files") && said.contains("`parquet`"))),
+        }
+        match cfg!(feature = "bags") {
+            true => assert_eq!(bags, "Bag"),
+            false => {
+                assert!(bags.contains("ROS 2 bags: build it with the feature") && bags.contains("`bags`"), "{bags}")
+            }
         }
     }
 }

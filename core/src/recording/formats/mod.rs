@@ -9,6 +9,7 @@ pub(super) mod bag;
 pub mod csv;
 mod kind;
 pub(super) mod numpy;
+#[cfg(feature = "parquet")]
 pub mod parquet;
 pub(super) mod text;
 pub(super) mod written;

@@ -6,8 +6,10 @@ use crate::recording::cleaning::{Cause, Rejected};
 use crate::recording::columns::ColumnMap;
 #[cfg(feature = "bags")]
 use crate::recording::formats::bag;
+#[cfg(feature = "parquet")]
+use crate::recording::formats::parquet;
 use crate::recording::formats::text::Text;
-use crate::recording::formats::{self, Format, numpy, parquet};
+use crate::recording::formats::{self, Format, numpy};
 use crate::recording::memory;
 use std::path::Path;
 use std::sync::Arc;
@@ -17,6 +19,7 @@ pub(super) enum Source {
     /// A table in text.
     Text(Text),
     /// A Parquet file.
+    #[cfg(feature = "parquet")]
     Parquet(parquet::Table),
     /// A log of ROS 2, read already.
     #[cfg(feature = "bags")]
@@ -53,6 +56,7 @@ pub(super) fn open(path: &Path, joints: Option<&[String]>, map: &ColumnMap) -> R
     }
     Ok(match formats::of(path)? {
         Format::Text => Source::Text(Text::open(path)?),
+        #[cfg(feature = "parquet")]
         Format::Parquet => Source::Parquet(parquet::Table::open(path)?),
         #[cfg(feature = "bags")]
         Format::Bag => Source::Bag(bag::read(path, joints, map.topic.as_deref())?),
@@ -66,6 +70,7 @@ impl Source {
     pub(super) fn header(&self) -> &[String] {
         match self {
             Source::Text(text) => &text.header,
+            #[cfg(feature = "parquet")]
             Source::Parquet(table) => &table.header,
             #[cfg(feature = "bags")]
             Source::Bag(table) => &table.header,
@@ -90,6 +95,7 @@ impl Source {
     /// Names of the joints that the file keeps behind its header.
     pub(super) fn own_joints(&self) -> Option<Vec<String>> {
         match self {
+            #[cfg(feature = "parquet")]
             Source::Parquet(table) => table.own_joints.clone(),
             _ => None,
         }
@@ -128,6 +134,7 @@ impl Source {
     /// Adds the file's metadata on a recording.
     pub(super) fn describe(&self, recording: &mut Recording) {
         match self {
+            #[cfg(feature = "parquet")]
             Source::Parquet(table) => table.describe(recording),
             #[cfg(feature = "bags")]
             Source::Bag(table) => {
@@ -169,6 +176,7 @@ impl Source {
                     all,
                 }
             }
+            #[cfg(feature = "parquet")]
             Source::Parquet(table) => numbered(table.rows(path, header, used, true)?),
             Source::Arrays(table) => numbered(std::mem::take(&mut table.columns)),
             Source::Memory(table) => numbered(table.columns(used)?),

@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn a_flange_moves_to_another_link_and_back() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
         let file = description::read(Path::new(path)).unwrap();
         let robot = file.robot(&Choice::default(), InertiaCheck::Required).unwrap();
         let own = robot.flange_link(&file).unwrap();

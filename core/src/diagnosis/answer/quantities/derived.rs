@@ -116,7 +116,7 @@ mod tests {
         let places: Vec<usize> = (1..11).collect();
         let payload = effects::find("payload").unwrap();
         let robot =
-            load(concat!(env!("CARGO_MANIFEST_DIR"), "/urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+            load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
         let named = |parameters: &[f64]| {
             let of = |p: &[f64]| payload.derived(p, 0, &robot);
             let values = |p: &[f64]| of(p).iter().map(|quantity| quantity.value).collect();

@@ -10,7 +10,7 @@ fn small_arm() -> Robot {
 
 /// A log of that arm by another simulator.
 fn log(name: &str) -> Sieved {
-    let path = format!("{}/tests/reference/payload/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../tests/reference/payload/{name}.csv", env!("CARGO_MANIFEST_DIR"));
     lenient::load(std::path::Path::new(&path), Some(&small_arm().joint_names()), &ColumnMap::default()).unwrap()
 }
 

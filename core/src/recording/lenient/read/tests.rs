@@ -145,6 +145,7 @@ fn columns_by_number() {
     assert!(error.contains("3 columns of numbers; no line names") && error.contains("q = [2, 3]"), "{error}");
 }
 
+#[cfg(feature = "parquet")]
 #[test]
 fn empty_cells_of_a_parquet_file_cost_their_rows() {
     use ::parquet::arrow::ArrowWriter;

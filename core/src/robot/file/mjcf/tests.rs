@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/mjcf");
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/reference/mjcf");
 
 fn reference(model: &str) -> (Description, Value) {
     let path = Path::new(FOLDER).join(format!("{model}.xml"));

@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_robot_comes_back_from_its_model() {
         for file in ["urdf/irb1600_6_120.urdf", "tests/reference/skew7.urdf", "tests/reference/trees/palletiser.xml"] {
-            let robot = load(format!("{}/{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
+            let robot = load(format!("{}/../{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("new.xml");
             std::fs::write(&path, to_mjcf(&robot)).unwrap();

@@ -141,7 +141,7 @@ mod tests {
     use crate::robot::{Drive, InertiaCheck, load};
 
     fn round_trip(file: &str) {
-        let mut robot = load(format!("{}/{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
+        let mut robot = load(format!("{}/../{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
         for (k, joint) in robot.joints.iter_mut().enumerate() {
             let factor = 1.3 + 0.1 * k as f64;
             joint.inertia.0.iter_mut().for_each(|value| *value *= factor);
@@ -189,7 +189,7 @@ mod tests {
     /// Fingers that are held are part of the hand: their mass is written once.
     #[test]
     fn what_is_held_is_written_with_what_carries_it() {
-        let path = format!("{}/tests/reference/trees/two_finger.urdf", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../tests/reference/trees/two_finger.urdf", env!("CARGO_MANIFEST_DIR"));
         let file = crate::robot::description::read(path.as_ref()).unwrap();
         let moving: Vec<String> = file.masters().iter().map(|joint| joint.name.clone()).collect();
         let fingers = |name: &String| name.contains("finger");

@@ -266,7 +266,7 @@ fn plausible_and_ambiguous_numbers_stay() {
     let mixed = arm(SI).replacen("rpy=\"0 0 0\"", "rpy=\"0 0 90\"", 1);
     stays(&mixed, Some("goes up to 90 and is read in rad"));
     for file in ["urdf/irb1600_6_120.urdf", "tests/reference/skew7.urdf", "tests/reference/fixed_links.urdf"] {
-        let path = format!("{}/{file}", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../{file}", env!("CARGO_MANIFEST_DIR"));
         if let Ok(text) = std::fs::read_to_string(path) {
             stays(&text, None);
         }

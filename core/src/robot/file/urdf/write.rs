@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn an_arm_comes_back_from_its_text() {
         for file in ["urdf/irb1600_6_120.urdf", "tests/reference/skew7.urdf", "tests/reference/fixed_links.urdf"] {
-            let robot = load(format!("{}/{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
+            let robot = load(format!("{}/../{file}", env!("CARGO_MANIFEST_DIR")), InertiaCheck::Required).unwrap();
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("new.urdf");
             std::fs::write(&path, to_urdf(&robot)).unwrap();
@@ -102,7 +102,7 @@ mod tests {
     /// A tree with joints that follow others, read from a MuJoCo model, is the same robot when it comes back.
     #[test]
     fn a_tree_comes_back_from_its_text() {
-        let path = format!("{}/tests/reference/trees/palletiser.xml", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../tests/reference/trees/palletiser.xml", env!("CARGO_MANIFEST_DIR"));
         let robot = load(path, InertiaCheck::Required).unwrap();
         assert!(!robot.followers().is_empty());
         let folder = tempfile::tempdir().unwrap();
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn names_of_the_file_keep_their_own() {
-        let path = format!("{}/tests/reference/pendulum.urdf", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../tests/reference/pendulum.urdf", env!("CARGO_MANIFEST_DIR"));
         let mut robot = load(path, InertiaCheck::Required).unwrap();
         robot.joints[0].link = "base_link".to_owned();
         robot.joints[0].name = "a<&\"b".to_owned();

@@ -11,6 +11,29 @@
 //! - Batched signals are laid out `[channel][time]` ([`channels::Channels`]).
 //! - Every random number comes from a recorded seed through a named stream ([`random`]).
 //!
+//! # Example
+//! ```no_run
+//! use tauscope::diagnosis::{Diagnosis, Verdict};
+//! use tauscope::scenario::Setup;
+//! use tauscope::study::testbed;
+//!
+//! // Two motions of an arm with Stribeck friction on joint 2, which its description does not have.
+//! let setup = Setup::load("scenarios/effects/stribeck_friction.toml", None)?;
+//! let logs = testbed::record(&setup, &mut |_| ())?;
+//!
+//! let answer = Diagnosis::of(&setup.known)
+//!     .train([&logs.training.recording])
+//!     .test([&logs.held_out.recording])
+//!     .candidates(["stribeck_friction", "torque_offset"])
+//!     .run()?;
+//!
+//! assert_eq!(answer.verdict(), Verdict::Named);
+//! let finding = &answer.findings()[0];
+//! assert_eq!((finding.effect, &finding.joints[..]), ("stribeck_friction", &["joint_2".to_owned()][..]));
+//! # Ok::<(), tauscope::error::Error>(())
+//! ```
+//!
+//! # Rooms
 //! Robots, dynamics, identification and diagnosis are in the crate `tauscope-core`, which needs no simulator, and are
 //! found here under the same names.
 //!

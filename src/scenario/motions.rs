@@ -54,8 +54,7 @@ pub(super) fn motion(
         (None, None) => return Err(at.error(key, "give exactly one of `file` and `random`")),
     };
     let kinds: Vec<JointKind> = arm.joints.iter().map(|joint| joint.kind).collect();
-    check_kinds(&motion, limits, 1.0 / scenario.plant.step_s, &names, &kinds)
-        .map_err(|e| at.wrap(&key, &e))?;
+    check_kinds(&motion, limits, 1.0 / scenario.plant.step_s, &names, &kinds).map_err(|e| at.wrap(&key, &e))?;
     validate::length(scenario, &key, motion.duration_s(), at)?;
     Ok(motion)
 }

@@ -46,13 +46,14 @@ impl Payload {
     /// robot's description play no part.
     ///
     /// ```
+    /// # extern crate tauscope_core as tauscope;
     /// use tauscope::payload::Payload;
     /// use tauscope::recording;
     /// use tauscope::robot::{self, InertiaCheck};
     ///
-    /// let robot = robot::load("tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-    /// let before = recording::load("tests/reference/payload/before.csv", None)?;
-    /// let after = recording::load("tests/reference/payload/after.csv", None)?;
+    /// let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+    /// let before = recording::load("../tests/reference/payload/before.csv", None)?;
+    /// let after = recording::load("../tests/reference/payload/after.csv", None)?;
     ///
     /// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
     ///

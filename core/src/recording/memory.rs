@@ -43,6 +43,7 @@ impl Held {
     /// numbered, and become the robot's joints in their order.
     ///
     /// ```
+    /// # extern crate tauscope_core as tauscope;
     /// use tauscope::channels::Channels;
     /// use tauscope::recording::lenient::{self, ColumnMap};
     /// use tauscope::recording::memory::Held;

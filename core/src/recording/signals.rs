@@ -64,6 +64,7 @@ impl Recording {
     /// [`Recording::with_velocities`], [`Recording::with_accelerations`].
     ///
     /// ```
+    /// # extern crate tauscope_core as tauscope;
     /// use tauscope::channels::Channels;
     /// use tauscope::recording::Recording;
     ///

@@ -51,9 +51,10 @@ pub fn read(path: &Path) -> Result<Description> {
 /// looked for in the folder of `source`.
 ///
 /// ```
+/// # extern crate tauscope_core as tauscope;
 /// use tauscope::robot::{Choice, InertiaCheck, description};
 ///
-/// let text = std::fs::read_to_string("urdf/irb1600_6_120.urdf")?;
+/// let text = std::fs::read_to_string("../urdf/irb1600_6_120.urdf")?;
 /// let robot = description::parse(&text, "arm")?.robot(&Choice::default(), InertiaCheck::Required)?;
 /// assert_eq!(robot.dof(), 6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -27,7 +27,7 @@ maturin=$place/build/bin/maturin
 if ! "$place/build/bin/pip" install --quiet --disable-pip-version-check "maturin>=1.9,<2"; then
     maturin=$(command -v maturin) || skip "maturin cannot be installed (is there a network?)"
 fi
-(cd python && "$maturin" build --release --out "$place/wheels")
+(cd python && "$maturin" build --release --features command --out "$place/wheels")
 
 part "clean environment"
 "$python" -m venv "$place/clean"

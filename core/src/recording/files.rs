@@ -82,9 +82,8 @@ pub fn writable(path: &Path) -> Result<()> {
 }
 
 #[cfg(test)]
+#[cfg(feature = "parquet")]
 mod tests {
-    #![cfg(feature = "parquet")]
-
     use super::*;
     use crate::recording::samples;
 

@@ -132,6 +132,10 @@ impl Source {
     }
 
     /// Adds the file's metadata on a recording.
+    #[cfg_attr(
+        not(any(feature = "bags", feature = "parquet")),
+        allow(unused_variables, reason = "only these files have metadata")
+    )]
     pub(super) fn describe(&self, recording: &mut Recording) {
         match self {
             #[cfg(feature = "parquet")]

@@ -4,7 +4,7 @@ use super::console::{by_joint, significant, table};
 use crate::dynamics::BaseParameters;
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
-use crate::identification::fit::Fitted;
+use crate::identification::fit::{Constant, Fitted};
 use crate::robot::{Joint, Robot};
 use serde::Serialize;
 
@@ -212,6 +212,32 @@ pub fn undetermined(base: &BaseParameters, fitted: &Fitted) -> Vec<String> {
         )
     });
     merged.into_iter().chain(others).collect()
+}
+
+/// A line about the constants that the residuals hold, if there are any.
+pub fn constants(robot: &Robot, fitted: &Fitted) -> Option<String> {
+    let found: Vec<(&Joint, &Constant)> = robot
+        .joints
+        .iter()
+        .zip(&fitted.fit.constants)
+        .filter_map(|(joint, constant)| Some((joint, constant.as_ref()?)))
+        .collect();
+    let each: Vec<String> = found
+        .iter()
+        .map(|(joint, constant)| {
+            let (value, unit) = (significant(constant.value), joint.kind.unit("N m"));
+            format!("{value} {unit} on {} ({:.0} % of its mean squared residual)", joint.name, 100.0 * constant.share)
+        })
+        .collect();
+    let effects: Vec<String> =
+        found.iter().map(|(joint, _)| format!("--effect torque_offset:{}", joint.name)).collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "the residual holds a constant torque, which biases friction and gravity: {}; fit it with {}",
+            each.join(", "),
+            effects.join(" ")
+        )
+    })
 }
 
 /// Tables for people: the residual of each joint, and the effects' parameters.

@@ -107,6 +107,7 @@ impl LoggedArm {
         let asked = self.asked.joints.is_some() || self.asked.tip.is_some();
         let names = self.robot.joint_names();
         let mut moving = names.clone();
+        let mut standing = Vec::new();
         for (joint, name) in names.iter().enumerate().filter(|_| !asked) {
             let kind = self.robot.joints[joint].kind;
             let tolerance = still::range(&self.robot, kind);
@@ -124,6 +125,13 @@ impl LoggedArm {
                      hold it, name the others, --joints {others}",
                     apart(&paths, [low, high], kind)
                 ));
+                standing.push((joint, places));
+            }
+        }
+        // Noise of its encoder would determine what it carries, and badly.
+        for (joint, places) in standing {
+            for (log, place) in logs.iter_mut().zip(places) {
+                stand(&mut log.1.recording, joint, place);
             }
         }
         // Where nothing moves the checks of the logs say so.
@@ -306,6 +314,15 @@ fn studied(
             );
             Err(Error::input(&logs[0], None, "columns", problem))
         }
+    }
+}
+
+/// Has a joint stand at a place, rad or m.
+fn stand(recording: &mut Recording, joint: usize, place: f64) {
+    recording.q.channel_mut(joint).fill(place);
+    for rates in [&mut recording.qd, &mut recording.qdd].into_iter().flatten() {
+        // One that is not a number was not measured.
+        rates.channel_mut(joint).iter_mut().filter(|rate| rate.is_finite()).for_each(|rate| *rate = 0.0);
     }
 }
 

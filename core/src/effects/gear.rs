@@ -13,7 +13,7 @@ pub struct Gear {
 /// Damping of gears: time T in K (twist + T d twist/dt), s. Makes the impacts of teeth lose most of their speed (a
 /// coefficient of restitution of about 0.4 on a stiff gear), and gives a gear that swings at 10 to 50 Hz a damping ratio
 /// of 3 to 16 %.
-pub const DAMPING_TIME_S: f64 = 1e-3;
+pub(super) const DAMPING_TIME_S: f64 = 1e-3;
 
 /// Stiffness that stands for a rigid gear when only its play matters, N m/rad over the motor's inertia: the square of
 /// 600 rad/s, which the default plant step still follows.

@@ -18,6 +18,7 @@
 //! | the laws | `friction`, `bodies`, `gears`, `signals` |
 //! | torque along a motion that is known | `along` |
 //! | positions behind encoders' errors | `encoder` |
+//! | motion of the links behind gears | `gear_train` |
 
 mod about;
 mod along;
@@ -26,6 +27,7 @@ mod catalogue;
 mod encoder;
 mod friction;
 mod gear;
+mod gear_train;
 mod gears;
 mod law;
 mod placed;
@@ -44,7 +46,8 @@ pub use friction::{
     CoulombFriction, FrictionAsymmetry, FrictionWarmUp, LoadDependentFriction, NonlinearViscousFriction,
     PositionDependentFriction, PreslidingHysteresis, StribeckFriction, ViscousFriction, drive_friction,
 };
-pub use gear::{DAMPING_TIME_S, Gear};
+pub use gear::Gear;
+pub(crate) use gear_train::{GearTrain, behind_gears};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub use law::{Effect, Instant};
 pub use placed::Placed;

@@ -351,6 +351,10 @@ const VISITS: f64 = 0.02;
 const MEETS: f64 = 0.004;
 const MANY: usize = 5;
 
+/// A torque that lost its sign has a kink where it meets zero: it is as long within a quarter of [`NEAR`] as a quarter of the time that
+/// it is within all of it, where one that touches zero of its own is there half of the time. Between the two:
+const KINK: f64 = 2.83;
+
 /// A torque that comes down to zero again and again, meets it, and never goes below (or above).
 fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     let (low, high) = extremes(tau);
@@ -362,15 +366,20 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     }
     let lowest = |part: &[f64]| part.iter().fold(f64::INFINITY, |least, value| least.min(value.abs()));
     let away = |value: &f64| value.abs() > 2.0 * NEAR * size;
-    let visits: Vec<f64> = tau.split(away).map(lowest).filter(|lowest| *lowest < VISITS * size).collect();
-    let met = visits.iter().filter(|lowest| **lowest < MEETS * size).count();
-    let visits = visits.len();
+    let met = tau.split(away).filter(|part| lowest(part) < MEETS * size && has_kink(part, 2.0 * NEAR * size)).count();
+    let visits = tau.split(away).filter(|part| lowest(part) < VISITS * size).count();
     ((met >= 1 && visits >= MANY) || (met >= 2 && 2 * met >= visits)).then(|| {
         let text = format!(
             "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"
         );
         Finding::new(Kind::UnsignedTorque, Severity::Warning, view.place("tau", joint), text)
     })
+}
+
+/// Whether a torque within `near` of zero comes to it and leaves it on straight lines.
+fn has_kink(part: &[f64], near: f64) -> bool {
+    let inner = part.iter().filter(|value| value.abs() < 0.25 * near).count();
+    inner <= 1 || part.len() as f64 > KINK * inner as f64
 }
 
 /// Joints whose torque lost its sign, as found: such a torque gives no evidence on signs and gravity.

@@ -274,6 +274,10 @@ fn delay(own: &[f64], column: &[f64], period: f64) -> Option<f64> {
         })
         .collect();
     let best = (0..like.len()).max_by(|&a, &b| like[a].total_cmp(&like[b]))?;
+    // Without a maximum inside, as at constant speed, no lag shows.
+    if best == 0 || best == 2 * reach {
+        return None;
+    }
     let lag = best as f64 - reach as f64 + vertex(&like, best);
     (lag.abs() > 1.5).then_some(lag * period)
 }

@@ -98,9 +98,13 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
     let extended = match placed.is_empty() {
         true => None,
-        false => Some(fit_effects(&model, arguments.trust, logs, preparation, placed)?),
+        false => Some(
+            fit_effects(&model, arguments.trust, logs, preparation, placed)
+                .map_err(|problem| on_every_joint(&arguments.effect, problem))?,
+        ),
     };
     notes.extend(report::undetermined(model.base(), &plain));
+    notes.extend(report::constants(&robot, extended.as_ref().unwrap_or(&plain)));
     stages.begin("finding consistent parameters");
     // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {
@@ -226,6 +230,19 @@ fn place(wanted: &[String], robot: &Robot, model: Option<&Model>) -> Result<Vec<
         placed.extend(spots.into_iter().map(|joint| Placed::typical(effect, joint)));
     }
     Ok(placed)
+}
+
+/// An error of a fit with effects on every joint, one of which may be what the logs do not separate.
+fn on_every_joint(wanted: &[String], problem: Error) -> Error {
+    let on_all =
+        |text: &&String| !text.contains(':') && effects::find(text).is_ok_and(|e| e.about().scope == Scope::Joint);
+    match (problem, wanted.iter().find(on_all)) {
+        (Error::Request { subject, problem }, Some(text)) => Error::request(
+            subject,
+            format!("{problem}; or name the joints of the effect that are separable: --effect {text}:JOINT"),
+        ),
+        (problem, _) => problem,
+    }
 }
 
 /// The identified arm in the simulator along the logs that the viewer shows; nothing without the viewer, or where the

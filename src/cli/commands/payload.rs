@@ -96,16 +96,19 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         robot.gravity = correction.gravity;
     }
     let description = description::read(&file)?;
-    if let Some(link) = &arguments.at {
-        robot = robot.with_flange_at(&description, link).map_err(|problem| match problem {
-            Error::Request { subject, problem } => Error::request(format!("--at: {subject}"), problem),
-            other => other,
-        })?;
-    }
-    let frame = arguments.at.clone().or_else(|| robot.flange_link(&description));
+    let ends = match &arguments.at {
+        Some(link) => {
+            let at = robot.with_flange_at(&description, link).map_err(|problem| match problem {
+                Error::Request { subject, problem } => Error::request(format!("--at: {subject}"), problem),
+                other => other,
+            })?;
+            vec![(at, link.clone())]
+        }
+        None => robot.ends(&description),
+    };
     let folder = ResultFolder::create(global.folder(&format!("payload_{}", robot.name)))?;
     stages.begin("finding the load");
-    let mut payload = find(&robot, &train, &test, frame.unwrap_or_else(|| "flange".into()), expected)?;
+    let mut payload = at_best_end(&ends, &train, &test, expected)?;
     payload.notes.splice(0..0, notes);
     stages.finish();
     folder.write_json("payload.json", PAYLOAD_SCHEMA, &payload)?;
@@ -116,14 +119,43 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     Ok(if payload.is_as_expected() { DONE } else { FAILED })
 }
 
-fn find(
-    robot: &Robot,
+/// The load at the end of the arm at which it explains the torques best.
+fn at_best_end(
+    ends: &[(Robot, String)],
     before: &[Recording],
     after: &[Recording],
-    frame: String,
     expected: Option<Expected>,
 ) -> Result<Payload> {
-    Payload::between(robot).before(before).after(after).frame(frame).expected(expected).run()
+    let at = |(robot, link): &(Robot, String)| {
+        Payload::between(robot).before(before).after(after).frame(link).expected(expected).run()
+    };
+    let (mut found, mut problem) = (Vec::new(), None);
+    for end in ends {
+        match at(end) {
+            Ok(payload) => found.push(payload),
+            Err(own) => problem = problem.or(Some(own)),
+        }
+    }
+    let tried: Vec<String> = found.iter().map(|payload| payload.frame.clone()).collect();
+    // Joints that do not see one end have the same residual there, whatever its load.
+    let misfit = |payload: &Payload| -> f64 {
+        payload.joints.iter().map(|joint| joint.residual.max(f64::MIN_POSITIVE).ln()).sum()
+    };
+    let Some(mut best) = found.into_iter().min_by(|a, b| misfit(a).total_cmp(&misfit(b))) else {
+        return Err(problem.unwrap_or_else(|| Error::request("the robot", "it has no end that could carry a load")));
+    };
+    if tried.len() > 1 {
+        best.notes.insert(
+            0,
+            format!(
+                "the robot has {} ends ({}): the load is looked for at each, and {} explains the torques best; another link is asked for with --at LINK",
+                tried.len(),
+                tried.join(", "),
+                best.frame
+            ),
+        );
+    }
+    Ok(best)
 }
 
 impl Arguments {

@@ -313,6 +313,12 @@ pub(super) fn next_experiment(
     let worst =
         (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > criteria.misdescribed);
     match (found.is_empty(), worst) {
+        (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
+            "the description of {} has no friction, which leaves {:.1} times as much as re-identified inertias and friction do: \
+             extended.urdf holds these; --trust nominal tells whether its inertias are right",
+            robot.joints[joint].name,
+            off(joint)
+        ),
         (true, Some(joint)) => format!(
             "the description is off ({} is left with {:.1} times as much as with re-identified inertias and friction): extended.urdf holds \
              these. To tell a payload or one wrong link: --trust nominal, or logs from before it as --reference",

@@ -21,10 +21,6 @@ const LOWEST_SHARE: f64 = 0.25;
 const HIGHEST_SHARE: f64 = 0.2;
 const NOISE_SHARE: f64 = 0.25;
 
-/// Share of the rate up to which a low-pass keeps its shape: close to half of it, where sampling ends, there is no room for
-/// the filter to fall.
-const FILTER_SHARE: f64 = 0.45;
-
 /// What a band above the motion may hold over the share of the encoder's white noise in it.
 const WHITE: f64 = 1.5;
 
@@ -45,11 +41,6 @@ pub(crate) fn cutoffs_up_to(highest_hz: f64) -> Vec<f64> {
 /// The widest cut-off of a log's positions at a rate, Hz.
 pub(crate) fn widest(rate_hz: f64) -> f64 {
     WIDEST_HZ.min(HIGHEST_SHARE * rate_hz)
-}
-
-/// Frequency, Hz, from which on a low-pass makes no difference at a rate: smooth positions hold nothing above it.
-pub(crate) fn passes_all(rate_hz: f64) -> f64 {
-    WIDEST_HZ.min(FILTER_SHARE * rate_hz)
 }
 
 /// The lowest cut-off, Hz, above which the positions of all joints of all logs hold nothing but white noise.

@@ -5,7 +5,9 @@ use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::signal::{Slow, ZeroPhaseLowPass, block_means, noise_floor, smooth_derivatives};
+use crate::signal::{
+    Slow, ZeroPhaseLowPass, block_means, first_derivative, noise_floor, second_derivative, smooth_derivatives,
+};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -48,6 +50,8 @@ pub struct Log {
     measured: Channels,
     /// [`Log::clear`], once it has been computed.
     clear: OnceLock<Motion>,
+    /// [`Log::unsmoothed`], once it has been computed.
+    unsmoothed: OnceLock<Motion>,
 }
 
 impl Log {
@@ -84,6 +88,7 @@ impl Log {
             noisy: vec![false; recording.joints()],
             measured: recording.q.clone(),
             clear: OnceLock::new(),
+            unsmoothed: OnceLock::new(),
         })
     }
 
@@ -134,6 +139,23 @@ impl Log {
             }
         }
         Ok(self.clear.get_or_init(|| clear))
+    }
+
+    /// The motion with positions as measured and their central differences.
+    ///
+    /// # Errors
+    /// If there are too few samples to differentiate.
+    pub fn unsmoothed(&self) -> Result<&Motion> {
+        if let Some(unsmoothed) = self.unsmoothed.get() {
+            return Ok(unsmoothed);
+        }
+        let q = self.measured.clone();
+        let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
+        for joint in 0..motion.joints() {
+            first_derivative(motion.q.channel(joint), self.period, motion.qd.channel_mut(joint))?;
+            second_derivative(motion.q.channel(joint), self.period, motion.qdd.channel_mut(joint))?;
+        }
+        Ok(self.unsmoothed.get_or_init(|| motion))
     }
 
     /// Means over the blocks of a signal of this log.

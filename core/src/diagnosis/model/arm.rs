@@ -2,31 +2,24 @@
 
 use super::roles::is_shift;
 use crate::channels::Channels;
-use crate::diagnosis::logs::{Log, Rows, passes_all};
+use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
-use crate::effects::{Along, Contribution, Placed, Scope, Site, behind_encoder, contributions, direction};
+use crate::effects::{
+    Along, Contribution, GearTrain, Placed, Scope, Site, behind_encoder, behind_gears, contributions, direction,
+};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::identification::standard::{COULOMB, ROTOR, STANDARD};
 use crate::robot::Robot;
-use crate::signal::{ZeroPhaseLowPass, second_derivative};
+use crate::signal::second_derivative;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Placed effects whose torque is worked out in one pass over a log; bounds the memory that takes.
 const BATCH: usize = 24;
-
-/// Rounds in which the twist of an elastic gear settles.
-const GEAR_ROUNDS: usize = 3;
-
-/// Share of the frequency at which a link swings on its gear up to which the twist is followed, and the order of the filter;
-/// the slowest filter that still passes motions of arms, Hz; and the places of the motion that determine the inertia.
-const BELOW_SWING: f64 = 0.6;
-const SWING_ORDER: usize = 4;
-const SLOWEST_SWING_HZ: f64 = 1.5;
-const PLACES: usize = 10;
 
 /// Mass and first moments, after which a link's moments of inertia come.
 const MOMENTS: usize = 4;
@@ -349,7 +342,10 @@ impl Arm {
     /// Change of the logged torque by an effect in a gear or a sensor.
     fn changed(&self, placed: &Placed, log: &Log, plain: &Channels) -> Result<Channels> {
         let mut torque = match placed.effect.gear(&placed.parameters) {
-            Some(_) => self.torque(&log.motion, &self.behind_gear(placed, log)?),
+            Some(gear) => {
+                let link = behind_gears(&AlongLog { arm: self, log }, &[(placed.joint, gear)])?;
+                self.torque(&log.motion, &link)
+            }
             None => match behind_encoder(std::iter::once(placed), log.motion.q.channel(placed.joint)) {
                 Some(behind) => {
                     let mut q = log.motion.q.clone();
@@ -370,48 +366,40 @@ impl Arm {
         torque.as_mut_slice().iter_mut().zip(plain.as_slice()).for_each(|(value, before)| *value -= before);
         Ok(torque)
     }
+}
 
-    /// Motion of the links when the gear of one joint twists under the torque of the bodies, which move as the gear lets them:
-    /// found in rounds.
-    fn behind_gear(&self, placed: &Placed, log: &Log) -> Result<Motion> {
-        let joint = placed.joint;
-        let armature = self.found.joints[joint].drive.armature.max(f64::MIN_POSITIVE);
-        let Some(gear) = placed.effect.gear(&placed.parameters) else { return Ok(log.motion.clone()) };
-        let elastic = gear.compliance > 0.0;
-        // Only the play of a gear without compliance is needed: its completion is part of the rigid arm.
-        let stiff = gear.completed(armature);
-        let play = |torque: f64| stiff.twist(torque) - if elastic { 0.0 } else { stiff.compliance * torque };
-        let below_swing = if elastic { self.below_swing(joint, gear.compliance, log)? } else { None };
-        let mut link = log.motion.clone();
-        for _ in 0..if elastic { GEAR_ROUNDS } else { 1 } {
-            let carried = self.load(&link);
-            let mut twist: Vec<f64> = carried.channel(joint).iter().map(|&torque| play(torque)).collect();
-            // The play is crossed in a jump, of which the smooth positions can follow as much as they pass.
-            log.low_pass[joint].apply_in_place(&mut twist)?;
-            if let Some(filter) = &below_swing {
-                filter.apply_in_place(&mut twist)?;
-            }
-            let mut q = log.motion.q.clone();
-            q.channel_mut(joint).iter_mut().zip(&twist).for_each(|(q, twist)| *q -= twist);
-            link = Log::motion_of(q, log.period)?;
-        }
-        Ok(link)
+/// The arm as found along a log.
+struct AlongLog<'a> {
+    arm: &'a Arm,
+    log: &'a Log,
+}
+
+impl GearTrain for AlongLog<'_> {
+    fn motors(&self) -> &Motion {
+        &self.log.motion
     }
 
-    /// Passes what is slower than the link swings on its gear, beyond which the rounds of [`Arm::behind_gear`] amplify every
-    /// error. None where the swing is faster than anything that the smooth positions hold.
-    fn below_swing(&self, joint: usize, compliance: f64, log: &Log) -> Result<Option<ZeroPhaseLowPass>> {
-        let samples = log.time.len();
-        let inertia = (0..PLACES).map(|place| {
-            let q: Vec<f64> =
-                (0..self.known.dof()).map(|j| log.motion.q.channel(j)[place * samples / PLACES]).collect();
-            self.inertia_about(joint, &q)
-        });
-        let largest = inertia.fold(0.0, f64::max);
-        let swing_hz = 1.0 / (std::f64::consts::TAU * (compliance * largest).sqrt());
-        let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
-        let rate_hz = 1.0 / log.period;
-        (hz < passes_all(rate_hz)).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, rate_hz)).transpose()
+    fn measured(&self) -> Result<Cow<'_, Motion>> {
+        Ok(Cow::Borrowed(self.log.unsmoothed()?))
+    }
+
+    fn period(&self) -> f64 {
+        self.log.period
+    }
+
+    fn carried(&self, joints: &[usize], motion: &Motion) -> Vec<Vec<f64>> {
+        let load = self.arm.load(motion);
+        joints.iter().map(|&joint| load.channel(joint).to_vec()).collect()
+    }
+
+    fn rotor(&self, joint: usize) -> f64 {
+        self.arm.found.joints[joint].drive.armature
+    }
+
+    fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>> {
+        let mut smooth = signal.to_vec();
+        self.log.low_pass[joint].apply_in_place(&mut smooth)?;
+        Ok(smooth)
     }
 }
 

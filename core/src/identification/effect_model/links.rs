@@ -1,17 +1,13 @@
 //! Motions of the links: behind gears, and as the encoders would read them without their errors.
 
-use super::parts::Parts;
-use super::signals::{derivatives, put_behind};
+use super::arm_parameters::{ArmParameter, Trust, drive_of};
 use super::state::EffectModel;
-use crate::dynamics::Motion;
-use crate::effects::{DAMPING_TIME_S, Gear, behind_encoder};
+use crate::dynamics::{Motion, inverse_dynamics};
+use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears};
 use crate::error::Result;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::recording::Recording;
 use std::borrow::Cow;
-
-/// Rounds in which links are put behind their gears.
-const GEAR_ROUNDS: usize = 4;
 
 impl EffectModel<'_> {
     /// The recording with the encoders' errors taken out of its positions, if effects put any in.
@@ -28,54 +24,70 @@ impl EffectModel<'_> {
         (q != recording.q).then(|| Recording { q, ..recording.clone() })
     }
 
-    /// Motion of the links: that of the motors less the twist of the gears under the torque that by the model they
-    /// carry. (The measured torque would bring its noise into the columns, and with it a bias larger than what most gears
-    /// yield.) Twists pass the filter of torque and columns: above the frequency at which the link swings on its gear the
-    /// rounds would amplify every error.
-    pub(super) fn link_motion<'b>(&self, log: &Recording, prepared: &'b Prepared) -> Result<Cow<'b, Motion>> {
-        let period = 1.0 / log.rate_hz();
-        if (0..self.model.dof()).all(|joint| self.gear(joint).is_none()) {
-            return Ok(Cow::Borrowed(&prepared.motion));
+    /// Motion of the links: that of the motors less the twist of their gears.
+    pub(super) fn link_motion<'b>(&self, log: &'b Recording, prepared: &'b Prepared) -> Result<Cow<'b, Motion>> {
+        let gears: Vec<(usize, Gear)> =
+            (0..self.model.dof()).filter_map(|joint| Some((joint, self.gear(joint)?))).collect();
+        match gears.is_empty() {
+            true => Ok(Cow::Borrowed(&prepared.motion)),
+            false => Ok(Cow::Owned(behind_gears(&AlongLog { model: self, log, prepared }, &gears)?)),
         }
-        let gears: Vec<(usize, Gear)> = (0..self.model.dof())
-            .filter_map(|joint| {
-                let rotor = self.model.robot().joints[joint].drive.armature;
-                Some((joint, self.gear(joint)?.completed(rotor)))
-            })
-            .collect();
-        let (with_play, springs): (Vec<_>, Vec<_>) = gears.into_iter().partition(|(_, gear)| gear.half_gap > 0.0);
-        let mut played = prepared.motion.clone();
-        for (joint, gear) in with_play {
-            put_behind(&mut played, joint, self.play(gear, joint, log, prepared)?);
-        }
-        let mut link = played.clone();
-        for _ in 0..if springs.is_empty() { 0 } else { GEAR_ROUNDS } {
-            let parts = Parts::new(self, prepared, &link);
-            let mut next = played.clone();
-            for &(joint, gear) in &springs {
-                let carried = parts.carried(joint, link.qdd.channel(joint));
-                let steady: Vec<f64> = carried.into_iter().map(|torque| gear.twist(torque)).collect();
-                let [steady, rate, _] = derivatives(prepared.filtered(&steady)?, period)?;
-                let twist = steady.iter().zip(rate).map(|(twist, rate)| twist - DAMPING_TIME_S * rate);
-                put_behind(&mut next, joint, derivatives(twist.collect(), period)?);
-            }
-            link = next;
-        }
-        Ok(Cow::Owned(link))
     }
 
-    /// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is
-    /// followed in time. It is followed on the unsmoothed motion, since smoothing would make impacts come too early;
-    /// following integrates twice, which takes care of the noise. Then the twist is smoothed like the positions.
-    fn play(&self, gear: Gear, joint: usize, log: &Recording, prepared: &Prepared) -> Result<[Vec<f64>; 3]> {
-        let period = 1.0 / log.rate_hz();
-        let sharp = prepare::measured(log, Smoothing::None, self.preparation.band)?;
-        let carried = |motion: &Motion| Parts::new(self, &sharp, motion).carried(joint, motion.qdd.channel(joint));
-        let load = carried(&sharp.motion);
-        let mut pushed = sharp.motion.clone();
-        pushed.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
-        let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
-        let [twist, ..] = gear.follow(&load, &inertia, period);
-        derivatives(prepared.filtered_like_positions(&twist)?, period)
+    /// Torque that the gear of a joint carries along a motion: that of the bodies, without rotor and friction.
+    fn carried(&self, joint: usize, motion: &Motion) -> Vec<f64> {
+        let rotor = self.lumped_rotor(joint);
+        let mut torque: Vec<f64> = motion.qdd.channel(joint).iter().map(|a| -rotor * a).collect();
+        let columns = self.model.columns_on(joint, motion, motion, 0.0);
+        let active = self.model.active(joint);
+        for (&parameter, &value) in self.arm.iter().zip(&self.baseline) {
+            if let ArmParameter::Base(base) = parameter
+                && drive_of(self.model, parameter).is_none()
+                && let Some(place) = active.iter().position(|&own| own == base)
+            {
+                torque.iter_mut().zip(columns.channel(place)).for_each(|(sum, x)| *sum += value * x);
+            }
+        }
+        torque
+    }
+}
+
+/// The arm of a model along one of its logs.
+struct AlongLog<'a> {
+    model: &'a EffectModel<'a>,
+    log: &'a Recording,
+    prepared: &'a Prepared<'a>,
+}
+
+impl GearTrain for AlongLog<'_> {
+    fn motors(&self) -> &Motion {
+        &self.prepared.motion
+    }
+
+    fn measured(&self) -> Result<Cow<'_, Motion>> {
+        Ok(Cow::Owned(prepare::measured(self.log, Smoothing::None, self.model.preparation.band)?.motion))
+    }
+
+    fn period(&self) -> f64 {
+        1.0 / self.log.rate_hz()
+    }
+
+    fn carried(&self, joints: &[usize], motion: &Motion) -> Vec<Vec<f64>> {
+        let EffectModel { model, trust, .. } = self.model;
+        match trust {
+            Trust::Nominal => {
+                let torque = inverse_dynamics(model.chain(), &model.robot().inertial_parameters(), motion);
+                joints.iter().map(|&joint| torque.channel(joint).to_vec()).collect()
+            }
+            Trust::Structure => joints.iter().map(|&joint| self.model.carried(joint, motion)).collect(),
+        }
+    }
+
+    fn rotor(&self, joint: usize) -> f64 {
+        self.model.model.robot().joints[joint].drive.armature
+    }
+
+    fn smoothed(&self, _: usize, signal: &[f64]) -> Result<Vec<f64>> {
+        self.prepared.filtered_like_positions(signal)
     }
 }

@@ -22,8 +22,6 @@ pub(super) struct Parts<'a> {
     /// Torque without free parameter: of bodies and drives from the URDF, and of effects through their departures. Empty where
     /// there is none.
     known: Vec<Vec<f64>>,
-    /// The share of bodies in that; empty where there is none.
-    bodies: Vec<Vec<f64>>,
     motor: &'a Motion,
 }
 
@@ -64,8 +62,7 @@ impl<'a> Parts<'a> {
             base: vec![OnceCell::new(); model.dof()],
             link,
             amplitudes,
-            known: bodies.clone(),
-            bodies,
+            known: bodies,
             motor: &prepared.motion,
         };
         for joint in 0..model.dof() {
@@ -163,24 +160,6 @@ impl<'a> Parts<'a> {
         }
         for (parameter, column) in self.columns(joint) {
             torque.iter_mut().zip(column.iter()).for_each(|(value, x)| *value += linear[parameter] * x);
-        }
-        torque
-    }
-
-    /// Torque that the gear of a joint carries: that of the bodies, without rotor and friction.
-    pub(super) fn carried(&self, joint: usize, link_qdd: &[f64]) -> Vec<f64> {
-        let owner = self.owner;
-        if owner.trust == Trust::Nominal {
-            return self.bodies[joint].clone();
-        }
-        let rotor = owner.lumped_rotor(joint);
-        let mut torque: Vec<f64> = link_qdd.iter().map(|a| -rotor * a).collect();
-        for (&parameter, &value) in owner.arm.iter().zip(&owner.baseline) {
-            if drive_of(owner.model, parameter).is_none()
-                && let Some(column) = self.column(parameter, joint)
-            {
-                torque.iter_mut().zip(column.iter()).for_each(|(sum, x)| *sum += value * x);
-            }
         }
         torque
     }

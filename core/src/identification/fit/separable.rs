@@ -2,6 +2,7 @@
 //! every step, Levenberg-Marquardt searches the few nonlinear ones. All stay within the bounds that make sense for the
 //! effect; one that ends at a bound is held there, and the others are as certain as they are with it held.
 
+use super::constants::{Constant, constants};
 use crate::effects::{Parameter, Role, varies_by_factors};
 use crate::error::Result;
 use crate::identification::effect_model::{EffectModel, Place};
@@ -50,6 +51,8 @@ pub struct EffectFit {
     pub undetermined: Vec<bool>,
     /// Residual root mean square of each joint, N m.
     pub residual_rms: Vec<f64>,
+    /// The constant that each joint's residual holds, where it matters.
+    pub constants: Vec<Option<Constant>>,
 }
 
 /// Fits all parameters of a model with effects; the effects in `model` hold the result afterwards.
@@ -333,9 +336,10 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     let (free, free_names) = without(&regression, &held, &names);
     let estimate = weighted_least_squares(&free, &free_names)?.with_held(&held, names.len());
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();
+    let constants = constants(&free, &estimate.sigma, &free_names);
     let among = |all: &[(usize, f64)], k: usize| all.iter().any(|(own, _)| *own == k);
     let undetermined: Vec<bool> = (0..names.len()).map(|k| among(model.undetermined(), k)).collect();
     let at_bound = (0..names.len()).map(|k| among(&held, k) && !undetermined[k]).collect();
     let arm_units = model.baseline_units();
-    Ok(EffectFit { arm_units, estimate, names, places, at_bound, undetermined, residual_rms })
+    Ok(EffectFit { arm_units, estimate, names, places, at_bound, undetermined, residual_rms, constants })
 }

@@ -228,16 +228,6 @@ impl<'a> Prepared<'a> {
             .collect()
     }
 
-    /// A signal through the filter of torque and columns, at the rate of the log.
-    ///
-    /// # Errors
-    /// If the log is too short for the filter.
-    pub(in crate::identification) fn filtered(&self, signal: &[f64]) -> Result<Vec<f64>> {
-        let mut out = vec![0.0; signal.len()];
-        self.filter.apply(signal, &mut out)?;
-        Ok(out)
-    }
-
     /// A signal through the filter that positions went through, at the rate of the log.
     ///
     /// # Errors

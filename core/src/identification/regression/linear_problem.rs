@@ -24,7 +24,11 @@ impl<'a> LinearProblem<'a> {
     }
 
     /// The problem whose normal matrix is known.
-    pub(super) fn with_normal(joints: &'a [JointRegression], sigma: &'a [f64], normal: DMatrix<f64>) -> Self {
+    pub(in crate::identification) fn with_normal(
+        joints: &'a [JointRegression],
+        sigma: &'a [f64],
+        normal: DMatrix<f64>,
+    ) -> Self {
         LinearProblem { joints, sigma, normal }
     }
 

@@ -107,6 +107,13 @@ impl Comparison {
             && self.least_of_logs > -of_rms(GROWS)
     }
 
+    /// Whether the residual of a torque of which the reference leaves more than a share falls much.
+    pub(super) fn is_large_beyond(&self, share: f64) -> bool {
+        let each = self.channels.iter().zip(&self.before);
+        each.filter_map(|(gain, before)| Some((gain.as_ref()?, before.as_ref()?)))
+            .any(|(gain, before)| *gain > 2.0 * LARGE.ln() && *before > share)
+    }
+
     /// Whether the gain is larger than what a model that lacks something allows, for so many changes.
     pub(super) fn is_large(&self, changes: usize) -> bool {
         let most = self.channels.iter().flatten().fold(f64::NEG_INFINITY, |most, gain| most.max(*gain));

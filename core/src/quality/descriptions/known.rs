@@ -18,6 +18,10 @@ const AS_GOOD: f64 = 1.5;
 /// A residual below this share of the torque is as good as any: no drive's torque is known better.
 const GOOD: f64 = 0.02;
 
+/// Under described bodies a torque of which less than this share is unexplained accuses nothing: masses that are wrong by a fifth
+/// leave as much, and what changes the model a little always makes up for some of that.
+const WRONG_MASSES: f64 = 0.15;
+
 /// What is known of an arm.
 #[derive(Clone, Copy)]
 pub(super) struct Known<'a> {
@@ -52,7 +56,9 @@ impl<'a> Known<'a> {
             // Free bodies may not see the change, and lose nothing by being asked without it.
             Physics::Bodies(_) => {
                 let free = [best, reference].map(other);
-                gain.is_large(changes) && free.iter().all(|free| free.as_ref().is_some_and(|free| as_good(best, free)))
+                gain.is_large(changes)
+                    && gain.is_large_beyond(WRONG_MASSES)
+                    && free.iter().all(|free| free.as_ref().is_some_and(|free| as_good(best, free)))
             }
         }
     }

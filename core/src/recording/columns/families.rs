@@ -153,7 +153,7 @@ fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
 pub struct JointNames {
     /// Names in the order of the file; empty where the joints are numbered alone.
     pub names: Vec<String>,
-    /// Number of joints where they are numbered; 0 where they are named.
+    /// Number of joints where they are numbered, be it in their names; 0 where they are named.
     pub numbered: usize,
 }
 
@@ -162,7 +162,10 @@ pub(crate) fn joint_names(header: &[String]) -> JointNames {
     let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
     let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
     let numbered = positions(&meanings).iter().filter(numbered).count();
-    JointNames { names: own_names(&meanings), numbered }
+    let names = own_names(&meanings);
+    // `joint1_pos` numbers a joint of a robot that calls it otherwise.
+    let in_names = numbers_in_names(&meanings, names.len()).len();
+    JointNames { names, numbered: numbered.max(in_names) }
 }
 
 /// Joint names in the order of their positions; none where the positions are numbered.

@@ -63,7 +63,7 @@ pub(super) fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Optio
 
 /// Seconds per unit, its name, and what else it could be.
 fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64, &'static str, Option<String>)> {
-    let step = median_step(&columns[layout.time()])?;
+    let step = median_step(&columns[layout.time()])?.min(mean_step(&columns[layout.time()]));
     let rate_in = |factor: f64, [least, most]: [f64; 2]| {
         let rate = 1.0 / (step * factor);
         (least * (1.0 - SCATTER)..=most * (1.0 + SCATTER)).contains(&rate)
@@ -106,6 +106,13 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
         _ => format!(": steps of {step_said} are {} then", hz(factor)),
     };
     Some((factor, unit, Some(doubt)))
+}
+
+/// Mean time between rows: that of a clock whose stamps several rows share.
+fn mean_step(time: &[f64]) -> f64 {
+    let known = || time.iter().copied().filter(|t| t.is_finite());
+    let [first, last] = known().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)]);
+    (last - first) / (known().count().max(2) - 1) as f64
 }
 
 fn median_step(time: &[f64]) -> Option<f64> {

@@ -82,6 +82,11 @@ pub struct Joint {
 }
 
 impl Drive {
+    /// Whether it has no friction.
+    pub fn is_frictionless(&self) -> bool {
+        self.viscous == 0.0 && self.coulomb == 0.0
+    }
+
     /// Takes away what is beyond any machine, with a note: such numbers fix a joint, or are placeholders.
     pub(in crate::robot) fn credible(mut self, joint: &str, line: usize, notes: &mut Vec<String>) -> Drive {
         for (value, attribute) in

@@ -17,6 +17,11 @@ impl Pose {
         Pose { rotation: Matrix3::identity(), translation: Vector3::zeros() }
     }
 
+    /// Whether no entry of another pose is farther from this one's.
+    pub fn is_near(&self, other: &Pose, far: f64) -> bool {
+        (self.rotation - other.rotation).amax() <= far && (self.translation - other.translation).amax() <= far
+    }
+
     /// This pose followed by `inner`, which is given in this pose's child frame.
     pub fn then(&self, inner: &Pose) -> Pose {
         Pose {

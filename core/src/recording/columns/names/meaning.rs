@@ -14,9 +14,25 @@ const UNIT_WORDS: [&str; 26] = [
 ];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
-const MEASURED: [&str; 16] = [
-    "actual", "act", "measured", "meas", "msr", "real", "sensor", "sensed", "joint", "joints", "jnt", "robot", "arm",
-    "feedback", "raw", "true",
+const MEASURED: [&str; 18] = [
+    "actual",
+    "act",
+    "measured",
+    "meas",
+    "msr",
+    "real",
+    "sensor",
+    "sensed",
+    "joint",
+    "joints",
+    "jnt",
+    "robot",
+    "arm",
+    "feedback",
+    "raw",
+    "true",
+    "est",
+    "estimated",
 ];
 
 /// Those of them that mean a place.
@@ -288,6 +304,10 @@ fn quantity(words: &[String]) -> Option<(usize, bool)> {
         }
         (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
     };
+    let whole = lookup(words);
+    if whole.is_some() {
+        return whole;
+    }
     let front = words.iter().take_while(measured).count();
     // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
     let of_value = |word: &&String| measured(word) && !OF_JOINT.contains(&word.as_str());

@@ -46,6 +46,9 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "winkel",
             "posicion",
             "posizione",
+            "theta",
+            "axis_act",
+            "aipos",
         ],
     },
     Quantity {
@@ -70,6 +73,11 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "vitesse",
             "velocidad",
             "velocita",
+            "theta_dot",
+            "thetadot",
+            "angular_velocity",
+            "ang_vel",
+            "omega",
         ],
     },
     Quantity {

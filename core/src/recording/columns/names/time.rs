@@ -78,9 +78,10 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         "header_stamp" | "field_header_stamp" | "joint_states_header_stamp" | "msg_header_stamp" => OF_MESSAGE,
         "timestamp" | "timestamps" | "time_stamp" | "stamp" | "times" | "robot_timestamp" | "timestamp_robot"
         | "elapsed" | "elapsed_time" | "controller_time" | "robot_time" | "sim_time" | "state_time"
-        | "time_from_start" => STAMP,
-        "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time" | "datetime"
-        | "date_time" | "date" => OF_LOGGER,
+        | "time_from_start" | "ts" | "tick" | "ticks" | "epoch" | "epoch_time" | "unix_time" | "timestamp_utc"
+        | "time_utc" => STAMP,
+        "ros_time" | "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time"
+        | "datetime" | "date_time" | "date" => OF_LOGGER,
         _ => return None,
     };
     time(rank, factor, Part::Whole)

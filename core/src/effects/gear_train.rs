@@ -1,0 +1,149 @@
+//! Motion of the links behind gears that give way.
+
+use super::gear::{DAMPING_TIME_S, Gear};
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+use crate::error::Result;
+use crate::signal::{ZeroPhaseLowPass, smooth_derivatives};
+use std::borrow::Cow;
+
+/// Most rounds in which the twists of elastic gears settle, and the change of the largest twist, over itself, at which they have.
+const ROUNDS: usize = 4;
+const SETTLED: f64 = 1e-4;
+
+/// Share of the frequency at which a link swings on its gear up to which the twist is followed: beyond it the rounds amplify
+/// every error. The order of that low-pass, and the slowest that still passes motions of arms, Hz.
+const BELOW_SWING: f64 = 0.6;
+const SWING_ORDER: usize = 4;
+const SLOWEST_SWING_HZ: f64 = 1.5;
+
+/// Highest cut-off of that low-pass over the sample rate; a link that swings faster needs none.
+const FILTER_SHARE: f64 = 0.45;
+
+/// Places of the motion at which a link's inertia about its joint is looked up.
+const PLACES: usize = 10;
+
+/// What a model knows of an arm whose motors' motion was measured.
+pub(crate) trait GearTrain {
+    /// Motion of the motors, smooth.
+    fn motors(&self) -> &Motion;
+
+    /// The same without smoothing, under which impacts of teeth would come too early.
+    ///
+    /// # Errors
+    /// If the log is too short to differentiate.
+    fn measured(&self) -> Result<Cow<'_, Motion>>;
+
+    /// Time between two samples, s.
+    fn period(&self) -> f64;
+
+    /// Torque of the bodies on some joints along a motion, which their gears carry, N m (N), `[joint][time]`.
+    fn carried(&self, joints: &[usize], motion: &Motion) -> Vec<Vec<f64>>;
+
+    /// Inertia of a joint's rotor seen at the joint, kg m2 (kg); zero where it is not known.
+    fn rotor(&self, joint: usize) -> f64;
+
+    /// A signal of a joint through the low-pass that its positions went through.
+    ///
+    /// # Errors
+    /// If the log is too short for it.
+    fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>>;
+}
+
+/// Motion of the links: that of the motors less the twists of `gears` under the torque that they carry by the model. (The measured
+/// torque would bring its noise into the columns, and with it a bias larger than what most gears yield.)
+///
+/// # Errors
+/// If the log is too short for its filters.
+pub(crate) fn behind_gears(train: &impl GearTrain, gears: &[(usize, Gear)]) -> Result<Motion> {
+    let period = train.period();
+    let (with_play, springs): (Vec<_>, Vec<_>) = gears.iter().copied().partition(|(_, gear)| gear.half_gap > 0.0);
+    let mut played = train.motors().clone();
+    for (joint, gear) in with_play {
+        put_behind(&mut played, joint, play(train, joint, gear)?, period)?;
+    }
+    let joints: Vec<usize> = springs.iter().map(|&(joint, _)| joint).collect();
+    let below: Vec<Option<ZeroPhaseLowPass>> =
+        springs.iter().map(|&(joint, gear)| below_swing(train, joint, gear)).collect::<Result<_>>()?;
+    let (mut link, mut before) = (played.clone(), vec![Vec::new(); springs.len()]);
+    for _ in 0..if springs.is_empty() { 0 } else { ROUNDS } {
+        let mut next = played.clone();
+        let mut settled = true;
+        for (k, carried) in train.carried(&joints, &link).iter().enumerate() {
+            let (joint, gear) = springs[k];
+            let steady: Vec<f64> = carried.iter().map(|&torque| gear.twist(torque)).collect();
+            let mut twist = train.smoothed(joint, &steady)?;
+            if let Some(filter) = &below[k] {
+                filter.apply_in_place(&mut twist)?;
+            }
+            let [mut rate, mut unused] = [(); 2].map(|()| vec![0.0; twist.len()]);
+            smooth_derivatives(&twist, period, &mut rate, &mut unused)?;
+            twist.iter_mut().zip(&rate).for_each(|(twist, rate)| *twist -= DAMPING_TIME_S * rate);
+            settled &= has_settled(&before[k], &twist);
+            put_behind(&mut next, joint, twist.clone(), period)?;
+            before[k] = twist;
+        }
+        link = next;
+        if settled {
+            break;
+        }
+    }
+    Ok(link)
+}
+
+/// Whether a twist is that of the round before.
+fn has_settled(before: &[f64], twist: &[f64]) -> bool {
+    let largest = twist.iter().fold(0.0, |largest: f64, twist| largest.max(twist.abs()));
+    before.len() == twist.len() && before.iter().zip(twist).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
+}
+
+/// Takes a twist off the motion of a joint.
+fn put_behind(motion: &mut Motion, joint: usize, twist: Vec<f64>, period: f64) -> Result<()> {
+    let [mut rate, mut second] = [(); 2].map(|()| vec![0.0; twist.len()]);
+    smooth_derivatives(&twist, period, &mut rate, &mut second)?;
+    for (channels, change) in [&mut motion.q, &mut motion.qd, &mut motion.qdd].into_iter().zip([twist, rate, second]) {
+        channels.channel_mut(joint).iter_mut().zip(change).for_each(|(value, change)| *value -= change);
+    }
+    Ok(())
+}
+
+/// Twist of a gear with play: the link falls from flank to flank, which no steady state describes, so its motion is followed in time,
+/// along the motion as measured: following integrates twice, which takes care of the noise. The twist is smoothed like the positions. A
+/// gear without a compliance of its own is followed with a stiff one, whose share of the twist is taken off.
+fn play(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Vec<f64>> {
+    let sharp = train.measured()?;
+    let carried = |motion: &Motion| train.carried(&[joint], motion).swap_remove(0);
+    let load = carried(&sharp);
+    let mut pushed = sharp.into_owned();
+    pushed.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
+    let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
+    let rotor = match train.rotor(joint) {
+        rotor if rotor > 0.0 => rotor,
+        _ => inertia.iter().sum::<f64>() / inertia.len().max(1) as f64,
+    };
+    let stiff = gear.completed(rotor);
+    let [mut twist, ..] = stiff.follow(&load, &inertia, train.period());
+    if gear.compliance == 0.0 {
+        twist.iter_mut().zip(&load).for_each(|(twist, load)| *twist -= stiff.compliance * load);
+    }
+    train.smoothed(joint, &twist)
+}
+
+/// Passes what is slower than the link swings on its gear. None where the swing is faster than any motion.
+fn below_swing(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Option<ZeroPhaseLowPass>> {
+    let motors = train.motors();
+    let samples = motors.samples();
+    let places: Vec<Vec<f64>> = (0..motors.joints())
+        .map(|j| (0..PLACES).map(|place| motors.q.channel(j)[place * samples / PLACES]).collect())
+        .collect();
+    let still = Channels::zeros(motors.joints(), PLACES);
+    let mut motion = Motion { q: Channels::from_vectors(&places), qd: still.clone(), qdd: still };
+    let resting = train.carried(&[joint], &motion).swap_remove(0);
+    motion.qdd.channel_mut(joint).fill(1.0);
+    let pushed = train.carried(&[joint], &motion).swap_remove(0);
+    let inertia = pushed.iter().zip(resting).map(|(with, without)| with - without).fold(0.0, f64::max);
+    let swing_hz = 1.0 / (std::f64::consts::TAU * (gear.compliance * inertia).sqrt());
+    let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
+    let rate_hz = 1.0 / train.period();
+    (hz < FILTER_SHARE * rate_hz).then(|| ZeroPhaseLowPass::new(SWING_ORDER, hz, rate_hz)).transpose()
+}

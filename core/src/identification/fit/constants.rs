@@ -1,0 +1,111 @@
+//! Constants that the residuals of a fit hold: an amplifier whose current does not read zero at zero torque.
+//!
+//! A model without a constant gives it to gravity and friction as far as it can, and both come out wrong.
+
+use crate::channels::Channels;
+use crate::identification::regression::joint_regression::JointRegression;
+use crate::identification::regression::joint_sums::Sums;
+use crate::identification::regression::linear_problem::LinearProblem;
+
+/// Rows of a joint that are looked at: a constant needs few.
+const ROWS: usize = 4000;
+
+/// Share of a constant column that must be left over the columns of the arm: of a weight that slides up and down nothing is.
+const SEPARATE: f64 = 1e-3;
+
+/// Share of a joint's mean squared residual that a constant must make, and its least size over the root mean square torque: smaller ones
+/// are slow noise, or bias nothing that matters.
+const SHARE: f64 = 0.25;
+const SIZE: f64 = 0.005;
+
+/// A constant that a residual holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constant {
+    /// Its least-squares estimate with all parameters of the arm free, N m (N).
+    pub value: f64,
+    /// Share of the mean squared residual that it makes.
+    pub share: f64,
+}
+
+/// The constant of each joint by itself, where it matters: that of the residual of a weighted fit with the standard deviations
+/// `sigma`.
+pub(super) fn constants(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Vec<Option<Constant>> {
+    let rows = joints.iter().map(|joint| joint.torque.len()).max().unwrap_or(0);
+    let thinned: Vec<JointRegression> = joints.iter().map(|joint| thinned(joint, rows.div_ceil(ROWS).max(1))).collect();
+    let sums = || {
+        let triangles = || thinned.iter().map(JointRegression::triangle).collect();
+        Sums::new(thinned.iter().map(JointRegression::sums).collect(), triangles)
+    };
+    let sums = sums();
+    let Ok((beta, normal)) = sums.solve(sigma, names) else { return vec![None; joints.len()] };
+    let problem = LinearProblem::with_normal(&thinned, sigma, sums.normal(sigma, names.len()));
+    let of = |joint: usize| {
+        let own = &thinned[joint];
+        let ones = vec![1.0; own.torque.len()];
+        let residual = own.residual(beta.as_slice());
+        let weight = 1.0 / (sigma[joint] * sigma[joint]);
+        let mut columns: Vec<Vec<f64>> = thinned.iter().map(|other| vec![0.0; other.torque.len()]).collect();
+        columns[joint].clone_from(&ones);
+        let cross = problem.right(&columns);
+        let all = weight * own.rows() as f64;
+        let left = all - cross.dot(&normal.solve(&cross));
+        if left.is_nan() || left <= SEPARATE * all {
+            return None;
+        }
+        let value = weight * own.dot(&ones, &residual) / left;
+        let share = value * value * left / weight / own.dot(&residual, &residual);
+        let torque = (own.dot(&own.torque, &own.torque) / own.rows() as f64).sqrt();
+        (share > SHARE && value.abs() > SIZE * torque).then_some(Constant { value, share: share.min(1.0) })
+    };
+    (0..joints.len()).map(|joint| if thinned[joint].rows() > 0 { of(joint) } else { None }).collect()
+}
+
+/// Every `step`-th row.
+fn thinned(joint: &JointRegression, step: usize) -> JointRegression {
+    let pick = |signal: &[f64]| signal.iter().copied().step_by(step).collect::<Vec<f64>>();
+    let columns: Vec<Vec<f64>> = joint.columns.iter().map(pick).collect();
+    let torque = pick(&joint.torque);
+    JointRegression {
+        joint: joint.joint.clone(),
+        parameters: joint.parameters.clone(),
+        columns: if columns.is_empty() { Channels::zeros(0, torque.len()) } else { Channels::from_vectors(&columns) },
+        valid: joint.valid.iter().copied().step_by(step).collect(),
+        torque,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction in the direction of motion, a wave as another column, and an offset.
+    fn joint(offset: f64, with_constant: bool, noise: f64) -> JointRegression {
+        let rows = 9000;
+        let wave = |rate: f64| move |k: usize| (rate * k as f64).sin();
+        let friction: Vec<f64> = (0..rows).map(|k| (0.01 * k as f64).cos().signum()).collect();
+        let gravity: Vec<f64> = (0..rows).map(wave(0.013)).collect();
+        let torque = (0..rows).map(|k| 2.0 * friction[k] - 5.0 * gravity[k] + offset + noise * wave(1.7)(k)).collect();
+        let mut columns = vec![friction, gravity];
+        columns.extend(with_constant.then(|| vec![1.0; rows]));
+        JointRegression {
+            joint: "a".into(),
+            parameters: (0..columns.len()).collect(),
+            columns: Channels::from_vectors(&columns),
+            torque,
+            valid: (0..rows).map(|k| k % 10 != 3).collect(),
+        }
+    }
+
+    #[test]
+    fn a_constant_in_a_residual_is_told_with_its_size() {
+        let names = ["friction", "gravity", "constant"].map(str::to_owned);
+        let found = |offset: f64, noise: f64| constants(&[joint(offset, false, noise)], &[1.0], &names[..2])[0];
+        let Constant { value, share } = found(0.4, 0.1).unwrap();
+        assert!((value - 0.4).abs() < 0.01 && share > 0.98, "{value} {share}");
+        // A quarter of the mean squared residual: noise of a sine, 0.4 = 0.49 / sqrt(2) / sqrt(3) times its size.
+        assert!(found(0.042, 0.1).is_some() && found(0.039, 0.1).is_none());
+        // Small against the torque.
+        assert!(found(0.01, 0.001).is_none());
+        assert_eq!(constants(&[joint(0.4, true, 0.1)], &[1.0], &names)[0], None);
+    }
+}

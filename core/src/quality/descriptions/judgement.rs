@@ -1,6 +1,6 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
-use super::change::Description;
+use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};
 use super::jumps;
@@ -106,7 +106,15 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     // together with those described they show them all.
     let found = outcome.found.as_ref().map(|found| &found.best);
     let only_factors = found.is_none_or(|best| best.description.has_only_factors());
-    let of_all = |bodies: &Physics| scale::judge(bodies, &rows, &start);
+    // Torques without gravity are small against those of the bodies, too.
+    let of_all = |bodies: &Physics| {
+        let scaled = scale::judge(bodies, &rows, &start)?;
+        let weightless = Tried::new(bodies, &rows, start.with(Change::WithoutGravity));
+        let better = |weightless: &Tried| {
+            compare(&weightless.evaluation, &scaled.after.evaluation, &rows.log).is_some_and(|gain| gain.is_distinct())
+        };
+        weightless.is_none_or(|weightless| better(&weightless)).then_some(scaled)
+    };
     if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
         return Some(scaled_verdict(&before, after, factors));
     }

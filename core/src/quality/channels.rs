@@ -40,6 +40,11 @@ const STANDS_OUT: f64 = 20.0;
 const USUAL_CHANGE: f64 = 0.9;
 const FEW: f64 = 0.02;
 
+/// Samples to either side within which an impact shows in other torques, and the change there over their usual one: friction that
+/// turns makes less.
+const RINGS: usize = 3;
+const STRUCK: f64 = 5.0;
+
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
 /// digits that even steps do not keep.
 pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
@@ -59,7 +64,7 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
             out.push(Finding::new(Kind::NoTorque, Severity::Warning, view.place("tau", joint), text));
             continue;
         }
-        out.extend(torque_spike(&view.place("tau", joint), &logged.time, own));
+        out.extend(torque_spike(view, joint, logged));
         if !coarse(own) {
             out.extend(clipped(view, joint, tau));
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
@@ -150,10 +155,9 @@ fn wrapped(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
 }
 
 /// The first sample that is a spike by itself and its two neighbours, and how many there are.
-fn spikes(signal: &[f64], is_spike: impl Fn(&[f64]) -> bool) -> Option<(usize, usize)> {
-    let mut places = signal.windows(3).enumerate().filter(|(_, x)| is_spike(x)).map(|(at, _)| at + 1);
-    let first = places.next()?;
-    Some((first, 1 + places.count()))
+/// Samples that stand out from both neighbours.
+fn places(signal: &[f64], is_spike: impl Fn(&[f64]) -> bool) -> impl Iterator<Item = usize> {
+    signal.windows(3).enumerate().filter(move |(_, x)| is_spike(x)).map(|(at, _)| at + 1)
 }
 
 fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
@@ -164,31 +168,56 @@ fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
         let (to, from) = (x[1] - x[0], x[2] - x[1]);
         to.abs() > limit && from.abs() > limit && to * from < 0.0 && to.abs().min(from.abs()) < 0.9 * TAU
     };
-    let (at, count) = spikes(q, is_spike)?;
+    let spikes: Vec<usize> = places(q, is_spike).collect();
+    let (at, count) = (*spikes.first()?, spikes.len());
     let text = format!("{count} samples stand out from both neighbours by more than any joint can move; remove them");
     let place = format!("{} at {:.4} s", view.place("q", joint), view.log.time[at]);
     Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
 }
 
-/// Torques that stand out from both neighbours: of a message that was read wrongly, or a count that ran over.
-fn torque_spike(place: &str, time: &[f64], tau: &[f64]) -> Option<Finding> {
-    let usual = size_quantile(tau.windows(2).map(|pair| pair[1] - pair[0]), USUAL_CHANGE);
-    let limit = STANDS_OUT * usual.max(resolution(tau));
+/// Torques of a joint that stand out from both neighbours: of a message that was read wrongly, or a count that ran over. What other
+/// torques show as well is an impact, as of the teeth of a gear with play.
+fn torque_spike(view: &View, joint: usize, logged: &Recording) -> Option<Finding> {
+    let spikes = torque_spikes(&logged.tau, joint);
+    let at = *spikes.first()?;
+    let text = format!(
+        "{} samples stand out from both neighbours by more than {STANDS_OUT:.0} times as much as torque usually changes; leave their cells empty: \
+         least squares follows them",
+        spikes.len()
+    );
+    let place = format!("{} at {:.4} s", view.place("tau", joint), logged.time[at]);
+    Some(Finding::new(Kind::TorqueSpike, Severity::Warning, place, text))
+}
+
+/// Samples at which one of several torques, `[joint][time]`, stands out from both neighbours and no other changes as it rarely does.
+pub fn torque_spikes(tau: &Channels, joint: usize) -> Vec<usize> {
+    let usual = |signal: &[f64]| {
+        let change = size_quantile(signal.windows(2).map(|pair| pair[1] - pair[0]), USUAL_CHANGE);
+        change.max(resolution(signal))
+    };
+    let own = tau.channel(joint);
+    let limit = STANDS_OUT * usual(own);
     let is_spike = |x: &[f64]| {
         let (to, from) = (x[1] - x[0], x[2] - x[1]);
         to * from < 0.0 && to.abs().min(from.abs()) > limit
     };
-    let (at, count) = spikes(tau, is_spike)?;
+    let spikes: Vec<usize> = places(own, is_spike).collect();
     // Many are no accidents: a drive that chatters, another fault.
-    if count as f64 > FEW * tau.len() as f64 {
-        return None;
+    if spikes.is_empty() || spikes.len() as f64 > FEW * own.len() as f64 {
+        return Vec::new();
     }
-    let text = format!(
-        "{count} samples stand out from both neighbours by more than {STANDS_OUT:.0} times as much as torque usually changes; leave their cells empty: \
-         least squares follows them"
-    );
-    let place = format!("{place} at {:.4} s", time[at]);
-    Some(Finding::new(Kind::Spike, Severity::Warning, place, text))
+    let others: Vec<(&[f64], f64)> = (0..tau.channels())
+        .filter(|&other| other != joint)
+        .map(|other| tau.channel(other))
+        .map(|t| (t, usual(t)))
+        .collect();
+    let is_impact = |at: usize| {
+        let around = at.saturating_sub(RINGS)..(at + RINGS + 1).min(own.len());
+        others.iter().any(|(signal, usual)| {
+            signal[around.clone()].windows(2).any(|pair| (pair[1] - pair[0]).abs() > STRUCK * usual)
+        })
+    };
+    spikes.into_iter().filter(|&at| !is_impact(at)).collect()
 }
 
 /// Joints whose position is frozen for a while, as found.
@@ -418,26 +447,31 @@ mod tests {
     use crate::random;
     use rand::RngExt;
 
-    /// Torque with friction's jumps and white noise of 1 N m, with spikes of a size.
+    /// Torques with friction's jumps and white noise of 1 N m; the first with spikes of a size, the second with a share of them.
     #[test]
-    fn torques_that_stand_out_are_spikes() {
+    fn torques_that_stand_out_alone_are_spikes() {
         let mut source = random::stream(4, "noise", 0);
-        let torque: Vec<f64> = (0..4000)
-            .map(|row| 20.0 * (0.003 * f64::from(row)).sin().signum() + source.random_range(-1.7..1.7))
-            .collect();
-        let time: Vec<f64> = (0..4000).map(|row| 0.002 * f64::from(row)).collect();
-        let found = |count: usize, size: f64| {
-            let mut spoilt = torque.clone();
-            (0..count).for_each(|k| spoilt[100 + 37 * k] += size);
-            torque_spike("tau1", &time, &spoilt).map(|finding| finding.text)
+        let mut torque = || -> Vec<f64> {
+            (0..4000)
+                .map(|row| 20.0 * (0.003 * f64::from(row)).sin().signum() + source.random_range(-1.7..1.7))
+                .collect()
         };
-        assert_eq!(found(0, 0.0), None);
-        for count in [1, 30] {
-            assert!(found(count, 100.0).unwrap().starts_with(&format!("{count} samples")));
-        }
+        let clean = [torque(), torque()];
+        let found = |count: usize, size: f64, of_other: f64| {
+            let mut spoilt = clean.clone();
+            for k in 0..count {
+                spoilt[0][100 + 37 * k] += size;
+                spoilt[1][101 + 37 * k] += of_other * size;
+            }
+            torque_spikes(&Channels::from_vectors(&spoilt), 0).len()
+        };
+        assert_eq!(found(0, 0.0, 0.0), 0);
+        assert_eq!([found(1, 100.0, 0.0), found(30, 100.0, 0.0)], [1, 30]);
         // Twenty times the change that nine of ten do not exceed, 2.3 N m: 46 N m.
-        assert!(found(3, 35.0).is_none() && found(3, 60.0).is_some());
+        assert_eq!([found(3, 35.0, 0.0), found(3, 60.0, 0.0)], [0, 3]);
         // Every fiftieth sample is no accident.
-        assert!(found(79, 100.0).is_some() && found(90, 100.0).is_none());
+        assert_eq!([found(79, 100.0, 0.0), found(90, 100.0, 0.0)], [79, 0]);
+        // Another torque changes by five times 2.3 N m.
+        assert_eq!([found(3, 100.0, 0.05), found(3, 100.0, 0.2)], [3, 0]);
     }
 }

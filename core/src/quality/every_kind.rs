@@ -8,7 +8,7 @@ use crate::recording::lenient::{self, Cause, ColumnMap, Rejected, Sieved};
 use crate::recording::{self, Recording};
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 37] = [
+const ALL: [Kind; 38] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -22,6 +22,7 @@ const ALL: [Kind; 37] = [
     Kind::HeldSamples,
     Kind::Clipped,
     Kind::Spike,
+    Kind::TorqueSpike,
     Kind::Wrapped,
     Kind::UnsignedTorque,
     Kind::TorqueSign,
@@ -112,6 +113,7 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "tau3",
         ),
         Kind::Spike => (Signals(|log| log.q.channel_mut(3)[700] += 0.8), "q4 (joint_4) at 2.8000 s"),
+        Kind::TorqueSpike => (Signals(|log| log.tau.channel_mut(3)[700] += 500.0), "tau4 (joint_4) at 2.8000 s"),
         Kind::Wrapped => (
             Signals(|log| {
                 let turn = std::f64::consts::TAU;

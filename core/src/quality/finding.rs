@@ -54,6 +54,7 @@ pub enum Kind {
     MotorOff,
     ModelTorque,
     PositionZero,
+    TorqueSpike,
 }
 
 /// One finding.

@@ -19,7 +19,7 @@ mod units;
 mod velocity;
 mod view;
 
-pub use channels::{clipping, motor_off};
+pub use channels::{clipping, motor_off, torque_spikes};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, with_logs};
 pub use motion::{JointSummary, OtherUnit};

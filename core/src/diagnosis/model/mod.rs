@@ -3,6 +3,8 @@
 //! In: rows, an arm as identified so far, an effect at a place with its parameters. Out: columns of the baseline and of the
 //! effect, errors in variables (nuisance columns), and fits of baseline and effects under a noise model.
 
+#[cfg(test)]
+mod agreement;
 mod arm;
 mod arm_model;
 mod blocks;

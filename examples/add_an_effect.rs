@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example add_an_effect`
 //!
-//! A law becomes a candidate of every diagnosis by its entry in `LIBRARY` (`src/effects/catalogue.rs`).
+//! A law becomes a candidate of every diagnosis by its entry in `LIBRARY` (`core/src/effects/catalogue.rs`).
 
 use tauscope::dynamics::{Chain, Motion};
 use tauscope::effects::{

@@ -11,8 +11,34 @@
 //! - Batched signals are laid out `[channel][time]` ([`channels::Channels`]).
 //! - Every random number comes from a recorded seed through a named stream ([`random`]).
 //!
-//! Imports run one way: a room may use the rooms below it in this list and none above, [`cli`] all of them and [`error`]
-//! none. Inside a room its files import each other without a circle. A test holds both.
+//! # Example
+//! ```no_run
+//! use tauscope::diagnosis::{Diagnosis, Verdict};
+//! use tauscope::scenario::Setup;
+//! use tauscope::study::testbed;
+//!
+//! // Two motions of an arm with Stribeck friction on joint 2, which its description does not have.
+//! let setup = Setup::load("scenarios/effects/stribeck_friction.toml", None)?;
+//! let logs = testbed::record(&setup, &mut |_| ())?;
+//!
+//! let answer = Diagnosis::of(&setup.known)
+//!     .train([&logs.training.recording])
+//!     .test([&logs.held_out.recording])
+//!     .candidates(["stribeck_friction", "torque_offset"])
+//!     .run()?;
+//!
+//! assert_eq!(answer.verdict(), Verdict::Named);
+//! let finding = &answer.findings()[0];
+//! assert_eq!((finding.effect, &finding.joints[..]), ("stribeck_friction", &["joint_2".to_owned()][..]));
+//! # Ok::<(), tauscope::error::Error>(())
+//! ```
+//!
+//! # Rooms
+//! Robots, dynamics, identification and diagnosis are in the crate `tauscope-core`, which needs no simulator, and are
+//! found here under the same names.
+//!
+//! Imports run one way: a room may use the rooms below it in this list and none above, [`cli`] all of them. Inside a room
+//! its files import each other without a circle. A test holds both, here and in `tauscope-core`.
 
 pub mod cli;
 
@@ -22,42 +48,16 @@ pub(crate) mod paper;
 
 pub mod study;
 
-pub mod dataset;
-
-pub mod diagnosis;
-
-pub mod payload;
-
-pub mod quality;
-
 pub mod scenario;
-
-pub mod design;
 
 pub mod simulation;
 
-pub mod identification;
-
-pub mod effects;
-
-pub mod dynamics;
-
-pub mod excitation;
-
-pub mod recording;
-
-pub mod signal;
-
-pub mod robot;
-
-pub(crate) mod linear;
-
 pub(crate) mod output;
 
-pub mod random;
+#[doc(inline)]
+pub use tauscope_core::{
+    channels, dataset, design, diagnosis, dynamics, effects, error, excitation, identification, lane, payload, quality,
+    random, recording, robot, signal,
+};
 
-pub mod lane;
-
-pub mod channels;
-
-pub mod error;
+pub(crate) use tauscope_core::internal;

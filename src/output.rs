@@ -4,17 +4,17 @@
 //! [`ResultFolder::finish`]. `manifest.json` lists what was written, so that the next run in the same folder can remove
 //! what it no longer writes, and nothing else.
 
-mod numbers;
 mod transaction;
 
-pub(crate) use numbers::significant;
+pub(crate) use crate::internal::{json, significant};
 
 use crate::error::{Error, Result};
+use crate::internal::pretty;
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use transaction::Transaction;
@@ -37,14 +37,6 @@ struct Manifest {
     schema: String,
     /// Names in the folder, with `/` between folder and file.
     files: BTreeSet<String>,
-}
-
-/// A JSON object with the name of its layout in front.
-#[derive(Serialize)]
-struct Tagged<'a, T> {
-    schema: &'a str,
-    #[serde(flatten)]
-    value: &'a T,
 }
 
 impl ResultFolder {
@@ -224,27 +216,6 @@ fn collect(folder: &Path, prefix: &str, files: &mut BTreeSet<String>) -> io::Res
         }
     }
     Ok(())
-}
-
-/// Writes `value` as a JSON object with `schema` as its first field, and a line end.
-///
-/// # Errors
-/// If `writer` fails, or `value` is not an object or has a field `schema` of its own.
-pub(crate) fn json(writer: impl Write, schema: &str, value: &impl Serialize) -> io::Result<()> {
-    let plain = serde_json::to_value(value)?;
-    let object = plain.as_object().ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "it is not a JSON object"))?;
-    if object.contains_key("schema") {
-        return Err(io::Error::new(ErrorKind::InvalidInput, "the object has a field 'schema' of its own"));
-    }
-    // Not `plain`, which has lost the order of the fields.
-    pretty(writer, &Tagged { schema, value })
-}
-
-fn pretty(writer: impl Write, value: &impl Serialize) -> io::Result<()> {
-    let mut writer = BufWriter::new(writer);
-    serde_json::to_writer_pretty(&mut writer, value)?;
-    writer.write_all(b"\n")?;
-    writer.flush()
 }
 
 /// Removes the folders of a removed file that are empty now.

@@ -2,9 +2,8 @@
 
 use super::procedure::{Procedure, Stage};
 use crate::error::Result;
-use crate::identification::joint_regression::JointRegression;
-use crate::identification::linear_model::LinearModel;
 use crate::identification::prepare::Prepared;
+use crate::internal::identification::{JointRegression, LinearModel};
 use crate::scenario::Setup;
 use crate::study::score::torque_std;
 use crate::study::testbed::{self, Run, Runs};

@@ -1,9 +1,9 @@
 //! What the paper's own excitation can identify: one Freudenstein 1-3-5 move per joint, all over the same time.
 
 use crate::dynamics::Motion;
-use crate::excitation::freudenstein::{Move, PEAK_ACCELERATION, PEAK_VELOCITY};
 use crate::excitation::{JointLimits, Reference};
 use crate::identification::model::Model;
+use crate::internal::excitation::{Move, PEAK_ACCELERATION, PEAK_VELOCITY};
 use nalgebra::DMatrix;
 
 /// Singular values above this share of the largest count.

@@ -2,9 +2,7 @@
 
 use super::console::table as plain_table;
 use crate::design::Problem;
-use crate::design::comparison::{Comparison, Row};
-use crate::design::envelope::{CHECK_RATE_HZ, Clearance};
-use crate::design::excite::{Outcome, Request};
+use crate::internal::design::{CHECK_RATE_HZ, Clearance, Comparison, Outcome, Request, Row};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

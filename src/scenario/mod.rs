@@ -14,6 +14,7 @@ mod validate;
 mod values;
 mod written;
 
+pub use crate::diagnosis::Measured;
 pub use arm::Arm;
 pub use effects::{EffectSpec, joint as effect_joint};
 pub use montecarlo::{MonteCarloSpec, NoiseLevel};
@@ -25,4 +26,3 @@ pub use spec::{
     ControllerSpec, IdentificationSpec, LimitSpec, MotionSpec, PlantSpec, RobotSpec, SCHEMA, Scenario, SensorSpec,
 };
 pub use values::{PerJoint, RandomMotion};
-pub use written::Measured;

@@ -5,7 +5,8 @@ use super::validate;
 use super::{RandomMotion, Scenario};
 use crate::error::Result;
 use crate::excitation::random_sequence::random_sequence;
-use crate::excitation::{self, JointLimits, Motion, MotionFile, Reference};
+use crate::excitation::{JointLimits, Motion, MotionFile, Reference};
+use crate::internal::excitation::check_kinds;
 use crate::robot::{JointKind, Robot};
 
 /// Position limits beyond this (rad) stand for a joint that turns without end.
@@ -53,8 +54,7 @@ pub(super) fn motion(
         (None, None) => return Err(at.error(key, "give exactly one of `file` and `random`")),
     };
     let kinds: Vec<JointKind> = arm.joints.iter().map(|joint| joint.kind).collect();
-    excitation::limits::check_kinds(&motion, limits, 1.0 / scenario.plant.step_s, &names, &kinds)
-        .map_err(|e| at.wrap(&key, &e))?;
+    check_kinds(&motion, limits, 1.0 / scenario.plant.step_s, &names, &kinds).map_err(|e| at.wrap(&key, &e))?;
     validate::length(scenario, &key, motion.duration_s(), at)?;
     Ok(motion)
 }

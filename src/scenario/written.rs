@@ -4,6 +4,7 @@ use super::{
     ControllerSpec, EffectSpec, IdentificationSpec, LimitSpec, MotionSpec, PerJoint, PlantSpec, RandomMotion,
     RobotSpec, SCHEMA, Scenario, SensorSpec,
 };
+use crate::diagnosis::Measured;
 use crate::effects::{Placed, Role, Scope};
 use crate::error::{Error, Result};
 use crate::robot::Robot;
@@ -15,19 +16,6 @@ const LONGEST_STEP_S: f64 = 1e-3;
 
 /// Length of the smoothing window, s.
 const WINDOW_S: f64 = 0.12;
-
-/// What was measured of the arm in addition to its model.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    /// Rate of the logs, Hz.
-    pub rate_hz: f64,
-    /// Largest acceleration of each joint, rad/s2.
-    pub acceleration: Vec<f64>,
-    /// Noise of the positions of each joint, rad.
-    pub position_noise: Vec<f64>,
-    /// Noise of the torques of each joint, N m.
-    pub torque_noise: Vec<f64>,
-}
 
 impl EffectSpec {
     /// The table of an effect with all its parameters.
@@ -59,7 +47,7 @@ impl Scenario {
         let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let mut scenario = match like {
             Some(scenario) => scenario.clone(),
-            None => measured.scenario(seed),
+            None => with_sensors(measured, seed),
         };
         scenario.name = format!("{}_extended", robot.name.chars().map(plain).collect::<String>());
         // Joints that are held in `robot` are fixed in its file.
@@ -88,44 +76,43 @@ impl Scenario {
     }
 }
 
-impl Measured {
-    fn scenario(&self, seed: u64) -> Scenario {
-        let period = 1.0 / self.rate_hz;
-        let window = ((WINDOW_S * self.rate_hz).round() as usize | 1).max(9);
-        let motion = || MotionSpec { file: None, random: Some(RandomMotion { moves: 12, duration_s: 20.0 }) };
-        Scenario {
-            schema: SCHEMA.to_owned(),
-            name: String::new(),
-            seed,
-            robot: RobotSpec::default(),
-            plant: PlantSpec {
-                integrator: Integrator::Rk4,
-                step_s: period / (period / LONGEST_STEP_S - 1e-9).ceil().max(1.0),
-                viscous_nms_rad: None,
-                coulomb_nm: None,
-                armature_kg_m2: None,
-            },
-            controller: ControllerSpec { bandwidth_hz: 5.0, damping_ratio: 1.0, model_error: 0.0 },
-            limits: LimitSpec { acceleration_rad_s2: PerJoint::Each(self.acceleration.clone()), workspace: None },
-            motion: motion(),
-            held_out: motion(),
-            sensors: SensorSpec {
-                rate_hz: self.rate_hz,
-                encoder_resolution_rad: PerJoint::All(0.0),
-                encoder_noise_rad: PerJoint::Each(self.position_noise.clone()),
-                tachometer_noise_rad_s: None,
-                torque_noise_nm: PerJoint::Each(self.torque_noise.clone()),
-                torque_noise_correlation_s: PerJoint::All(0.0),
-            },
-            identification: IdentificationSpec {
-                smoothing_window: Some(window),
-                smoothing_order: 6,
-                decimation: (window / 12).max(1),
-                low_pass_hz: None,
-                reversal_band_rad_s: 0.03,
-            },
-            montecarlo: None,
-            effects: Vec::new(),
-        }
+/// A scenario with the sensors that were `measured` and motions drawn from the seed, of no arm yet.
+fn with_sensors(measured: &Measured, seed: u64) -> Scenario {
+    let period = 1.0 / measured.rate_hz;
+    let window = ((WINDOW_S * measured.rate_hz).round() as usize | 1).max(9);
+    let motion = || MotionSpec { file: None, random: Some(RandomMotion { moves: 12, duration_s: 20.0 }) };
+    Scenario {
+        schema: SCHEMA.to_owned(),
+        name: String::new(),
+        seed,
+        robot: RobotSpec::default(),
+        plant: PlantSpec {
+            integrator: Integrator::Rk4,
+            step_s: period / (period / LONGEST_STEP_S - 1e-9).ceil().max(1.0),
+            viscous_nms_rad: None,
+            coulomb_nm: None,
+            armature_kg_m2: None,
+        },
+        controller: ControllerSpec { bandwidth_hz: 5.0, damping_ratio: 1.0, model_error: 0.0 },
+        limits: LimitSpec { acceleration_rad_s2: PerJoint::Each(measured.acceleration.clone()), workspace: None },
+        motion: motion(),
+        held_out: motion(),
+        sensors: SensorSpec {
+            rate_hz: measured.rate_hz,
+            encoder_resolution_rad: PerJoint::All(0.0),
+            encoder_noise_rad: PerJoint::Each(measured.position_noise.clone()),
+            tachometer_noise_rad_s: None,
+            torque_noise_nm: PerJoint::Each(measured.torque_noise.clone()),
+            torque_noise_correlation_s: PerJoint::All(0.0),
+        },
+        identification: IdentificationSpec {
+            smoothing_window: Some(window),
+            smoothing_order: 6,
+            decimation: (window / 12).max(1),
+            low_pass_hz: None,
+            reversal_band_rad_s: 0.03,
+        },
+        montecarlo: None,
+        effects: Vec::new(),
     }
 }

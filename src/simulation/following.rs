@@ -7,8 +7,9 @@ use super::integrator::{Integrator, Run};
 use super::measured_motion::MeasuredMotion;
 use super::plant::{Plant, State};
 use crate::channels::Channels;
+use crate::diagnosis::{Engine, Followed, Simulator};
 use crate::dynamics::Motion;
-use crate::effects::{Placed, Scope, Site, drive_friction};
+use crate::effects::{Placed, Site, drive_friction};
 use crate::error::{Error, Result};
 use crate::robot::Robot;
 
@@ -22,13 +23,19 @@ const LONGEST_STEP_S: f64 = 0.002;
 /// Speed that no joint reaches unless the simulation runs away.
 const RUNAWAY_SPEED: f64 = 1e4;
 
-/// What the simulated arm did, `[joint][time]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Followed {
-    /// Motor torque as the sensors would log it, N m.
-    pub torque: Channels,
-    /// Motor positions, rad.
-    pub q: Channels,
+impl Simulator for EngineKind {
+    fn engine(&self, robot: &Robot) -> Engine {
+        let kind = self.of(robot);
+        let key = match kind {
+            EngineKind::Rapier => "rapier",
+            EngineKind::Recursive => "recursive",
+        };
+        Engine { key, name: kind.name() }
+    }
+
+    fn follow(&self, robot: &Robot, effects: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
+        follow(*self, robot, effects, motion, start, period)
+    }
 }
 
 /// Lets `robot`, with `effects` in addition to the friction of its drives, follow `motion` (where the joints really were; the first
@@ -87,14 +94,9 @@ pub(crate) fn follow(
         }
     }
     for placed in effects {
-        for joint in sensed(placed, dof) {
+        for joint in placed.sensed(dof) {
             placed.effect.distort_torque(&placed.parameters, torque.channel_mut(joint), period);
         }
     }
     Ok(Followed { torque, q })
-}
-
-/// Joints whose sensors an effect may distort.
-pub(crate) fn sensed(placed: &Placed, dof: usize) -> Vec<usize> {
-    if placed.effect.about().scope == Scope::Arm { (0..dof).collect() } else { placed.joints() }
 }

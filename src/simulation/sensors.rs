@@ -1,7 +1,8 @@
 //! Sensors: encoders with resolution and noise, tachometers, torque measurement with white or correlated noise.
 
 use crate::channels::Channels;
-use crate::lane::{Kernel, Lane, Lanes};
+use crate::internal::lane::Kernel;
+use crate::lane::{Lane, Lanes};
 use crate::random::{self, Normals};
 
 /// What measures one joint.

@@ -1,12 +1,13 @@
 //! Measured motions in the simulator: an identified arm follows what the real one did.
 
+use crate::diagnosis::Followed;
 use crate::error::Result;
 use crate::identification::effect_model::Preparation;
 use crate::identification::prepare;
 use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::simulation::engine::EngineKind;
-use crate::simulation::following::{Followed, follow};
+use crate::simulation::following::follow;
 use rayon::prelude::*;
 
 /// Longest motions together that are simulated, s: longer ones take longer than anybody waits for a picture.

@@ -3,11 +3,11 @@
 use super::score::{parameter_distance, relative_errors, torque_std};
 use crate::error::{Error, Result};
 use crate::excitation::Reference;
-use crate::identification::joint_regression::JointRegression;
 use crate::identification::least_squares::{Estimate, weighted_least_squares};
 use crate::identification::model::Model;
 use crate::identification::prepare::{self, Prepared, Smoothing};
 use crate::identification::smoothing_choice::{self, Described};
+use crate::internal::identification::JointRegression;
 use crate::recording::Recording;
 use crate::scenario::{Setup, measure, simulate};
 use crate::simulation::Truth;

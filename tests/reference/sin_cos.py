@@ -1,4 +1,4 @@
-"""Coefficients of the polynomials in src/lane/sin_cos.rs, for half a turn around zero.
+"""Coefficients of the polynomials in core/src/lane/sin_cos.rs, for half a turn around zero.
 
     pip install mpmath
     python tests/reference/sin_cos.py

@@ -1,4 +1,4 @@
-"""Welch's spectrum of a short signal by scipy, for src/signal/spectrum.rs: python -P tests/reference/spectrum.py > tests/reference/spectrum.json"""
+"""Welch's spectrum of a short signal by scipy, for core/src/signal/spectrum.rs: python -P tests/reference/spectrum.py > tests/reference/spectrum.json"""
 import json
 import numpy as np
 from scipy.signal import welch

@@ -122,7 +122,7 @@ fn amplitudes(effect: &dyn Effect) -> Vec<usize> {
 
 #[test]
 fn every_file_is_registered_under_its_name_and_in_the_vocabulary() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src/effects"));
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/core/src/effects"));
     let entries = |folder: &Path| std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     let rooms: Vec<PathBuf> = entries(folder);
     let files: Vec<PathBuf> = rooms.iter().filter(|room| room.is_dir()).flat_map(|room| entries(room)).collect();

@@ -2,6 +2,7 @@
 //! the simulator, Parquet and the viewer once more.
 
 mod consistent;
+mod crates;
 mod dynamics;
 mod effects;
 mod effects_in_the_loop;

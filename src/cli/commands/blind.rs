@@ -1,6 +1,6 @@
 //! `tauscope blind`: hide effects in simulated arms and count how often the diagnosis names them.
 
-use crate::cli::shared::{DONE, FAILED, Global, interrupt, print, progress};
+use crate::cli::shared::{DONE, FAILED, Global, interrupt, print, progress, trust};
 use crate::effects::{Placed, Scope, find};
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
@@ -61,7 +61,7 @@ pub(crate) struct Arguments {
     )]
     correlation: Vec<f64>,
     /// With --effect: estimate inertias (structure), or take them from the URDF (nominal).
-    #[arg(long, help_heading = "One effect", value_enum, default_value = "nominal", requires = "effect")]
+    #[arg(long, help_heading = "One effect", value_parser = trust::parser(), default_value = "nominal", requires = "effect")]
     trust: Trust,
 }
 

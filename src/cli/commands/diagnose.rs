@@ -1,7 +1,7 @@
 //! `tauscope diagnose`: what the model of an arm misses, from logs. [`Diagnosis::of`] does the work; this file reads and writes.
 
 use crate::cli::shared::{
-    ArmArguments, BAD_INPUT, DONE, Global, LogArguments, corrected, interrupt, print, progress, time,
+    ArmArguments, BAD_INPUT, DONE, Global, LogArguments, corrected, interrupt, print, progress, time, trust,
 };
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
@@ -57,7 +57,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SCENARIO", help_heading = "Model")]
     scenario: Option<PathBuf>,
     /// Estimate the inertias (structure), or take them from the URDF (nominal).
-    #[arg(long, value_enum, default_value = "structure", help_heading = "Model")]
+    #[arg(long, value_parser = trust::parser(), default_value = "structure", help_heading = "Model")]
     trust: Trust,
     /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct.
     #[arg(long, default_value_t = 0.05, help_heading = "Search")]

@@ -1,14 +1,12 @@
 //! `tauscope excite`: search for an excitation motion, or compare the parametrisations.
 
 use crate::cli::shared::{DONE, Global, interrupt, print, progress, time};
-use crate::design::comparison::{Judge, compare};
 use crate::design::criterion::KAPPA_WEIGHT;
-use crate::design::excite::{Outcome, Request, excite};
-use crate::design::families::Family;
 use crate::design::{Criterion, Envelope, Experiment, Problem};
 use crate::error::{Error, Result};
-use crate::excitation::encoding::random_point;
 use crate::excitation::{Motion, MotionFile};
+use crate::internal::design::{Family, Judge, Outcome, Request, compare, excite};
+use crate::internal::excitation::random_point;
 use crate::report::excitation;
 use crate::scenario::Arm;
 use clap::builder::PossibleValuesParser;

@@ -1,8 +1,9 @@
 //! `tauscope identify`: fit an arm's parameters, and named effects, to logs.
 
-use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, print, progress};
+use crate::cli::shared::{ArmArguments, DONE, Global, LogArguments, corrected, print, progress, trust};
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset, Logs};
+use crate::diagnosis::Followed;
 use crate::effects::{self, Placed, Scope};
 use crate::error::{Error, Result};
 use crate::identification::consistent;
@@ -19,7 +20,6 @@ use crate::report::fit::{self as report, SCHEMA};
 use crate::report::viewer;
 use crate::robot::{self, Robot};
 use crate::scenario::{Setup, effect_joint};
-use crate::simulation::following::Followed;
 use crate::study::{replay, testbed};
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "EFFECT", help_heading = "Model")]
     effect: Vec<String>,
     /// Estimate the inertias (structure), or take them from the URDF (nominal).
-    #[arg(long, value_enum, default_value = "structure", help_heading = "Model")]
+    #[arg(long, value_parser = trust::parser(), default_value = "structure", help_heading = "Model")]
     trust: Trust,
     /// Savitzky-Golay window, samples, odd. Default: that of the scenario, else 0.12 s.
     #[arg(long, value_name = "SAMPLES", help_heading = "Smoothing")]

@@ -11,6 +11,7 @@ mod logs;
 pub(super) mod print;
 pub(super) mod progress;
 mod time;
+pub(super) mod trust;
 
 pub(crate) use arm::ArmArguments;
 pub use global::{BAD_INPUT, DONE, FAILED, Global};

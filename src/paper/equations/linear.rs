@@ -5,7 +5,7 @@ use super::terms::terms;
 use super::{JOINTS, PARAMETER_COUNT, Variant, regressor};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
-use crate::identification::linear_model::LinearModel;
+use crate::internal::identification::LinearModel;
 
 /// Parameter k, counted from 0, is X_(k+1). Positions are those of the URDF; the equations get the angles of Table 1
 /// ([`joint_angles`]).

@@ -1,9 +1,11 @@
 //! The answer in a few lines.
 
-use crate::diagnosis::notices::{effort, remedy, shown, with_unit};
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NOT_SIZED,
-    NamedParameter, Play, ResidualMap, Resimulation, Share, Verdict, finding, findings, joints, predicts_worse,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NamedParameter, Play,
+    ResidualMap, Resimulation, Share, Verdict,
+};
+use crate::internal::diagnosis::{
+    NOT_SIZED, effort, finding, findings, joints, predicts_worse, remedy, shown, with_unit,
 };
 use crate::quality::with_logs;
 use crate::report::console::{by_joint, significant, table};
@@ -74,7 +76,7 @@ pub(crate) fn lines(
         let closed = percent(diagnosis.errors.gap_closed);
         let mut line = format!("The findings close {closed} of the gap to the noise");
         if let Some(run) = resimulation {
-            line += &format!("; simulated in {}, {}", run.engine.name(), percent(run.gap_closed));
+            line += &format!("; simulated in {}, {}", run.engine.name, percent(run.gap_closed));
         }
         lines.push(line + ".");
     }
@@ -274,7 +276,7 @@ fn errors(robot: &Robot, diagnosis: &Diagnosis, resimulation: Option<&Resimulati
         header.push("with findings");
         columns.push(&diagnosis.errors.extended_test_rms);
     }
-    let simulated = resimulation.map(|run| format!("in {}", run.engine.name()));
+    let simulated = resimulation.map(|run| format!("in {}", run.engine.name));
     if let (Some(run), Some(simulated)) = (resimulation, &simulated) {
         header.push(simulated);
         columns.push(&run.extended_rms);

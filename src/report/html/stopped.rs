@@ -2,8 +2,8 @@
 
 use super::provenance::file_name;
 use super::{Block, Page, Provenance, Section, Tone};
-use crate::diagnosis::notices::remedy;
 use crate::diagnosis::{Consequence, DataFault};
+use crate::internal::diagnosis::remedy;
 use crate::quality::with_logs;
 use crate::recording::Recording;
 use crate::report::svg::Color;

@@ -1,7 +1,7 @@
 //! Where the paper is right and where it is wrong, in sentences that carry the measured numbers.
 
 use super::{planar, ratios, spatial};
-use crate::excitation::freudenstein::PEAK_ACCELERATION;
+use crate::internal::excitation::PEAK_ACCELERATION;
 use crate::paper::PaperStudy;
 use crate::paper::equations::tables::{PARAMETERS, PRINTED_TABLE_2, PRINTED_TABLE_3};
 use crate::paper::equations::{self, DEPARTURES, GRAVITY, PARAMETER_COUNT};

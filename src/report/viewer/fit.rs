@@ -2,11 +2,11 @@
 
 use super::{Film, Look, Marker, Quantity, Track, joined, joined_time, offsets};
 use crate::channels::Channels;
+use crate::diagnosis::Followed;
 use crate::identification::fit::{Fitted, Logs};
 use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::robot::Robot;
-use crate::simulation::following::Followed;
 
 /// What is shown of a fit.
 #[derive(Debug, Clone, Copy)]

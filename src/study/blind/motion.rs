@@ -3,9 +3,9 @@
 use super::case::{Case, MotionKind};
 use crate::channels::Channels;
 use crate::error::Result;
-use crate::excitation::encoding::{FourierEncoding, random_point};
 use crate::excitation::random_sequence::FreudensteinEncoding;
 use crate::excitation::{Encoding, JointLimits, Motion, Reference};
+use crate::internal::excitation::{FourierEncoding, random_point};
 use crate::random;
 use crate::recording::Recording;
 use crate::scenario::Setup;

@@ -11,7 +11,7 @@ use crate::effects::Placed;
 use crate::error::Result;
 use crate::excitation::Motion;
 use crate::identification::model::Model;
-use crate::identification::noise::AutoregressiveNoise;
+use crate::internal::identification::AutoregressiveNoise;
 use crate::recording::Recording;
 use crate::scenario::Setup;
 use crate::simulation::sensors::JointSensors;

@@ -1,8 +1,8 @@
 //! What a study draws and compares, from the scenario's `[montecarlo]` table and the command line.
 
 use crate::error::{Error, Result};
-use crate::identification::estimators::{self, Estimator};
-use crate::random::fnv1a;
+use crate::internal::identification::{Estimator, estimator};
+use crate::internal::random::fnv1a;
 use crate::scenario::{MonteCarloSpec, NoiseLevel, Setup};
 use crate::signal::{Edge, SavitzkyGolay};
 use crate::study::testbed::Variant;
@@ -69,8 +69,7 @@ impl Plan {
         }
         require_distinct("estimators", &spec.estimators)?;
         require_distinct("Savitzky-Golay windows", &spec.sg_windows)?;
-        let found: Result<Vec<&'static dyn Estimator>> =
-            spec.estimators.iter().map(|name| estimators::find(name)).collect();
+        let found: Result<Vec<&'static dyn Estimator>> = spec.estimators.iter().map(|name| estimator(name)).collect();
         Ok(Plan { estimators: found?, spec })
     }
 

@@ -1,8 +1,9 @@
 //! What was found: parameters with intervals, law, and what is easily taken for it.
 
 use super::words::{NORMAL_95, named, probability, sentence, spaced};
-use crate::diagnosis::{Diagnosis, Found, NOT_SIZED};
+use crate::diagnosis::{Diagnosis, Found};
 use crate::effects::{About, Role};
+use crate::internal::diagnosis::NOT_SIZED;
 use crate::report::console::significant;
 use crate::report::diagnosis::{impacts, largest};
 use crate::report::html::{Block, Section};

@@ -1,7 +1,7 @@
 //! Effects, probabilities and sentences in words.
 
 use crate::diagnosis::Family;
-use crate::diagnosis::joints;
+use crate::internal::diagnosis::joints;
 use crate::report::console::significant;
 use crate::robot::Robot;
 

@@ -1,0 +1,402 @@
+//! The answer with its evidence: which names stand, what was not found, and what to do next.
+
+use super::inertias::Gain;
+use super::quantities::{Derived, Evidence, ResidualStructure, Share};
+use crate::diagnosis::Options;
+use crate::diagnosis::criteria::{Criteria, VerdictCriteria};
+use crate::diagnosis::evidence::Multiplicity;
+use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
+use crate::diagnosis::logs::LowPass;
+use crate::diagnosis::model::{Family, Member, Session, is_candidate, is_wanted, places};
+use crate::diagnosis::regression::rms;
+use crate::diagnosis::relevance::{Minor, nearest};
+use crate::diagnosis::search::{Alternative, Found, Rejected, Verdict};
+use crate::diagnosis::variance::ResidualMap;
+use crate::effects::{LIBRARY, Nature, Parameter, Placed};
+use crate::error::Result;
+use crate::payload::Payload;
+use crate::robot::Robot;
+use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::BTreeMap;
+
+/// Probability with which an effect of the minimum detectable size is found.
+const POWER: f64 = 0.8;
+
+/// An effect that was looked for and not found.
+#[derive(Debug, Clone)]
+pub struct NotFound {
+    /// What and where.
+    pub family: Family,
+    /// The smallest value of its first parameter that would have been found with a probability of 80 %; None where the
+    /// logs do not separate it from the baseline.
+    pub minimum_detectable: Option<f64>,
+    /// Unit of that.
+    pub unit: &'static str,
+}
+
+/// A delay or lag of the torque that is of the sampling.
+#[derive(Debug, Clone, Copy)]
+pub struct OfSampling {
+    /// The joint of a lag; None for a delay, which is of all joints.
+    pub joint: Option<usize>,
+    /// How long, and its standard deviation, s.
+    pub seconds: [f64; 2],
+}
+
+/// What was looked for.
+#[derive(Debug, Clone)]
+pub struct Scope {
+    /// Family-wise false-alarm rate.
+    pub alpha: f64,
+    /// Names of the effects that were looked for; all of the library where empty.
+    pub candidates: Vec<String>,
+    /// Whether the question is what changed since reference logs.
+    pub against_reference: bool,
+    /// Share of the rows that have an equal state in the reference logs, where differences from these are diagnosed.
+    pub equal_states: Option<f64>,
+    /// Number of independent tests that the scan is worth.
+    pub effective_tests: f64,
+    /// What decides whether an effect found is reported.
+    pub criteria: Criteria,
+}
+
+/// What the logs are, and how they were filtered.
+#[derive(Debug, Clone)]
+pub struct LogSummary {
+    /// Rates at which the logs were sampled, Hz, each once, the lowest first.
+    pub rates_hz: Vec<f64>,
+    /// Cut-off of the low-pass of each joint's positions, Hz.
+    pub cutoffs_hz: Vec<f64>,
+    /// The low-pass that torque went through before it was logged, if any.
+    pub passband: Option<LowPass>,
+    /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width of tanh(v / width); zero for a plain sign.
+    pub sign_widths: Vec<f64>,
+    /// Whether each joint has an equation: its torque is logged, and it moves. The numbers of a joint without one
+    /// mean nothing.
+    pub equations: Vec<bool>,
+    /// Whether the last part of the training logs was held out for want of test logs.
+    pub held_out_from_training: bool,
+}
+
+/// Residuals of the models. Root mean squares are of means over 20 ms, per joint, N m (N).
+#[derive(Debug, Clone)]
+pub struct Errors {
+    /// Standard deviation of the torque's noise.
+    pub noise_floor: Vec<f64>,
+    /// Torque of the held-out logs.
+    pub test_torque_rms: Vec<f64>,
+    /// Residual of the arm as described on the held-out logs.
+    pub simulation_test_rms: Vec<f64>,
+    /// Residual of the fitted baseline on the training logs and on the held-out logs.
+    pub baseline_rms: [Vec<f64>; 2],
+    /// Residual of the model with all effects found on the held-out logs.
+    pub extended_test_rms: Vec<f64>,
+    /// Standard deviation of the extended model's prediction of the held-out torque, from the covariance of its parameters,
+    /// root mean square over the rows; infinite where the training logs do not determine it.
+    pub prediction_std: Vec<f64>,
+    /// Share of the gap between baseline and noise floor that the effects found close on the held-out logs.
+    pub gap_closed: Share,
+    /// What the held-out residual of the arm as described follows, and that of the extended model.
+    pub structure: [Vec<ResidualStructure>; 2],
+}
+
+/// What was found.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// The answer in a word.
+    pub verdict: Verdict,
+    /// What was looked for.
+    pub scope: Scope,
+    /// What the logs are, and how they were filtered.
+    pub logs: LogSummary,
+    /// Residuals of the models.
+    pub errors: Errors,
+    /// Effects that were there before the change in question: found in the reference logs, part of the model since.
+    pub before: Vec<Found>,
+    /// Effects found.
+    pub found: Vec<Found>,
+    /// What derives from the parameters of each.
+    pub derived: Vec<Vec<Derived>>,
+    /// Delays and lags of the torque that are of the sampling: in the model, and no effects.
+    pub of_sampling: Vec<OfSampling>,
+    /// Effects found that do not matter, each with the gate that it failed: not in the model.
+    pub minor: Vec<Minor>,
+    /// The best candidates of rounds of the search that failed a gate.
+    pub rejected: Vec<Rejected>,
+    /// What re-identified inertias gain, where those of the description were trusted and are wrong as a whole.
+    pub inertias: Option<Gain>,
+    /// What the residual of the baseline follows in all logs, whether or not a law of the library explains it.
+    pub map: ResidualMap,
+    /// The load that was added since the reference logs, weighed by itself, where one was found.
+    pub load: Option<Payload>,
+    /// Whether the search was ended before it was done: effects may be missing, and rivals of names.
+    pub unfinished: bool,
+    /// Structure without a name.
+    pub unexplained: Vec<Unexplained>,
+    /// Effects not found.
+    pub not_found: Vec<NotFound>,
+    /// What to do next.
+    pub next_experiment: String,
+    /// What the answer rests on, row by row.
+    pub evidence: Evidence,
+}
+
+impl Diagnosis {
+    /// The law that comes nearest to what stays unexplained on a joint: one that was found there and explains no more than generic
+    /// functions do.
+    pub fn nearest(&self, joint: usize) -> Option<&Minor> {
+        nearest(&self.minor, joint)
+    }
+}
+
+/// The answer in a word; `inertias`: whether those of the description are wrong as a whole.
+pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplained]) -> Verdict {
+    let some = |verdict: Verdict| found.iter().any(|found| found.verdict == verdict);
+    match (some(Verdict::OneOf), some(Verdict::Named) || inertias) {
+        (true, _) => Verdict::OneOf,
+        (false, true) => Verdict::Named,
+        _ if found.is_empty() && unexplained.is_empty() => Verdict::None,
+        _ => Verdict::Unexplained,
+    }
+}
+
+/// Withdraws the findings on joints of which much stays unexplained with certainty, those that unexplained structure replaces, and those with
+/// which the held-out logs are predicted worse.
+/// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
+/// `[joint]`. What impacts show does not rest on residuals and stays.
+pub(super) fn withdraw(
+    found: &mut [Found],
+    unexplained: &[Unexplained],
+    residuals: [&[f64]; 2],
+    noise: &[f64],
+    criteria: &VerdictCriteria,
+) {
+    for &place in unexplained.iter().flat_map(|left| &left.instead_of) {
+        found[place].verdict = Verdict::Unexplained;
+    }
+    let [before, after] = residuals;
+    let open: Vec<usize> = unexplained
+        .iter()
+        .filter(|left| left.certain)
+        .map(|left| left.joint)
+        .filter(|&joint| {
+            let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
+            let share =
+                if excess(after) > noise[joint].powi(2) { criteria.explained_above_noise } else { criteria.explained };
+            excess(after) > (1.0 - share) * excess(before)
+        })
+        .collect();
+    for one in found.iter_mut().filter(|one| one.impacts.is_none()) {
+        let joints = one.member.candidate.joints();
+        // An effect on many joints does not fall with one of them, and what happened in one log is not in the others.
+        let is_open = one.member.candidate.log.is_none() && joints.iter().all(|joint| open.contains(joint));
+        if is_open || predicts_worse(one, noise, criteria) {
+            one.verdict = Verdict::Unexplained;
+        }
+    }
+}
+
+/// Whether the held-out logs are predicted worse with a finding than without it, on the joints that it acts on together: it fits the
+/// training logs, and is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
+pub fn predicts_worse(found: &Found, noise: &[f64], criteria: &VerdictCriteria) -> bool {
+    let joints = found.member.candidate.joints();
+    let [before, after] =
+        found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
+    found.impacts.is_none() && after > criteria.worse * before
+}
+
+/// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
+/// beside the motion. That is worth no name as long as what it adds to the held-out torque, root mean square, is small in the `noise` of
+/// every joint.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn of_sampling(
+    session: &Session,
+    found: &Found,
+    noise: &[f64],
+    criteria: &VerdictCriteria,
+) -> Result<Option<OfSampling>> {
+    let Member { placed, std, .. } = &found.member;
+    let joint = match placed.effect.about().nature {
+        Nature::Delay => None,
+        Nature::Lag => Some(placed.joint),
+        _ => return Ok(None),
+    };
+    let period = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
+    let seconds = placed.parameters[0];
+    if seconds.abs() > 0.5 * period {
+        return Ok(None);
+    }
+    let test = &session.logs.test.rows;
+    let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
+    let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
+    Ok((size < criteria.sampling_size).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
+}
+
+/// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
+/// number of independent tests, `sensitivity` the standard deviation of every family's first parameter.
+pub(super) fn not_found(
+    session: &Session,
+    found: &[Found],
+    multiplicity: &Multiplicity,
+    sensitivity: &BTreeMap<Family, (usize, f64)>,
+    options: &Options,
+) -> Vec<NotFound> {
+    let normal = Normal::standard();
+    let factor = |kind: &str| {
+        normal.inverse_cdf(1.0 - options.alpha / (2.0 * multiplicity.tests(kind))) + normal.inverse_cdf(POWER)
+    };
+    let taken: Vec<Family> = found
+        .iter()
+        .flat_map(|found| {
+            let others = found.alternatives.iter().map(|Alternative { family, .. }| *family);
+            [found.member.candidate.family()].into_iter().chain(others)
+        })
+        .collect();
+    let change = session.logs.train.rows.of_change();
+    LIBRARY
+        .iter()
+        .filter(|effect| {
+            is_candidate(**effect, options.trust, &options.candidates)
+                || (change && is_wanted(**effect, &options.candidates))
+        })
+        .flat_map(|effect| {
+            places(*effect, session.model.base.dof())
+                .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
+        })
+        .filter(|(_, family)| !taken.contains(family))
+        .map(|(effect, family)| {
+            let seen = sensitivity.get(&family);
+            let index = seen.map_or(0, |(index, _)| *index);
+            let Parameter { lower, upper, .. } = effect.parameters()[index];
+            let unit = Placed::typical(*effect, family.joint).unit(index, session.model.base.robot());
+            // What no arm can have, no log can show.
+            let sizes = 0.0..=upper.max(-lower);
+            let minimum_detectable = seen
+                .map(|(_, std)| factor(family.effect) * std)
+                .filter(|size| *size > 0.0 && size.is_finite() && sizes.contains(size));
+            NotFound { family, minimum_detectable, unit }
+        })
+        .collect()
+}
+
+/// What to do next; `described` is the root mean square that the arm as described leaves of the held-out logs, `left` that of the extended
+/// model, `[joint]`, N m.
+pub(super) fn next_experiment(
+    found: &[Found],
+    unexplained: &[Unexplained],
+    robot: &Robot,
+    [described, left]: [&[f64]; 2],
+    criteria: &VerdictCriteria,
+) -> String {
+    let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
+    if let Some((found, other)) = tied {
+        let about = found.member.placed.effect.about();
+        let how = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
+        let how = how.unwrap_or("record motions of other speeds, ranges and loads");
+        return format!("to tell {} from {}: {how}", about.name, other.family.effect);
+    }
+    if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
+        return "the held-out logs do not go with the training logs: check that all are of one arm with one load, and give them as training \
+                logs, or the others as --reference, to ask what changed"
+            .into();
+    }
+    if let Some(left) = unexplained.first() {
+        let joint = &robot.joints[left.joint].name;
+        return format!(
+            "move {joint} alone over its whole range, slowly and fast, both ways: what is left {}",
+            left.structure
+        );
+    }
+    let off = |joint: usize| described[joint] / left[joint];
+    let worst =
+        (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > criteria.misdescribed);
+    match (found.is_empty(), worst) {
+        (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
+            "the description of {} has no friction, which leaves {:.1} times as much as re-identified inertias and friction do: \
+             extended.urdf holds these; --trust nominal tells whether its inertias are right",
+            robot.joints[joint].name,
+            off(joint)
+        ),
+        (true, Some(joint)) => format!(
+            "the description is off ({} is left with {:.1} times as much as with re-identified inertias and friction): extended.urdf holds \
+             these. To tell a payload or one wrong link: --trust nominal, or logs from before it as --reference",
+            robot.joints[joint].name,
+            off(joint)
+        ),
+        (true, None) => "a longer or livelier motion lowers the minimum detectable sizes".into(),
+        (false, _) => {
+            "record a new motion and repeat the diagnosis with --scenario extended.toml: nothing should be left".into()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::criteria::{Gate, Judgement};
+    use crate::diagnosis::model::Candidate;
+    use crate::diagnosis::search::Accepted;
+    use crate::effects::{Placed, find};
+
+    /// A spring on the first joint that leaves so much of two joints, before and after.
+    fn spring(before: [f64; 2], after: [f64; 2]) -> Found {
+        let placed = Placed::typical(find("joint_spring").unwrap(), 0);
+        let member = Member::new(&Candidate { placed, log: None, columns: Vec::new() }, &[]);
+        let mut found = Found::new(Accepted { member, gain_lower_bound: 0.1, level: 1e-6 }, Vec::new());
+        found.rms = [before.to_vec(), after.to_vec()];
+        found
+    }
+
+    #[test]
+    fn a_name_that_leaves_much_is_taken_back() {
+        // Of an excess of 15 in units of the noise, 1.6 are left, or 1.4; without structure a name stands all the same.
+        let structure = |certain| {
+            let (family_wise_p, instead_of) = (Some(1e-6), Vec::new());
+            Unexplained { joint: 0, share: 0.3, structure: "follows the speed", family_wise_p, certain, instead_of }
+        };
+        let left = |excess: f64, left: f64, unexplained: &[Unexplained]| {
+            let [before, after] = [excess, left].map(|excess| (1.0 + excess).sqrt());
+            let mut found = [spring([before, 1.0], [after, 1.0])];
+            withdraw(
+                &mut found,
+                unexplained,
+                [&[before, 1.0], &[after, 1.0]],
+                &[1.0, 1.0],
+                &VerdictCriteria::default(),
+            );
+            found[0].verdict
+        };
+        assert_eq!(left(15.0, 1.6, &[structure(true)]), Verdict::Unexplained);
+        assert_eq!(left(15.0, 1.4, &[structure(true)]), Verdict::Named);
+        assert_eq!(left(15.0, 1.6, &[structure(false)]), Verdict::Named);
+        assert_eq!(left(15.0, 1.6, &[]), Verdict::Named);
+        // Of 3, 0.95 or 0.85: less than the noise.
+        assert_eq!(left(3.0, 0.95, &[structure(true)]), Verdict::Unexplained);
+        assert_eq!(left(3.0, 0.85, &[structure(true)]), Verdict::Named);
+    }
+
+    #[test]
+    fn the_nearest_law_is_the_largest_that_smooth_functions_replace() {
+        let minor = |gate, size: f64| Minor {
+            found: spring([1.0, 1.0], [1.0, 1.0]),
+            failed: Judgement::at_most(gate, 1.0, 0.0),
+            size: vec![size, size],
+        };
+        let all = [minor(Gate::BeyondStructure, 0.2), minor(Gate::Strength, 0.9), minor(Gate::BeyondStructure, 0.4)];
+        assert_eq!(nearest(&all, 0).unwrap().size[0], 0.4);
+        assert!(nearest(&all, 1).is_none(), "a spring acts on its joint alone");
+        assert!(nearest(&all[1..2], 0).is_none());
+    }
+
+    #[test]
+    fn a_name_that_predicts_its_joint_worse_is_taken_back() {
+        // Squares of 1.44 and 1.21 times as much are worse, of 1.0816 are not; nor is what happens on another joint.
+        let after = [[1.2, 1.0], [1.1, 1.0], [1.04, 1.0], [0.5, 3.0]];
+        let mut found: Vec<Found> = after.into_iter().map(|after| spring([1.0, 1.0], after)).collect();
+        withdraw(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5], &VerdictCriteria::default());
+        let stay: Vec<bool> = found.iter().map(|one| one.verdict == Verdict::Named).collect();
+        assert_eq!(stay, [false, false, true, true]);
+    }
+}

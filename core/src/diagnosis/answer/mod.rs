@@ -1,0 +1,29 @@
+//! The whole way from logs to the answer.
+//!
+//! In: the arm, logs and options. Out: an [`Answer`]: faults of the data, verdict, findings with what derives from them, gap
+//! closed on held-out rows, what could not have been found, and the extended model, ready to run in the simulator.
+
+mod accounted;
+mod builder;
+mod conclusion;
+mod diagnosis;
+mod document;
+mod equations;
+mod extended;
+mod findings;
+mod inertias;
+pub(crate) mod notices;
+mod outcome;
+mod quantities;
+mod resimulation;
+mod searched;
+
+pub use builder::DiagnosisBuilder;
+pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope, predicts_worse};
+pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF};
+pub use extended::{ExtendedModel, torque};
+pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};
+pub use inertias::Gain;
+pub use outcome::{Answer, Conclusion, Measured, Outcome};
+pub use quantities::{Derived, ResidualStructure, Share};
+pub use resimulation::{Engine, Followed, Resimulation, Simulator};

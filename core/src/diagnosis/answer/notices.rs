@@ -1,0 +1,128 @@
+//! Notes on the logs that belong to the answer: mixed rates, delays of the sampling, smooth friction, extrapolation; and what
+//! to do about faults that stop a diagnosis.
+
+use super::diagnosis::Diagnosis;
+use crate::diagnosis::logs::{Consequence, DataFault};
+use crate::output::significant;
+use crate::quality::Kind;
+use crate::robot::{Joint, Robot};
+
+/// What to do about the faults that stop a diagnosis.
+pub fn remedy(faults: &[DataFault]) -> String {
+    let places = |still: bool| -> Vec<&str> {
+        let stops = faults.iter().filter(|fault| fault.consequence == Consequence::Stops);
+        let mut places: Vec<&str> = stops
+            .filter(|fault| (fault.kind == Kind::HardlyMoves) == still)
+            .map(|fault| fault.place.as_str())
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    };
+    match (places(false), places(true)) {
+        (wrong, _) if !wrong.is_empty() => format!("mend {} and diagnose again", wrong.join(", ")),
+        (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),
+    }
+}
+
+/// What is said of the logs above the answer.
+pub fn shown(robot: &Robot, diagnosis: &Diagnosis) -> Vec<String> {
+    let all = [
+        unfinished(diagnosis),
+        equal_states(diagnosis),
+        mixed_rates(diagnosis),
+        sampling(robot, diagnosis),
+        extrapolation(robot, diagnosis),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// What is said of logs that follow the motions of the reference logs.
+pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.scope.equal_states.map(|share| {
+        format!(
+            "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
+             from these. What the model lacks before and after cancels; the noise is that of two rows",
+            100.0 * share
+        )
+    })
+}
+
+/// What is said of a search that was ended before it was done.
+pub(crate) fn unfinished(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.unfinished.then(|| {
+        "the search was ended before it was done: effects may be missing, and other names for those found; give it more time with --budget, or \
+         none"
+            .to_owned()
+    })
+}
+
+/// What is said of logs of several rates.
+pub(crate) fn mixed_rates(diagnosis: &Diagnosis) -> Option<String> {
+    let each: Vec<String> = diagnosis.logs.rates_hz.iter().map(|hz| format!("{hz:.0}")).collect();
+    (each.len() > 1).then(|| {
+        format!(
+            "the logs were sampled at {} Hz: where few samples make a mean over 20 ms there is more noise than is reported here, which is that of \
+             the training logs together; log all at one rate",
+            each.join(" and ")
+        )
+    })
+}
+
+/// What is said of delays and lags that are of the sampling.
+pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let each = diagnosis.of_sampling.iter().map(|short| {
+        let [time, std] = short.seconds.map(|seconds| significant(1e3 * seconds));
+        match short.joint {
+            None => format!("torque and positions lie {time} +- {std} ms apart"),
+            Some(joint) => format!("the torque of {} lags by {time} +- {std} ms", robot.joints[joint].name),
+        }
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| {
+        let each = each.join(", ");
+        format!("{each}: less than half a sample and less than the noise, which sampling does; the model has it, and it is no finding")
+    })
+}
+
+/// What is said of friction that does not change its direction at once.
+pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let each = robot.joints.iter().zip(&diagnosis.logs.sign_widths).filter(|(_, width)| **width > 0.0);
+    let each: Vec<String> = each
+        .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
+        .collect();
+    (!each.is_empty()).then(|| {
+        format!(
+            "dry friction changes its direction over some speed, as tanh(v / width), not at once: the baseline has it, and it is no \
+             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths: {}",
+            each.join(", ")
+        )
+    })
+}
+
+/// What is said where the training logs leave the model more open on the held-out logs than the noise.
+pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
+    let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
+    let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
+        true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
+        false => format!("{} by any amount", joint.name),
+    });
+    let open: Vec<String> = open.collect();
+    (!open.is_empty()).then(|| {
+        format!(
+            "the training logs do not determine all that the held-out motions take; there the model is unsure of {}: what is said of these \
+             joints is as unsure. Identify from motions as rich as those; inertias that are believed (--trust nominal) ask less of them",
+            open.join(", ")
+        )
+    })
+}
+
+/// An effort of a joint with its unit.
+pub fn effort(joint: &Joint, value: f64) -> String {
+    with_unit(significant(value), joint.effort_unit())
+}
+
+/// A value with its unit; ratios have none.
+pub fn with_unit(value: String, unit: &str) -> String {
+    if unit == "1" { value } else { format!("{value} {unit}") }
+}

@@ -1,0 +1,127 @@
+//! The answer that a diagnosis hands out: it owns all it holds.
+
+use super::diagnosis::Diagnosis;
+use super::extended::ExtendedModel;
+use super::findings::{Finding, findings};
+use super::resimulation::{Replay, Resimulation, Simulator};
+use crate::diagnosis::logs::{CleanLogs, Consequence, DataFault};
+use crate::diagnosis::search::Verdict;
+use crate::error::{Error, Result};
+use crate::quality::{UnitChanges, descriptions};
+use crate::robot::Robot;
+
+/// The answer of a diagnosis. It serialises as `diagnosis.json` has it, without the schema.
+#[derive(Debug)]
+pub struct Answer {
+    /// The arm as described, its gravity corrected where the logs show another.
+    pub robot: Robot,
+    /// Family-wise false-alarm rate that was asked for.
+    pub alpha: f64,
+    /// The logs as they were used, or would have been.
+    pub logs: CleanLogs,
+    /// Faults of the data, those that stop first.
+    pub faults: Vec<DataFault>,
+    /// What is wrong with the description of all logs alike. It was corrected where it is beyond doubt.
+    pub description: Option<descriptions::Verdict>,
+    /// Units of training and held-out logs that were not those of their description, and were converted.
+    pub units: UnitChanges,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// What came of a diagnosis.
+#[derive(Debug)]
+pub enum Outcome {
+    /// Faults of the data forbid an answer; [`Answer::faults`] has them.
+    Stopped,
+    /// The arm was diagnosed.
+    Concluded(Box<Conclusion>),
+}
+
+/// A diagnosis with the model that comes out of it.
+#[derive(Debug)]
+pub struct Conclusion {
+    /// What was found.
+    pub diagnosis: Diagnosis,
+    /// Rate, accelerations and noise of the training logs.
+    pub measured: Measured,
+    /// Share of the torque of [`DiagnosisBuilder::truth`](super::DiagnosisBuilder::truth) on the held-out logs, beyond what
+    /// the baseline takes up, that the extended model adds too; None where no truth was given.
+    pub accounted_for: Option<f64>,
+    /// The extended model run along the held-out motions, once [`Conclusion::resimulate`] has.
+    pub resimulation: Option<Resimulation>,
+    pub(super) replay: Replay,
+}
+
+/// What was measured of the arm in addition to its model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Rate of the logs, Hz.
+    pub rate_hz: f64,
+    /// Largest acceleration of each joint, rad/s2.
+    pub acceleration: Vec<f64>,
+    /// Noise of the positions of each joint, rad.
+    pub position_noise: Vec<f64>,
+    /// Noise of the torques of each joint, N m.
+    pub torque_noise: Vec<f64>,
+}
+
+impl Answer {
+    /// The answer in a word.
+    pub fn verdict(&self) -> Verdict {
+        self.diagnosis().map_or(Verdict::NotTestable, |diagnosis| diagnosis.verdict)
+    }
+
+    /// What was found; None where faults of the data stopped the diagnosis.
+    pub fn diagnosis(&self) -> Option<&Diagnosis> {
+        self.conclusion().map(|conclusion| &conclusion.diagnosis)
+    }
+
+    /// What was found, with the extended model; None where faults of the data stopped the diagnosis.
+    pub fn conclusion(&self) -> Option<&Conclusion> {
+        match &self.outcome {
+            Outcome::Stopped => None,
+            Outcome::Concluded(conclusion) => Some(conclusion),
+        }
+    }
+
+    /// The same by value.
+    ///
+    /// # Errors
+    /// If faults of the data stopped the diagnosis: the first of them.
+    pub fn into_conclusion(self) -> Result<Conclusion> {
+        match self.outcome {
+            Outcome::Concluded(conclusion) => Ok(*conclusion),
+            Outcome::Stopped => {
+                let fault = self.faults.into_iter().find(|fault| fault.consequence == Consequence::Stops);
+                let (log, place, text) = fault.map(|fault| (fault.log, fault.place, fault.text)).unwrap_or_default();
+                Err(Error::request(log, format!("{place}: {text}")))
+            }
+        }
+    }
+
+    /// The effects found, with names and units; none where the diagnosis stopped.
+    pub fn findings(&self) -> Vec<Finding> {
+        self.diagnosis().map(|diagnosis| findings(&self.robot, diagnosis)).unwrap_or_default()
+    }
+}
+
+impl Conclusion {
+    /// The arm with everything found, as the simulator takes it.
+    ///
+    /// # Errors
+    /// If no bodies can be found that fit the logs.
+    pub fn extended(&self) -> Result<&ExtendedModel> {
+        self.replay.extended.as_ref().map_err(Error::clone)
+    }
+
+    /// Runs the arm as described, the fitted baseline and the extended model along the held-out motions in a `simulator`, and
+    /// keeps the result.
+    ///
+    /// # Errors
+    /// If the baseline or the extended model cannot be simulated.
+    pub fn resimulate(&mut self, simulator: impl Simulator) -> Result<&Resimulation> {
+        let resimulation = self.replay.run(&self.diagnosis, &simulator)?;
+        Ok(self.resimulation.insert(resimulation))
+    }
+}

@@ -1,0 +1,187 @@
+//! The extended model back in a simulator: the arm is driven along the measured held-out motion, and its motor torque compared with
+//! the measured one.
+//!
+//! The arm follows the filtered measured positions under computed torque of its own model with feedback, so that its torque
+//! is that of the simulator's forward dynamics and not of the regression that found the model.
+
+use super::diagnosis::Diagnosis;
+use super::extended::ExtendedModel;
+use super::quantities::{Residuals, Share};
+use crate::channels::Channels;
+use crate::diagnosis::lack_of_fit::Unexplained;
+use crate::diagnosis::logs::{Log, Rows};
+use crate::diagnosis::regression::{Column, rms};
+use crate::dynamics::Motion;
+use crate::effects::Placed;
+use crate::error::{Error, Result};
+use crate::robot::Robot;
+use rayon::prelude::*;
+
+/// Time after the start until the loop has settled, s.
+const SETTLING_S: f64 = 0.5;
+
+/// Factor on the residual of the fitted model up to which that of its simulation is one of the same model.
+const STRAYS: f64 = 5.0;
+
+/// Runs an arm along a motion that was measured. `EngineKind` of the crate `tauscope` is one.
+pub trait Simulator: Sync {
+    /// What moves `robot`.
+    fn engine(&self, robot: &Robot) -> Engine;
+
+    /// Lets `robot`, with `effects` in addition to the friction of its drives, follow `motion` (where the joints really were; the
+    /// first sample at `start`, `period` seconds apart) under computed torque of its own model with feedback.
+    ///
+    /// # Errors
+    /// If the simulator does not take the arm, or the simulation runs away.
+    fn follow(&self, robot: &Robot, effects: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed>;
+}
+
+/// The forward dynamics of a simulator, by its names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Engine {
+    /// In files.
+    pub key: &'static str,
+    /// In texts.
+    pub name: &'static str,
+}
+
+/// What a simulated arm did, `[joint][time]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Motor torque as the sensors would log it, N m.
+    pub torque: Channels,
+    /// Motor positions, rad.
+    pub q: Channels,
+}
+
+/// Residuals of the models on the held-out logs when the simulator runs them along the motions.
+#[derive(Debug, Clone)]
+pub struct Resimulation {
+    /// The forward dynamics.
+    pub engine: Engine,
+    /// Root mean square of the arm as described, per joint, N m; None where it cannot be simulated.
+    pub described_rms: Option<Vec<f64>>,
+    /// That of the fitted baseline.
+    pub baseline_rms: Vec<f64>,
+    /// That of the extended model.
+    pub extended_rms: Vec<f64>,
+    /// Share of the baseline's weighted sum of squares that the extended model gains.
+    pub gain: Share,
+    /// Share of the gap between baseline and noise floor that it closes.
+    pub gap_closed: Share,
+    /// Positions of the extended model's arm along every held-out log, rad.
+    pub positions: Vec<Channels>,
+}
+
+/// What is needed to run the models along the held-out motions.
+#[derive(Debug)]
+pub(super) struct Replay {
+    /// The arm as described.
+    pub described: ExtendedModel,
+    /// The fitted baseline, if it has bodies that can exist.
+    pub baseline: Result<ExtendedModel>,
+    /// The extended model, if it has.
+    pub extended: Result<ExtendedModel>,
+    /// The held-out rows.
+    pub rows: Rows,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+impl Replay {
+    /// Runs the models in a simulator.
+    ///
+    /// # Errors
+    /// If the baseline or the extended model cannot be simulated.
+    pub(super) fn run(&self, diagnosis: &Diagnosis, simulator: &impl Simulator) -> Result<Resimulation> {
+        let [baseline, extended] = [&self.baseline, &self.extended].map(|model| model.as_ref().map_err(Error::clone));
+        let fitted = resimulate(simulator, &[baseline?, extended?], &self.rows)?;
+        let (baseline, extended) = (&fitted[0], &fitted[1]);
+        let noise = &diagnosis.errors.noise_floor;
+        let (before, after) = (&baseline.residual, &extended.residual);
+        let residuals = Residuals { before, after, valid: &baseline.valid, noise };
+        let extended_rms = rms(&extended.valid, &extended.residual);
+        let fitted = &diagnosis.errors.extended_test_rms;
+        let strays = |joint: usize| extended_rms[joint] > STRAYS * fitted[joint].max(noise[joint]);
+        if let Some(joint) = (0..extended_rms.len()).find(|&joint| strays(joint)) {
+            let problem = "the simulated arm does not follow the fitted model: the logs determine its drives or bodies too poorly \
+                           for a simulation (friction or inertia that would have to be negative)";
+            return Err(Error::request(format!("joint `{}`", self.described.robot.joints[joint].name), problem));
+        }
+        let described = resimulate(simulator, &[&self.described], &self.rows).ok();
+        Ok(Resimulation {
+            engine: simulator.engine(&self.described.robot),
+            described_rms: described.map(|runs| rms(&runs[0].valid, &runs[0].residual)),
+            baseline_rms: rms(&baseline.valid, &baseline.residual),
+            extended_rms,
+            gain: residuals.gain(self.seed),
+            gap_closed: residuals.gap_closed(&joints_of(&diagnosis.unexplained), self.seed),
+            positions: extended.positions.clone(),
+        })
+    }
+}
+
+/// Joints with unexplained structure.
+pub(super) fn joints_of(unexplained: &[Unexplained]) -> Vec<usize> {
+    unexplained.iter().map(|left| left.joint).collect()
+}
+
+/// Residual of a simulated model over the rows; rows in which the loop still settles are not in `valid`.
+#[derive(Debug, Clone)]
+struct Resimulated {
+    /// Measured less simulated torque.
+    residual: Column,
+    /// Rows that count, `[joint][row]`.
+    pub valid: Vec<Vec<bool>>,
+    /// Positions of the simulated arm along every log, `[joint][time]`, rad.
+    pub positions: Vec<Channels>,
+}
+
+/// Runs `models` along the motions of all logs of `rows`.
+///
+/// # Errors
+/// If the simulator does not take a model, or a simulation runs away; `models` are named by their place.
+fn resimulate(simulator: &impl Simulator, models: &[&ExtendedModel], rows: &Rows) -> Result<Vec<Resimulated>> {
+    let jobs: Vec<(usize, &Log)> =
+        (0..models.len()).flat_map(|model| rows.logs.iter().map(move |log| (model, log))).collect();
+    let runs: Vec<(Channels, Channels)> =
+        jobs.into_par_iter().map(|(k, log)| along(simulator, models[k], log)).collect::<Result<_>>()?;
+    let mut valid = rows.valid.clone();
+    for (log, &start) in rows.logs.iter().zip(&rows.starts) {
+        let settling = log.blocks(&log.time).iter().filter(|&&t| t < log.time[0] + SETTLING_S).count();
+        valid.iter_mut().for_each(|valid| valid[start..start + settling].fill(false));
+    }
+    let logs = runs.chunks_exact(rows.logs.len());
+    Ok(logs
+        .map(|logs| {
+            let mut residual = Column::new(rows.torque.iter().cloned());
+            let simulated = Column::new((0..rows.dof()).map(|joint| {
+                let each = rows.logs.iter().zip(logs);
+                each.flat_map(|(log, (torque, _))| log.as_logged(torque.channel(joint))).collect()
+            }));
+            residual.add(-1.0, &simulated);
+            let positions = logs.iter().map(|(_, q)| q.clone()).collect();
+            Resimulated { residual, valid: valid.clone(), positions }
+        })
+        .collect())
+}
+
+/// Motor torque as the sensors would log it, when the arm follows the motion of a log, and its positions, `[joint][time]`.
+fn along(simulator: &impl Simulator, model: &ExtendedModel, log: &Log) -> Result<(Channels, Channels)> {
+    let motion = true_motion(&model.effects, log)?;
+    let Followed { torque, q } = simulator.follow(&model.robot, &model.effects, &motion, log.time[0], log.period)?;
+    Ok((torque, q))
+}
+
+/// Where the joints really were when the encoders read the motion of a log.
+fn true_motion(effects: &[Placed], log: &Log) -> Result<Motion> {
+    let mut q = log.motion.q.clone();
+    for placed in effects {
+        for joint in placed.sensed(q.channels()) {
+            let before = q.channel(joint).to_vec();
+            placed.effect.distort_position(&placed.parameters, q.channel_mut(joint));
+            q.channel_mut(joint).iter_mut().zip(before).for_each(|(x, q)| *x = 2.0 * q - *x);
+        }
+    }
+    if q == log.motion.q { Ok(log.motion.clone()) } else { Log::motion_of(q, log.period) }
+}

@@ -1,0 +1,102 @@
+//! What a model leaves of each log when it is fitted to the others.
+
+use crate::diagnosis::model::{Member, Session};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, solve};
+use crate::error::Result;
+
+/// What the model with `members` leaves of every log that is identified from, fitted to all the others.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(crate) fn cross_validated_residual(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Column> {
+    let data = &session.logs.train;
+    let columns = session.model.columns(data, members)?;
+    let mut rows = data.rows.clone();
+    let mut left = data.torque.clone();
+    for log in data.rows.starts.windows(2) {
+        let own = log[0]..log[1];
+        rows.valid.clone_from(&data.rows.valid);
+        rows.valid.iter_mut().for_each(|valid| valid[own.clone()].fill(false));
+        let of_others = whitener.on(&rows);
+        let values = solve(&of_others.apply_all(&columns), &of_others.apply(&data.torque)).values;
+        for (joint, left) in &mut left.parts {
+            for (column, value) in columns.iter().zip(&values) {
+                let Some(signal) = column.part(*joint) else { continue };
+                left[own.clone()].iter_mut().zip(&signal[own.clone()]).for_each(|(left, x)| *left -= value * x);
+            }
+        }
+    }
+    Ok(left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channels::Channels;
+    use crate::diagnosis::model::Arm;
+    use crate::dynamics::Motion;
+    use crate::identification::effect_model::Trust;
+    use crate::identification::model::Model;
+    use crate::random;
+    use crate::recording::Recording;
+    use crate::robot::{InertiaCheck, load};
+    use rand_distr::{Distribution, StandardNormal};
+
+    const RATE: f64 = 250.0;
+
+    /// Six seconds of waves of the arm, with noise on the torque.
+    fn log(arm: &Arm, seed: u64) -> Recording {
+        let mut source = random::stream(seed, "log", 0);
+        let time: Vec<f64> = (0..1500).map(|k| f64::from(k) / RATE).collect();
+        let hz = |joint: usize| 0.3 + 0.07 * joint as f64 + 0.05 * seed as f64;
+        let wave = |f: fn(f64) -> f64, order: i32, sign: f64| {
+            let of = |joint: usize| {
+                let omega = std::f64::consts::TAU * hz(joint);
+                time.iter().map(|t| 0.5 * sign * omega.powi(order) * f(omega * t + joint as f64)).collect()
+            };
+            Channels::from_vectors(&(0..6).map(of).collect::<Vec<Vec<f64>>>())
+        };
+        let motion = Motion { q: wave(f64::sin, 0, 1.0), qd: wave(f64::cos, 1, 1.0), qdd: wave(f64::sin, 2, -1.0) };
+        let mut tau = arm.torque(&motion, &motion);
+        tau.as_mut_slice().iter_mut().for_each(|tau| {
+            let noise: f64 = StandardNormal.sample(&mut source);
+            *tau += noise;
+        });
+        Recording {
+            joints: (1..=6).map(|j| format!("joint_{j}")).collect(),
+            time,
+            q: motion.q,
+            tau,
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_log_has_no_part_in_what_is_said_of_it() {
+        let robot =
+            load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap();
+        let (model, arm) = (Model::new(&robot), Arm::new(&robot, Trust::Nominal));
+        let logs = [1, 2, 3].map(|seed| log(&arm, seed));
+        let apart = Session::new(&model, Trust::Nominal, &[&logs[0], &logs[1]], &[&logs[2]]).unwrap();
+        let mut session = apart.over_all_logs();
+        let rows = &session.logs.train.rows;
+        assert_eq!((rows.len(), rows.logs.len()), (apart.logs.train.rows.len() + apart.logs.test.rows.len(), 3));
+        let last = rows.starts[2]..rows.starts[3];
+        assert_eq!(rows.torque[4][last.clone()], apart.logs.test.rows.torque[4]);
+        assert_eq!(rows.valid[4][last.clone()], apart.logs.test.rows.valid[4]);
+
+        let whitener = session.noise_under(&session.logs.train.baseline);
+        let before = cross_validated_residual(&session, &[], &whitener).unwrap();
+        // More friction on joint 2 in the last log alone.
+        let push: Vec<f64> = rows.means(|log| log.motion.qd.channel(1).to_vec());
+        let push = push.iter().enumerate().map(|(row, qd)| if last.contains(&row) { 40.0 * qd } else { 0.0 });
+        let push = Column::on(1, push.collect());
+        session.logs.train.torque.add(1.0, &push);
+        let mut change = cross_validated_residual(&session, &[], &whitener).unwrap();
+        change.add(-1.0, &before);
+        let (change, push) = (change.part(1).unwrap(), push.part(1).unwrap());
+        assert!(last.clone().all(|row| (change[row] - push[row]).abs() < 1e-9), "all of it is left where it is");
+        assert!((0..last.start).any(|row| change[row].abs() > 1.0), "and the other two are predicted from it");
+    }
+}

@@ -1,0 +1,97 @@
+//! Diagnosis: what the model of an arm misses, named from measured logs with a controlled rate of false alarms.
+//!
+//! | room | in | out |
+//! |---|---|---|
+//! | `answer` | arm, logs, options | the diagnosis and the extended model |
+//! | `relevance` | effects found | those that matter, smaller ones |
+//! | `lack_of_fit` | residual | structure that no effect explains |
+//! | `search` | fits, candidates | effects found, by forward selection |
+//! | `preparation` | logs, arm | filters and widths |
+//! | `evidence` | a candidate | p-values and held-out gains |
+//! | `backlash` | positions, torque | gears with play |
+//! | `model` | rows, arm, effects | regressor, fits |
+//! | `noise` | residual | whiteners |
+//! | `logs` | recordings | rows |
+//! | `regression` | columns | solutions, score tests |
+//!
+//! Each room imports only from rooms below it.
+
+pub(crate) mod answer;
+mod backlash;
+mod criteria;
+mod evidence;
+mod lack_of_fit;
+mod logs;
+mod model;
+mod noise;
+mod preparation;
+mod regression;
+mod relevance;
+mod search;
+mod variance;
+mod watch;
+
+pub use answer::{
+    Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_MJCF, EXTENDED_SCENARIO,
+    EXTENDED_URDF, Engine, Errors, ExtendedModel, Finding, Followed, Gain, LogSummary, Measured, NamedAlternative,
+    NamedParameter, Outcome, ResidualStructure, Resimulation, Scope, Share, Simulator, torque,
+};
+pub use backlash::Play;
+pub use criteria::{Criteria, Gate, Judgement, SearchCriteria};
+pub use evidence::Ranked;
+pub use lack_of_fit::LOGS_DISAGREE;
+pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};
+pub use model::{DataSet, Family, Session, is_candidate, is_level, places};
+pub use noise::Whitener;
+pub use regression::{Column, Projection, rms};
+pub use relevance::Minor;
+pub use search::{Found, Verdict};
+pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
+pub use watch::Progress;
+
+use crate::effects;
+use crate::error::{Error, Result};
+use crate::identification::effect_model::Trust;
+
+/// What to look for, and with which false-alarm rate.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Whether the inertias of the description are believed, or estimated.
+    pub trust: Trust,
+    /// Family-wise false-alarm rate: probability of reporting any effect when the model is correct.
+    pub alpha: f64,
+    /// Most effects that are reported.
+    pub max_findings: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Names of the effects to look for; all where empty.
+    pub candidates: Vec<String>,
+    /// What decides whether an effect found is reported.
+    pub criteria: Criteria,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            trust: Trust::Structure,
+            alpha: 0.05,
+            max_findings: 12,
+            seed: 0,
+            candidates: Vec::new(),
+            criteria: Criteria::default(),
+        }
+    }
+}
+
+impl Options {
+    /// Refuses values out of range.
+    ///
+    /// # Errors
+    /// If alpha is no probability between 0 and 1, or a candidate is no effect of the library.
+    pub fn check(&self) -> Result<()> {
+        if !(self.alpha > 0.0 && self.alpha < 1.0) {
+            return Err(Error::request("alpha", format!("is {}; give a probability between 0 and 1", self.alpha)));
+        }
+        self.candidates.iter().try_for_each(|name| effects::find(name).map(|_| ()))
+    }
+}

@@ -1,0 +1,102 @@
+//! What is known of the bodies of an arm before they are measured: the order of their masses and sizes.
+//!
+//! A link that differs from its description is still about that link: its mass of the same order, its centre of mass within
+//! its length. Without that a wrong link explains what a balancer or a spring does, by a mass behind the joint.
+
+use crate::robot::{Inertia, Robot};
+
+/// Shortest length that counts for a link, m.
+const SHORTEST_M: f64 = 0.1;
+
+/// How far from its joint the centre of mass of a link may lie, over the link's length.
+const REACH: f64 = 1.25;
+
+/// How many times its mass a link may weigh more than described.
+const HEAVIER: f64 = 3.0;
+
+/// Least mass of a link over that of the arm, and of an arm, kg.
+const LIGHTEST_SHARE: f64 = 0.01;
+const LIGHTEST_ARM_KG: f64 = 1.0;
+
+/// Prior standard deviations of the ten parameters of a body of some mass, kg, and length, m.
+pub(super) fn spread(mass: f64, length: f64) -> Vec<f64> {
+    let of = |k: usize| match k {
+        0 => mass,
+        1..=3 => mass * length,
+        _ => mass * length * length,
+    };
+    (0..10).map(of).collect()
+}
+
+/// Whether a link can be `after` a change.
+pub(super) fn can_be(after: &Inertia, robot: &Robot, joint: usize) -> bool {
+    let before = &robot.joints[joint].inertia;
+    after.mass() > 0.0
+        && after.mass() <= before.mass() + HEAVIER * mass(robot, joint)
+        && after.first_moment().norm() <= REACH * length(robot, joint) * after.mass()
+}
+
+/// Mass that a link may be taken for, kg; one that is described as next to nothing is a part of the arm all the same.
+pub(super) fn mass(robot: &Robot, joint: usize) -> f64 {
+    robot.joints[joint].inertia.mass().max(LIGHTEST_SHARE * arm_mass(robot))
+}
+
+/// Mass of all links, kg.
+pub(super) fn arm_mass(robot: &Robot) -> f64 {
+    robot.joints.iter().map(|joint| joint.inertia.mass()).sum::<f64>().max(LIGHTEST_ARM_KG)
+}
+
+/// Length of a link: how far the next joint or its own centre of mass lies from its joint, m.
+pub(super) fn length(robot: &Robot, joint: usize) -> f64 {
+    let next = robot.joints.get(joint + 1).map_or(0.0, |next| next.origin.translation.norm());
+    let inertia = &robot.joints[joint].inertia;
+    let center = if inertia.mass() > 0.0 { inertia.first_moment().norm() / inertia.mass() } else { 0.0 };
+    next.max(center).max(SHORTEST_M)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::{Placed, find};
+    use crate::robot::{InertiaCheck, Robot, load};
+
+    fn arm() -> Robot {
+        load(concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf"), InertiaCheck::Required).unwrap()
+    }
+
+    #[test]
+    fn a_balancer_is_no_link() {
+        let robot = arm();
+        let mut error = Placed::typical(find("link_inertia_error").unwrap(), 1).absent();
+        let is_believable = |error: &Placed| error.effect.is_believable(&error.parameters, error.joint, &robot);
+        assert!(is_believable(&error));
+        error.parameters[1] = 0.1;
+        assert!(is_believable(&error));
+        // A centre of mass two metres behind the joint.
+        error.parameters[1] = -2.0 * robot.joints[1].inertia.mass() - robot.joints[1].inertia.first_moment().x;
+        assert!(!is_believable(&error));
+        error.parameters = vec![-1e3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert!(!is_believable(&error));
+    }
+
+    #[test]
+    fn an_encoder_errs_by_degrees_at_most() {
+        let eccentricity = find("encoder_eccentricity").unwrap();
+        let is_believable = |sine: f64, cosine: f64| eccentricity.is_believable(&[sine, cosine], 1, &arm());
+        assert!(is_believable(0.03, -0.0399) && !is_believable(0.03, -0.0401));
+    }
+
+    #[test]
+    fn hoses_do_not_carry_the_arm() {
+        assert!(find("joint_spring").unwrap().largest_share().unwrap() < 1.0);
+        assert_eq!(find("gravity_balancer").unwrap().largest_share(), None);
+    }
+
+    #[test]
+    fn priors_scale_with_the_link() {
+        let robot = arm();
+        let spread = find("link_inertia_error").unwrap().prior(2, &robot).unwrap();
+        assert_eq!(spread[0], robot.joints[2].inertia.mass());
+        assert!((spread[4] * spread[0] / spread[1].powi(2) - 1.0).abs() < 1e-12);
+        assert_eq!(find("torque_gain").unwrap().prior(2, &robot), None);
+    }
+}

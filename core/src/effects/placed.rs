@@ -1,0 +1,67 @@
+//! An effect on a joint, with its parameters.
+
+use super::about::{Role, Scope, Site};
+use super::law::Effect;
+use crate::robot::Robot;
+
+/// An effect at work on a joint, with its parameters.
+#[derive(Clone)]
+pub struct Placed {
+    /// The law.
+    pub effect: &'static dyn Effect,
+    /// The joint (the first of a pair; zero for the whole arm).
+    pub joint: usize,
+    /// Its parameters, in the order of [`Effect::parameters`].
+    pub parameters: Vec<f64>,
+}
+
+impl Placed {
+    /// `effect` on `joint` with its typical parameters.
+    pub fn typical(effect: &'static dyn Effect, joint: usize) -> Self {
+        Placed { effect, joint, parameters: effect.parameters().iter().map(|p| p.typical).collect() }
+    }
+
+    /// The same effect with every amplitude and departure at zero: absent.
+    pub fn absent(&self) -> Self {
+        let parameters = self.effect.parameters().iter().zip(&self.parameters);
+        let parameters = parameters
+            .map(|(parameter, &value)| match parameter.role {
+                Role::Amplitude | Role::Departure => 0.0,
+                Role::Shape | Role::Held => value,
+            })
+            .collect();
+        Placed { parameters, ..self.clone() }
+    }
+
+    /// Unit of its parameter `index` on the joint of `robot` that it is placed on. What belongs to a body or to the whole arm
+    /// has the same unit on every joint.
+    pub fn unit(&self, index: usize, robot: &Robot) -> &'static str {
+        let unit = self.effect.parameters()[index].unit;
+        let about = self.effect.about();
+        match about.site == Site::Body || about.scope == Scope::Arm {
+            true => unit,
+            false => robot.joints[self.joint].kind.unit(unit),
+        }
+    }
+
+    /// The joints it is placed on; none for the whole arm.
+    pub fn joints(&self) -> Vec<usize> {
+        match self.effect.about().scope {
+            Scope::Joint => vec![self.joint],
+            Scope::Pair => vec![self.joint, self.joint + 1],
+            Scope::Arm => Vec::new(),
+        }
+    }
+
+    /// The joints, of `dof`, whose sensors it may distort.
+    #[doc(hidden)]
+    pub fn sensed(&self, dof: usize) -> Vec<usize> {
+        if self.effect.about().scope == Scope::Arm { (0..dof).collect() } else { self.joints() }
+    }
+}
+
+impl std::fmt::Debug for Placed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} on {}: {:?}", self.effect.about().name, self.joint, self.parameters)
+    }
+}

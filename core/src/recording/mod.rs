@@ -1,0 +1,24 @@
+//! Recordings: the sensor signals of an arm over time, from a file or from a simulation.
+//!
+//! In: logs, as files of many formats or in memory ([`memory`]). Out: a [`Recording`], positions and torques of all joints over time in
+//! SI units, velocities and accelerations where they were measured. [`load`] and [`save`] take complete logs; [`lenient`] takes them as
+//! controllers write them, and reports what it left out and corrected. [`resample`] brings a recording to even steps.
+
+mod cleaning;
+mod columns;
+mod files;
+mod formats;
+pub mod lenient;
+pub mod memory;
+#[cfg(test)]
+mod samples;
+mod sampling;
+mod signals;
+
+pub(crate) use columns::names::{INCH, KILOGRAM_FORCE, POUND_FORCE};
+pub use files::{load, save, writable};
+pub use formats::csv;
+#[cfg(feature = "parquet")]
+pub use formats::parquet;
+pub use sampling::resample;
+pub use signals::{Recording, Signals};

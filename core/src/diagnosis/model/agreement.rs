@@ -59,7 +59,10 @@ fn identify_and_diagnose_have_the_same_torque_of_every_effect() {
     for effect in LIBRARY {
         let about = effect.about();
         let joint = if about.scope == Scope::Arm { 0 } else { 1 };
-        let placed = Placed::typical(*effect, joint);
+        let mut placed = Placed::typical(*effect, joint);
+        if about.nature == Nature::Level {
+            placed.parameters[0] = 0.5 * without[joint].iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
+        }
         let added = &arm.added(std::slice::from_ref(&placed), &rows).unwrap()[0];
         let with = predicted(&robot, &log, vec![placed]);
         // The twist of a gear with play passes the low-pass of the positions, which `identify` does without here.

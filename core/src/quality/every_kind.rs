@@ -285,5 +285,5 @@ fn every_kind_of_fault_is_found_where_it_is() {
             "{kind:?}: {found:?}"
         );
     }
-    assert_eq!(ALL.len(), Kind::PositionZero as usize + 1);
+    assert_eq!(ALL.len(), Kind::TorqueSpike as usize + 1);
 }

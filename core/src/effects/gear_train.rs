@@ -112,11 +112,7 @@ fn put_behind(motion: &mut Motion, joint: usize, twist: Vec<f64>, period: f64) -
 /// gear without a compliance of its own is followed with a stiff one, whose share of the twist is taken off.
 fn play(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Vec<f64>> {
     let sharp = train.measured()?;
-    let carried = |motion: &Motion| train.carried(&[joint], motion).swap_remove(0);
-    let load = carried(&sharp);
-    let mut pushed = sharp.into_owned();
-    pushed.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
-    let inertia: Vec<f64> = carried(&pushed).iter().zip(&load).map(|(with, without)| with - without).collect();
+    let [load, inertia] = load_and_inertia(train, joint, sharp.into_owned());
     let rotor = match train.rotor(joint) {
         rotor if rotor > 0.0 => rotor,
         _ => inertia.iter().sum::<f64>() / inertia.len().max(1) as f64,
@@ -129,6 +125,15 @@ fn play(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Vec<f64>> {
     train.smoothed(joint, &twist)
 }
 
+/// Torque of the bodies on a joint along a motion, and their inertia about it: what one more unit of its acceleration takes.
+fn load_and_inertia(train: &impl GearTrain, joint: usize, mut motion: Motion) -> [Vec<f64>; 2] {
+    let load = train.carried(&[joint], &motion).swap_remove(0);
+    motion.qdd.channel_mut(joint).iter_mut().for_each(|a| *a += 1.0);
+    let pushed = train.carried(&[joint], &motion).swap_remove(0);
+    let inertia = pushed.iter().zip(&load).map(|(with, without)| with - without).collect();
+    [load, inertia]
+}
+
 /// Passes what is slower than the link swings on its gear. None where the swing is faster than any motion.
 fn below_swing(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Option<ZeroPhaseLowPass>> {
     let motors = train.motors();
@@ -137,11 +142,9 @@ fn below_swing(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Optio
         .map(|j| (0..PLACES).map(|place| motors.q.channel(j)[place * samples / PLACES]).collect())
         .collect();
     let still = Channels::zeros(motors.joints(), PLACES);
-    let mut motion = Motion { q: Channels::from_vectors(&places), qd: still.clone(), qdd: still };
-    let resting = train.carried(&[joint], &motion).swap_remove(0);
-    motion.qdd.channel_mut(joint).fill(1.0);
-    let pushed = train.carried(&[joint], &motion).swap_remove(0);
-    let inertia = pushed.iter().zip(resting).map(|(with, without)| with - without).fold(0.0, f64::max);
+    let motion = Motion { q: Channels::from_vectors(&places), qd: still.clone(), qdd: still };
+    let [_, inertia] = load_and_inertia(train, joint, motion);
+    let inertia = inertia.into_iter().fold(0.0, f64::max);
     let swing_hz = 1.0 / (std::f64::consts::TAU * (gear.compliance * inertia).sqrt());
     let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);
     let rate_hz = 1.0 / train.period();

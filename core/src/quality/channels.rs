@@ -398,9 +398,10 @@ fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     }
     let lowest = |part: &[f64]| part.iter().fold(f64::INFINITY, |least, value| least.min(value.abs()));
     let away = |value: &f64| value.abs() > 2.0 * NEAR * size;
-    let met: Vec<&[f64]> = tau.split(away).filter(|part| lowest(part) < MEETS * size).collect();
+    let visits: Vec<&[f64]> = tau.split(away).filter(|part| lowest(part) < VISITS * size).collect();
+    let met: Vec<&[f64]> = visits.iter().copied().filter(|part| lowest(part) < MEETS * size).collect();
     let met = if met.len() >= OFTEN || have_kinks(&met, 2.0 * NEAR * size) { met.len() } else { 0 };
-    let visits = tau.split(away).filter(|part| lowest(part) < VISITS * size).count();
+    let visits = visits.len();
     ((met >= 1 && visits >= MANY) || (met >= 2 && 2 * met >= visits)).then(|| {
         let text = format!(
             "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"

@@ -4,7 +4,7 @@
 
 use crate::channels::Channels;
 use crate::identification::regression::joint_regression::JointRegression;
-use crate::identification::regression::joint_sums::Sums;
+use crate::identification::regression::least_squares::sums;
 use crate::identification::regression::linear_problem::LinearProblem;
 
 /// Rows of a joint that are looked at: a constant needs few.
@@ -32,11 +32,7 @@ pub struct Constant {
 pub(super) fn constants(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Vec<Option<Constant>> {
     let rows = joints.iter().map(|joint| joint.torque.len()).max().unwrap_or(0);
     let thinned: Vec<JointRegression> = joints.iter().map(|joint| thinned(joint, rows.div_ceil(ROWS).max(1))).collect();
-    let sums = || {
-        let triangles = || thinned.iter().map(JointRegression::triangle).collect();
-        Sums::new(thinned.iter().map(JointRegression::sums).collect(), triangles)
-    };
-    let sums = sums();
+    let sums = sums(&thinned);
     let Ok((beta, normal)) = sums.solve(sigma, names) else { return vec![None; joints.len()] };
     let problem = LinearProblem::with_normal(&thinned, sigma, sums.normal(sigma, names.len()));
     let of = |joint: usize| {

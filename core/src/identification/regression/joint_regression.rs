@@ -132,14 +132,14 @@ impl JointRegression {
     }
 
     /// The Gram matrix of columns and torque over the rows that count.
-    pub(in crate::identification) fn sums(&self) -> JointSums {
+    pub(super) fn sums(&self) -> JointSums {
         let mut gram = Gram::new(self.parameters.len() + 1);
         gram.add_valid(self.columns.iter().chain([self.torque.as_slice()]), &self.valid);
         JointSums { parameters: self.parameters.clone(), rows: self.rows(), gram: gram.matrix() }
     }
 
     /// The triangle of columns and torque over the rows that count.
-    pub(in crate::identification) fn triangle(&self) -> DMatrix<f64> {
+    pub(super) fn triangle(&self) -> DMatrix<f64> {
         let mut triangle = Triangle::new(self.parameters.len() + 1);
         let mut block = vec![0.0; (self.parameters.len() + 1) * BLOCK];
         for (number, valid) in self.valid.chunks(BLOCK).enumerate() {

@@ -118,7 +118,7 @@ pub(in crate::identification) fn weighted_solution(
 }
 
 /// What the solutions for all weights need, from one pass over the rows.
-fn sums(joints: &[JointRegression]) -> Sums<'_> {
+pub(in crate::identification) fn sums(joints: &[JointRegression]) -> Sums<'_> {
     let triangles = move || joints.iter().map(JointRegression::triangle).collect();
     Sums::new(joints.iter().map(JointRegression::sums).collect(), triangles)
 }

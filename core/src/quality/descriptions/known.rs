@@ -48,19 +48,20 @@ impl<'a> Known<'a> {
             Physics::Alone => true,
             // Free bodies may make up for much of what is wrong, as for gravity that a torque lacks.
             Physics::Free(_) => {
-                let described = || {
-                    let (before, after) = (other(reference)?, other(best)?);
-                    let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
-                    Some(after.share() < ALIKE && gain.is_large(changes))
-                };
-                // Another configuration of a wrist moves its bodies nearly alike. Those described know better where they explain the
-                // torques without it.
-                let contradicts = || {
-                    let (before, after) = (other(reference)?, other(best)?);
-                    let loss = compare(&after.evaluation, &before.evaluation, &rows.log)?;
-                    Some(before.share() < ALIKE && loss.is_distinct())
-                };
-                (gain.is_large(changes) && !contradicts().unwrap_or(false)) || described().unwrap_or(false)
+                let under_bodies = || Some((other(reference)?, other(best)?));
+                let is_large = gain.is_large(changes);
+                let Some((before, after)) = under_bodies() else { return is_large };
+                let compared = |from: &Tried, to: &Tried| compare(&from.evaluation, &to.evaluation, &rows.log);
+                match is_large {
+                    // Another configuration of a wrist moves its bodies nearly alike. Those described know better where they explain
+                    // the torques without it.
+                    true => {
+                        before.share() >= ALIKE || !compared(&after, &before).is_some_and(|loss| loss.is_distinct())
+                    }
+                    false => {
+                        after.share() < ALIKE && compared(&before, &after).is_some_and(|gain| gain.is_large(changes))
+                    }
+                }
             }
             // Free bodies may not see the change, and lose nothing by being asked without it.
             Physics::Bodies(_) => {

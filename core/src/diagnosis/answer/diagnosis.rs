@@ -343,7 +343,7 @@ mod tests {
     /// A spring on the first joint that leaves so much of two joints, before and after.
     fn spring(before: [f64; 2], after: [f64; 2]) -> Found {
         let placed = Placed::typical(find("joint_spring").unwrap(), 0);
-        let member = Member::new(&Candidate { placed, log: None, columns: Vec::new() }, &[]);
+        let member = Member::new(&Candidate { placed, log: None, columns: Default::default() }, &[]);
         let mut found = Found::new(Accepted { member, gain_lower_bound: 0.1, level: 1e-6 }, Vec::new());
         found.rms = [before.to_vec(), after.to_vec()];
         found

@@ -1,7 +1,7 @@
 //! Shapes at a bound of their law: better there than inside, the data ask for another law.
 
 use super::judging::Judged;
-use crate::diagnosis::model::{Candidate, Moved, Session, columns_in, prior, shapes};
+use crate::diagnosis::model::{Candidate, Moved, Session, prior, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::effects::{Parameter, Placed, varies_by_factors};
@@ -29,7 +29,7 @@ impl Session<'_> {
             fit.test_with_prior(&whitener.apply_all(columns), &spread).map_or(0.0, |test| test.statistic)
         };
         let here = statistic(placed, columns);
-        let moved = columns_in(&self.model.arm, &self.logs.train.rows, *log, &inside, Moved::Tested)?;
+        let moved = self.logs.train.columns(&self.model.arm, *log, &inside, Moved::Tested)?;
         Ok(inside.iter().zip(&moved).map(|(placed, columns)| here - statistic(placed, columns)).fold(0.0, f64::max))
     }
 }

@@ -1,7 +1,7 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
 use crate::diagnosis::model::{
-    Candidate, Member, Moved, Session, bends, bounded, columns_in, is_level, linear, prior, shapes, sizes,
+    Candidate, Member, Moved, Session, bends, bounded, is_level, linear, prior, shapes, sizes,
     within_bounds,
 };
 use crate::diagnosis::noise::Whitener;
@@ -9,6 +9,7 @@ use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};
 use crate::effects::{Effect, Parameter, Placed, Role, Search, varies_by_factors};
 use crate::error::Result;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Halvings of the step in the search for a shape.
 const HALVINGS: usize = 6;
@@ -88,7 +89,7 @@ impl Session<'_> {
             let (worst, _) = beyond.max_by(|(a, _), (b, _)| {
                 (test.values[*a] / test.std[*a]).abs().total_cmp(&(test.values[*b] / test.std[*b]).abs())
             })?;
-            candidate.columns[worst] = Column::default();
+            Arc::make_mut(&mut candidate.columns)[worst] = Column::default();
             whitened[worst] = Column::default();
             if !whitened.iter().any(Column::is_sound) {
                 return None;
@@ -104,7 +105,7 @@ impl Session<'_> {
         whitener: &Whitener,
         fit: &Projection,
     ) -> Result<Vec<Option<Judged>>> {
-        let columns = columns_in(&self.model.arm, &self.logs.train.rows, log, placed, Moved::Tested)?;
+        let columns = self.logs.train.columns(&self.model.arm, log, placed, Moved::Tested)?;
         let candidates = placed.par_iter().cloned().zip(columns);
         let judged = candidates.map(|(placed, columns)| self.judge(&Candidate { placed, log, columns }, whitener, fit));
         Ok(judged.collect())

@@ -2,7 +2,7 @@
 
 use super::arm::{Arm, Moved};
 use super::blocks::ParameterBlocks;
-use super::candidates::{Candidate, columns_in};
+use super::candidates::Candidate;
 use super::data_set::DataSet;
 use super::known::Known;
 use super::member::Member;
@@ -59,8 +59,9 @@ impl ArmModel<'_> {
         for member in members.iter().filter(|member| !member.held) {
             if data.training || member.candidate.log.is_none() {
                 let Candidate { placed, log, .. } = &member.candidate;
-                let mut own =
-                    columns_in(&self.arm, &data.rows, *log, std::slice::from_ref(placed), Moved::Modelled)?.concat();
+                let placed = std::slice::from_ref(placed);
+                let columns = data.columns(&self.arm, *log, placed, Moved::Modelled)?;
+                let mut own: Vec<Column> = columns.iter().flat_map(|group| group.iter().cloned()).collect();
                 own.extend(self.tangents(data, &member.candidate, &member.factors)?);
                 for (column, index) in own.iter_mut().zip(member.places()) {
                     if member.fixed.contains(&index) {
@@ -93,7 +94,7 @@ impl ArmModel<'_> {
             };
             let (ahead, behind) = (moved(step), moved(-step));
             let apart = ahead.parameters[index] - behind.parameters[index];
-            let both = columns_in(&self.arm, &data.rows, *log, &[ahead, behind], Moved::Modelled)?;
+            let both = data.columns(&self.arm, *log, &[ahead, behind], Moved::Modelled)?;
             let mut tangent = combined(&both[0], factors);
             tangent.add(-1.0, &combined(&both[1], factors));
             tangent.scale(1.0 / apart);

@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn blocks_follow_each_other_and_held_effects_have_none() {
         let member = |effect, held| {
-            let candidate = Candidate { placed: Placed::typical(effect, 0), log: None, columns: Vec::new() };
+            let candidate = Candidate { placed: Placed::typical(effect, 0), log: None, columns: Default::default() };
             Member { held, ..Member::new(&candidate, &[]) }
         };
         let members = [member(&StribeckFriction, false), member(&TorqueOffset, true), member(&TorqueOffset, false)];

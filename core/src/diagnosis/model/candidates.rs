@@ -9,6 +9,7 @@ use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role, Scope};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Share of a group's largest column below which a column is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -20,8 +21,8 @@ pub struct Candidate {
     pub placed: Placed,
     /// The training log in which it acts; None for all logs.
     pub log: Option<usize>,
-    /// Torque per unit of every amplitude and departure, not whitened.
-    pub columns: Vec<Column>,
+    /// Torque per unit of every amplitude and departure, not whitened; shared by all copies.
+    pub columns: Arc<Vec<Column>>,
 }
 
 impl Candidate {
@@ -149,7 +150,7 @@ pub(crate) fn all_candidates(arm: &Arm, rows: &Rows, trust: Trust, only: &[Strin
                 time.first().is_some_and(|first| *first < to) && time.last().is_some_and(|last| *last > from)
             };
             let own = events.iter().filter(meets).map(|event| Candidate {
-                columns: event.columns.iter().map(|column| column.within(ends[0]..ends[1])).collect(),
+                columns: Arc::new(event.columns.iter().map(|column| column.within(ends[0]..ends[1])).collect()),
                 placed: event.placed.clone(),
                 log: Some(log),
             });
@@ -180,7 +181,7 @@ pub(crate) fn carried_on(
     let placed: Vec<Placed> = candidates.iter().map(|candidate| candidate.placed.clone()).collect();
     let lengths = [length, later.len()];
     candidates.par_iter_mut().zip(columns(arm, later, &placed)?).for_each(|(candidate, later)| {
-        for (own, later) in candidate.columns.iter_mut().zip(&later) {
+        for (own, later) in Arc::make_mut(&mut candidate.columns).iter_mut().zip(&later) {
             *own = own.then(later, lengths);
         }
     });
@@ -218,7 +219,11 @@ fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn
         .flat_map(|effect| places(effect, rows.dof()).flat_map(move |joint| grid(effect, joint, rows)))
         .collect();
     let groups = columns(arm, rows, &placed)?;
-    let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate { placed, log: None, columns });
+    let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate {
+        placed,
+        log: None,
+        columns: Arc::new(columns),
+    });
     Ok(candidates.filter(|candidate| candidate.columns.iter().any(Column::is_sound)).collect())
 }
 

@@ -1,10 +1,14 @@
 //! The training or the held-out logs with what every fit needs of them.
 
+use super::arm::{Arm, Moved};
+use super::effect_columns::EffectColumns;
 use super::known::Known;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
+use crate::effects::Placed;
 use crate::error::Result;
 use crate::identification::model::Model;
+use std::sync::Arc;
 
 /// A data set, training or held-out, with all that is the same for every fit.
 #[derive(Debug, Clone)]
@@ -21,6 +25,8 @@ pub struct DataSet {
     pub bands: Vec<Column>,
     /// Whether it is the training set.
     pub training: bool,
+    /// Columns of effects worked out so far.
+    pub effects: EffectColumns,
 }
 
 impl DataSet {
@@ -36,7 +42,15 @@ impl DataSet {
         let derivatives = known.derivatives(&rows)?;
         let known = derivatives.len();
         baseline.extend(derivatives);
-        Ok(DataSet { baseline, known, torque, rows, bands: Vec::new(), training })
+        Ok(DataSet { baseline, known, torque, rows, bands: Vec::new(), training, effects: EffectColumns::default() })
+    }
+
+    /// Columns of placed effects, one group each, of which each acts in one log only, or in all.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub fn columns(&self, arm: &Arm, log: Option<usize>, placed: &[Placed], moved: Moved) -> Result<Vec<Arc<Vec<Column>>>> {
+        self.effects.get(arm, &self.rows, log, placed, moved)
     }
 
     /// Torque less `columns` with their `values`.
@@ -59,6 +73,7 @@ impl DataSet {
             torque: self.torque.then(&other.torque, lengths),
             rows: self.rows.and(&other.rows),
             training: self.training,
+            effects: EffectColumns::default(),
         }
     }
 }

@@ -40,7 +40,7 @@ impl Member {
     /// A candidate with the factors of its columns as part of the model.
     pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();
-        let absent = linear(placed.effect).into_iter().zip(&candidate.columns);
+        let absent = linear(placed.effect).into_iter().zip(candidate.columns.iter());
         Member {
             fixed: absent.filter(|(_, column)| column.parts.is_empty()).map(|(index, _)| index).collect(),
             std: vec![0.0; placed.parameters.len()],
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn one_amplitude_told_from_zero_is_enough() {
         let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
-        let candidate = Candidate { placed, log: None, columns: Vec::new() };
+        let candidate = Candidate { placed, log: None, columns: Default::default() };
         let mut member = Member::new(&candidate, &[]);
         let sizes = member.placed.parameters.clone();
         member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();

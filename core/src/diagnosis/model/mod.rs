@@ -11,6 +11,7 @@ mod blocks;
 mod candidates;
 mod cut_off;
 mod data_set;
+mod effect_columns;
 mod errors_in_variables;
 mod grid;
 mod known;

@@ -3,14 +3,13 @@
 use super::arm::{Arm, Moved};
 use super::arm_model::ArmModel;
 use super::blocks::ParameterBlocks;
-use super::candidates::columns_in;
 use super::cut_off::flat_level;
 use super::data_set::DataSet;
 use super::errors_in_variables::{ErrorsInVariables, Nuisances};
 use super::member::Member;
 use super::prepared::PreparedLogs;
 use super::roles::{is_level, is_shift, linear, shapes};
-use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::noise::{NoiseMemory, Whitener};
 use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, combined, solve};
 use crate::effects::Placed;
 use crate::error::Result;
@@ -28,6 +27,8 @@ pub struct Session<'a> {
     pub model: ArmModel<'a>,
     /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last settled.
     errors: [ErrorsInVariables; 2],
+    /// Noises estimated so far.
+    noises: NoiseMemory,
 }
 
 /// A fit of a model to the training logs, in units of the noise under that model.
@@ -42,7 +43,7 @@ pub struct Fit {
 impl<'a> Session<'a> {
     /// A model that is not yet fitted to the logs.
     pub fn unfitted(logs: PreparedLogs, model: ArmModel<'a>) -> Self {
-        Session { logs, model, errors: Default::default() }
+        Session { logs, model, errors: Default::default(), noises: NoiseMemory::default() }
     }
 
     /// The same with all logs to identify from.
@@ -73,7 +74,8 @@ impl<'a> Session<'a> {
     /// The noise under the columns of a model, each joint's scaled up to its residual where that is more: a joint
     /// that is understood badly must not lend its excess to what is tested on it, nor pull at parameters it shares.
     pub fn noise_under(&self, present: &[Column]) -> Whitener {
-        self.scaled(Whitener::new(&self.logs.train.rows, &self.logs.train.torque, present), present)
+        let DataSet { rows, torque, .. } = &self.logs.train;
+        self.scaled(Whitener::remembered(&self.noises, rows, torque, present), present)
     }
 
     /// The same where more was added on one joint alone to what `whitener` is the noise under.
@@ -157,8 +159,9 @@ impl<'a> Session<'a> {
             let mut loads = Column::default();
             for Member { candidate, factors, .. } in members.iter().filter(|member| member.placed.effect.is_load()) {
                 let placed = std::slice::from_ref(&candidate.placed);
-                let columns = columns_in(arm, &data.rows, candidate.log, placed, Moved::Modelled)?.concat();
-                loads.add(1.0, &combined(&columns, factors));
+                for columns in data.columns(arm, candidate.log, placed, Moved::Modelled)? {
+                    loads.add(1.0, &combined(&columns, factors));
+                }
             }
             ErrorsInVariables::new(arm, &data.rows, loads)
         };

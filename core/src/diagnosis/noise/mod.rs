@@ -4,8 +4,10 @@
 //! innovations, and the noise spectrum that a regression leaves free.
 
 mod innovations;
+mod memory;
 mod noise_spectrum;
 mod whitening;
 
+pub(crate) use memory::NoiseMemory;
 pub use whitening::Whitener;
 pub(crate) use whitening::rich;

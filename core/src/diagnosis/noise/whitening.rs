@@ -5,12 +5,14 @@
 //! noise with it, slow noise most of all, is made good frequency by frequency (`noise_spectrum`).
 
 use super::innovations::InnovationsFilter;
+use super::memory::{NoiseMemory, key};
 use super::noise_spectrum::corrected;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::identification::noise::AutoregressiveNoise;
 use crate::linear::OrthonormalBasis;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Order of the noise models.
 const ORDER: usize = 6;
@@ -36,9 +38,10 @@ pub struct Whitener {
     joints: Vec<JointWhitener>,
 }
 
+/// Turns the noise of one joint into white noise.
 #[derive(Debug, Clone)]
-struct JointWhitener {
-    filter: InnovationsFilter,
+pub(super) struct JointWhitener {
+    filter: Arc<InnovationsFilter>,
     /// Misfit: factor by which the residual exceeds the noise's standard deviation.
     misfit: f64,
 }
@@ -47,6 +50,16 @@ impl Whitener {
     /// From what `torque` has beyond the columns in `present` (the baseline, effects) and the rich ones.
     pub fn new(rows: &Rows, torque: &Column, present: &[Column]) -> Self {
         let joints = (0..rows.dof()).into_par_iter().map(|joint| JointWhitener::of(rows, torque, present, joint));
+        Whitener { joints: joints.collect() }
+    }
+
+    /// [`Whitener::new`], with joints whose noise was estimated from the same before taken from `memory`.
+    pub fn remembered(memory: &NoiseMemory, rows: &Rows, torque: &Column, present: &[Column]) -> Self {
+        let joints = (0..rows.dof()).into_par_iter().map(|joint| {
+            let signals = present.iter().chain([torque]).filter_map(|column| column.part(joint));
+            let estimate = || JointWhitener::of(rows, torque, present, joint);
+            JointWhitener::clone(&memory.get(key(joint, &rows.valid[joint], signals), estimate))
+        });
         Whitener { joints: joints.collect() }
     }
 
@@ -60,7 +73,7 @@ impl Whitener {
     /// For noise that is known, one for each joint.
     pub fn of_known(rows: &Rows, noises: Vec<AutoregressiveNoise>) -> Self {
         let joints = noises.into_iter().zip(&rows.valid).map(|(noise, valid)| JointWhitener {
-            filter: InnovationsFilter::new(noise, valid, &rows.starts),
+            filter: Arc::new(InnovationsFilter::new(noise, valid, &rows.starts)),
             misfit: 1.0,
         });
         Whitener { joints: joints.collect() }
@@ -90,7 +103,7 @@ impl Whitener {
     /// The same noise over other rows.
     pub fn on(&self, rows: &Rows) -> Whitener {
         let joints = self.joints.iter().zip(&rows.valid).map(|(joint, valid)| JointWhitener {
-            filter: InnovationsFilter::new(joint.filter.noise().clone(), valid, &rows.starts),
+            filter: Arc::new(InnovationsFilter::new(joint.filter.noise().clone(), valid, &rows.starts)),
             misfit: joint.misfit,
         });
         Whitener { joints: joints.collect() }
@@ -160,7 +173,7 @@ impl JointWhitener {
     /// Of a joint without an equation: there is nothing to make white.
     fn without_rows(valid: &[bool], starts: &[usize]) -> Self {
         let noise = AutoregressiveNoise { coefficients: Vec::new(), innovation_std: 1.0 };
-        JointWhitener { filter: InnovationsFilter::new(noise, valid, starts), misfit: 1.0 }
+        JointWhitener { filter: Arc::new(InnovationsFilter::new(noise, valid, starts)), misfit: 1.0 }
     }
 
     fn new(valid: &[bool], starts: &[usize], torque: &[f64], columns: Vec<Vec<f64>>, share: f64) -> Self {
@@ -194,7 +207,7 @@ impl JointWhitener {
         if scale > 0.0 {
             filter.scale_noise(scale);
         }
-        JointWhitener { filter, misfit: 1.0 }
+        JointWhitener { filter: Arc::new(filter), misfit: 1.0 }
     }
 
     fn apply(&self, signal: &[f64]) -> Vec<f64> {

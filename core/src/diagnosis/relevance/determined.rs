@@ -78,7 +78,7 @@ mod tests {
     fn member(effect: &str, values: &[f64], std: &[f64]) -> Member {
         let mut placed = Placed::typical(find(effect).unwrap(), 0);
         placed.parameters[..values.len()].copy_from_slice(values);
-        let mut member = Member::new(&Candidate { placed, log: None, columns: Vec::new() }, &[]);
+        let mut member = Member::new(&Candidate { placed, log: None, columns: Default::default() }, &[]);
         member.std[..std.len()].copy_from_slice(std);
         member
     }

@@ -210,7 +210,7 @@ mod tests {
         let columns = vec![Column::new(vec![vec![1.0]; 3])];
         let member = |name: &str| {
             let placed = Placed::typical(find(name).unwrap(), 1);
-            Member::new(&Candidate { placed, log: None, columns: columns.clone() }, &[1.0])
+            Member::new(&Candidate { placed, log: None, columns: columns.clone().into() }, &[1.0])
         };
         assert_eq!(own_joints(&member("joint_elasticity")), [1]);
         assert_eq!(own_joints(&member("joint_coupling")), [1, 2]);

@@ -361,7 +361,7 @@ mod tests {
         let criteria = SearchCriteria::default();
         let candidate = |name: &str| {
             let placed = Placed::typical(find(name).unwrap(), 0);
-            Candidate { placed, log: None, columns: Vec::new() }
+            Candidate { placed, log: None, columns: Default::default() }
         };
         let plain = candidate("stribeck_friction");
         assert!(is_confirmable(&plain) && strictness(&plain, &criteria) == criteria.training);

@@ -12,7 +12,7 @@ use super::reselection::list_alternatives;
 use super::round::Round;
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Multiplicity;
-use crate::diagnosis::model::{Candidate, Member, Moved, Session, columns_in};
+use crate::diagnosis::model::{Candidate, Member, Moved, Session};
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
 
@@ -92,9 +92,10 @@ pub(super) fn search(
 
 /// A member with its columns along the training logs.
 fn from_training(session: &Session, mut member: Member) -> Result<Member> {
-    let (candidate, rows) = (&mut member.candidate, &session.logs.train.rows);
-    candidate.columns =
-        columns_in(&session.model.arm, rows, candidate.log, std::slice::from_ref(&candidate.placed), Moved::Tested)?
-            .concat();
+    let (candidate, arm) = (&mut member.candidate, &session.model.arm);
+    let placed = std::slice::from_ref(&candidate.placed);
+    if let Some(columns) = session.logs.train.columns(arm, candidate.log, placed, Moved::Tested)?.pop() {
+        candidate.columns = columns;
+    }
     Ok(member)
 }

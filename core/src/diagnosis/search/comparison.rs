@@ -45,7 +45,7 @@ pub(super) fn compare(
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.model.columns(&session.logs.train, members)?;
     let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
-        let with: Vec<_> = present.iter().chain(&judged.candidate.columns).cloned().collect();
+        let with: Vec<_> = present.iter().chain(judged.candidate.columns.iter()).cloned().collect();
         let whitener = session.noise_under(&with);
         let fit = whitener.fit(&present, &session.logs.train.torque);
         let Some(own) = session.judge(&judged.candidate, &whitener, &fit) else { return Ok(None) };
@@ -63,7 +63,7 @@ pub(super) fn compare(
     let leader = seen.min_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(&best[0].candidate, |(_, candidate)| candidate);
 
     // From here on all are seen in the same whitening, that under the leader.
-    let with: Vec<_> = present.iter().chain(&leader.columns).cloned().collect();
+    let with: Vec<_> = present.iter().chain(leader.columns.iter()).cloned().collect();
     let whitener = session.noise_under(&with);
     let fit = whitener.fit(&present, &session.logs.train.torque);
     // What acts elsewhere is no other name for what is seen here.
@@ -224,7 +224,7 @@ mod tests {
     fn a_load_changes_sooner_than_a_link_and_no_other_law_does() {
         let candidate = |name: &str| {
             let placed = Placed::typical(find(name).unwrap(), 0);
-            Candidate { placed, log: None, columns: Vec::new() }
+            Candidate { placed, log: None, columns: Default::default() }
         };
         let sooner = |one: &str, other: &str| changes_sooner(&candidate(one), &candidate(other));
         assert!(sooner("payload", "link_inertia_error") && !sooner("link_inertia_error", "payload"));

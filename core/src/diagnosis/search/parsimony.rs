@@ -50,7 +50,7 @@ fn simplest(
     let present = session.model.columns(&session.logs.train, members)?;
     let whitener = match &chosen.whitener {
         Some(whitener) => whitener.clone(),
-        None => session.noise_under(&[present.as_slice(), &winner.candidate.columns].concat()),
+        None => session.noise_under(&[present.as_slice(), winner.candidate.columns.as_slice()].concat()),
     };
     let fit = whitener.fit(&present, &session.logs.train.torque);
     for rival in simpler {

@@ -88,7 +88,7 @@ fn named(
     (level, share): (f64, f64),
 ) -> Found {
     let placed = Placed { parameters: vec![play.half_gap], ..Placed::typical(effect, joint) };
-    let candidate = Candidate { placed: placed.clone(), log: None, columns: Vec::new() };
+    let candidate = Candidate { placed: placed.clone(), log: None, columns: Default::default() };
     let member = Member { placed, std: vec![play.std], candidate, factors: Vec::new(), held: true, fixed: Vec::new() };
     let alternatives: Vec<Alternative> = rivals
         .iter()

@@ -14,6 +14,7 @@ use crate::diagnosis::model::{Candidate, Family, Fit, Member, Session};
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
+use rayon::prelude::*;
 
 /// A model comparison for a finding with all others in the model.
 struct Again {
@@ -178,16 +179,22 @@ pub(super) fn list_alternatives(
     };
     let mimicked =
         |family: Family| round.all.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));
-    for index in (0..found.len()).filter(|&index| open(&found[index])).collect::<Vec<_>>() {
+    // Alternatives of one play no part in those of another.
+    let indices: Vec<usize> = (0..found.len()).filter(|&index| open(&found[index])).collect();
+    let mut compared = Vec::new();
+    for together in indices.chunks(rayon::current_num_threads()) {
         if watch.is_over() {
             break;
         }
         watch.tell(Progress::Found(found.len()));
-        let Some(Again { others, comparison: Comparison { winner, alternatives, .. }, .. }) =
-            Again::new(session, found, index, &round.all, multiplicity, criteria)?
-        else {
-            continue;
-        };
+        let known = &*found;
+        let again = together.par_iter().map(|&index| {
+            Ok((index, Again::new(session, known, index, &round.all, multiplicity, criteria)?))
+        });
+        compared.extend(again.collect::<Result<Vec<_>>>()?);
+    }
+    for (index, again) in compared {
+        let Some(Again { others, comparison: Comparison { winner, alternatives, .. }, .. }) = again else { continue };
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "other names over all logs");

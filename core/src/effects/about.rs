@@ -12,6 +12,17 @@ pub enum Scope {
     Arm,
 }
 
+impl Scope {
+    /// Places on an arm of so many joints: the joint, the first of a pair, zero for the whole arm.
+    pub fn places(self, dof: usize) -> std::ops::Range<usize> {
+        match self {
+            Scope::Joint => 0..dof,
+            Scope::Pair => 0..dof.saturating_sub(1),
+            Scope::Arm => 0..1,
+        }
+    }
+}
+
 /// Where an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]

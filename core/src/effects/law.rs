@@ -116,6 +116,12 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Whether it can be on a joint of this arm at all, whatever its parameters.
+    fn can_be_on(&self, joint: usize, robot: &Robot) -> bool {
+        let _ = (joint, robot);
+        true
+    }
+
     /// Whether it leaves an arm that can be.
     fn is_believable(&self, p: &[f64], joint: usize, robot: &Robot) -> bool {
         let _ = (p, joint, robot);

@@ -8,7 +8,7 @@ use super::power::{power, power_as_measured};
 use super::sizing::{noise_at_size, sized};
 use crate::diagnosis::{Consequence, DataFault, Diagnosis};
 use crate::effects::{Placed, Site};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::quality;
 use crate::recording::Recording;
 use crate::recording::lenient::Sieved;
@@ -102,6 +102,10 @@ fn simulated(setup: &Setup, case: &Case) -> Result<Simulated> {
         ArmKind::Scenario => setup.clone(),
         ArmKind::Random(dof) => random_setup(setup, dof, case.seed),
     };
+    if let Some(placed) = case.hidden.iter().find(|placed| !placed.effect.can_be_on(placed.joint, &setup.known)) {
+        let name = &setup.known.joints[placed.joint].name;
+        return Err(Error::request(placed.effect.about().name, format!("cannot be on `{name}` of this arm")));
+    }
     let motions = motions(case, &setup)?;
     for placed in &case.hidden {
         let factor = noise_at_size(&setup, placed, case, &motions)?;

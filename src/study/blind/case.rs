@@ -121,7 +121,8 @@ pub fn draw(setup: &Setup, seed: u64, severity: f64, correlation_s: f64, trust: 
     let mut source = random::stream(seed, "blind case", 0);
     let effects = visible(trust);
     let effect = effects[source.random_range(0..effects.len())];
-    let joint = source.random_range(places(effect, setup.known.dof()));
+    let places = places(effect, &setup.known);
+    let joint = places[source.random_range(0..places.len())];
     let hidden = vec![Placed::typical(effect, joint)];
     Case { class: Class::Asked, hidden, severity, correlation_s, trust, ..Case::plain(seed) }
 }
@@ -131,9 +132,9 @@ pub(crate) fn visible(trust: Trust) -> Vec<&'static dyn Effect> {
     LIBRARY.iter().copied().filter(|effect| is_candidate(*effect, trust, &[])).collect()
 }
 
-/// `effect` on a place drawn out of all on an arm of `dof` joints, with drawn shapes and signs.
+/// `effect` on a place drawn out of all on an arm of `dof` joints, with drawn shapes and signs. Whether it can be there shows the arm.
 pub(crate) fn drawn(effect: &'static dyn Effect, dof: usize, source: &mut ChaCha8Rng) -> Placed {
-    let joint = source.random_range(places(effect, dof));
+    let joint = source.random_range(effect.about().scope.places(dof));
     let mut placed = Placed::typical(effect, joint);
     let factor = SHAPE_FACTOR.powf(source.random_range(-1.0..1.0));
     for (parameter, value) in effect.parameters().iter().zip(&mut placed.parameters) {

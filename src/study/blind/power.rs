@@ -57,7 +57,7 @@ pub fn power_as_measured(setup: &Setup, hidden: &[Placed], case: &Case, logs: &[
 /// Probability that a torque on top of the baseline is seen in noise that `whitener` makes white.
 fn in_noise(session: &Session, whitener: &Whitener, added: &Column, case: &Case) -> f64 {
     let noncentrality = whitener.fit(&session.logs.train.baseline, added).left();
-    let tests: usize = visible(case.trust).iter().map(|effect| places(*effect, session.model.base.dof()).len()).sum();
+    let tests: usize = visible(case.trust).iter().map(|effect| places(*effect, session.model.base.robot()).len()).sum();
     tracing::debug!(noncentrality, tests, new = ?whitener.innovation_std(), rows = ?whitener.rows(), "power");
     of(noncentrality, tests)
 }

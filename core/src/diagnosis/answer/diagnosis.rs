@@ -262,7 +262,8 @@ pub(super) fn not_found(
                 || (change && is_wanted(**effect, &options.candidates))
         })
         .flat_map(|effect| {
-            places(*effect, session.model.base.dof())
+            places(*effect, session.model.base.robot())
+                .into_iter()
                 .map(move |joint| (effect, Family { effect: effect.about().name, joint }))
         })
         .filter(|(_, family)| !taken.contains(family))

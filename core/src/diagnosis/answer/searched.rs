@@ -29,8 +29,14 @@ pub(super) fn found_that_matter(
     watch: &mut Watch,
 ) -> Result<(Selection, Vec<Minor>)> {
     let mut selection = select(session, options, watch)?;
-    let minor = eliminate(session, &mut selection.found, &selection.whitener, &options.criteria)?;
-    if !minor.is_empty() {
+    let mut minor = Vec::new();
+    // What is out changes the estimates of what stays, which must pass with these.
+    loop {
+        let more = eliminate(session, &mut selection.found, &selection.whitener, &options.criteria)?;
+        if more.is_empty() {
+            break;
+        }
+        minor.extend(more);
         selection.settle(session)?;
     }
     if hold_undetermined(session, &mut selection.found, &selection.whitener)? {

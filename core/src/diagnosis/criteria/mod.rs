@@ -89,6 +89,9 @@ pub enum Gate {
     Confirmation,
     /// p-value of each log by what the others predict for it.
     OtherLogs,
+    /// A machine can have it with the parameters of the fit of all findings together: 1 where none can, as at the search each had to be
+    /// possible with what was found before it.
+    Believable,
     /// Its size matters: over the smaller of both least sizes.
     Size,
     /// Its strength differs from zero: p-value by its scatter between blocks.
@@ -116,6 +119,7 @@ impl Gate {
             Gate::HeldOutGain => "explains too little of the held-out logs",
             Gate::Confirmation => "is not confirmed by the held-out logs",
             Gate::OtherLogs => "is not what the other logs predict",
+            Gate::Believable => "has a size that no machine has",
             Gate::Size => "is too small to matter",
             Gate::Strength => "does not differ significantly from zero by its scatter between blocks",
             Gate::OwnJoint => "explains nothing of the held-out residual of its own joint",

@@ -1,8 +1,7 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
 use crate::diagnosis::model::{
-    Candidate, Member, Moved, Session, bends, bounded, is_level, linear, prior, shapes, sizes,
-    within_bounds,
+    Candidate, Member, Moved, Session, bends, bounded, is_level, linear, prior, shapes, sizes, within_bounds,
 };
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};

@@ -110,6 +110,11 @@ impl Arm {
         }
     }
 
+    /// The arm as described.
+    pub fn described(&self) -> &Robot {
+        &self.known
+    }
+
     /// Takes over values of the baseline, in the order of [`Arm::baseline`].
     pub fn take(&mut self, model: &Model, values: &[f64]) {
         let mut standard = Model::standard_values(&self.known);

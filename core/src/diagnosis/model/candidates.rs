@@ -5,9 +5,10 @@ use super::grid::grid;
 use super::roles::{acts_upon_arm, is_event, linear};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, joints_of};
-use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role, Scope};
+use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role};
 use crate::error::Result;
 use crate::identification::effect_model::Trust;
+use crate::robot::Robot;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -216,7 +217,7 @@ fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'
 /// Candidates of `effects` at all places, acting in all logs.
 fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
     let placed: Vec<Placed> = effects
-        .flat_map(|effect| places(effect, rows.dof()).flat_map(move |joint| grid(effect, joint, rows)))
+        .flat_map(|effect| places(effect, arm.described()).into_iter().flat_map(move |joint| grid(effect, joint, rows)))
         .collect();
     let groups = columns(arm, rows, &placed)?;
     let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate {
@@ -241,12 +242,9 @@ pub fn is_candidate(effect: &dyn Effect, trust: Trust, only: &[String]) -> bool 
 }
 
 /// Where an effect can be placed on an arm.
-pub fn places(effect: &dyn Effect, dof: usize) -> std::ops::Range<usize> {
-    match effect.about().scope {
-        Scope::Joint => 0..dof,
-        Scope::Pair => 0..dof.saturating_sub(1),
-        Scope::Arm => 0..1,
-    }
+pub fn places(effect: &dyn Effect, robot: &Robot) -> Vec<usize> {
+    let everywhere = effect.about().scope.places(robot.dof());
+    everywhere.filter(|&joint| effect.can_be_on(joint, robot)).collect()
 }
 
 #[cfg(test)]

@@ -49,7 +49,13 @@ impl DataSet {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub fn columns(&self, arm: &Arm, log: Option<usize>, placed: &[Placed], moved: Moved) -> Result<Vec<Arc<Vec<Column>>>> {
+    pub fn columns(
+        &self,
+        arm: &Arm,
+        log: Option<usize>,
+        placed: &[Placed],
+        moved: Moved,
+    ) -> Result<Vec<Arc<Vec<Column>>>> {
         self.effects.get(arm, &self.rows, log, placed, moved)
     }
 

@@ -64,8 +64,7 @@ impl EffectColumns {
             let bits = one.parameters.iter().chain(&arm.sign_widths).map(|value| value.to_bits());
             (one.effect.about().name, one.joint, log, moved, bits.collect())
         };
-        let keys: Vec<Option<Key>> =
-            placed.iter().map(|one| (!acts_upon_arm(one.effect)).then(|| key(one))).collect();
+        let keys: Vec<Option<Key>> = placed.iter().map(|one| (!acts_upon_arm(one.effect)).then(|| key(one))).collect();
         let known: Vec<Option<Arc<Vec<Column>>>> =
             keys.iter().map(|key| key.as_ref().and_then(|key| self.0.get(key))).collect();
         let new = placed.iter().zip(&known).filter(|(_, known)| known.is_none());

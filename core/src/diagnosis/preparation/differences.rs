@@ -107,6 +107,14 @@ impl<'a> Pair<'a> {
             rows.valid[joint] = self.rows().map(|row| self.counts(joint, row)).collect();
         }
         let bands = after.bands.iter().map(|band| band.rows(range.clone())).collect();
-        DataSet { rows, torque, bands, baseline: Vec::new(), known: 0, training: after.training, effects: Default::default() }
+        DataSet {
+            rows,
+            torque,
+            bands,
+            baseline: Vec::new(),
+            known: 0,
+            training: after.training,
+            effects: Default::default(),
+        }
     }
 }

@@ -3,11 +3,11 @@
 use super::fit::HeldFit;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
-use crate::diagnosis::model::{Member, Session};
+use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, rms};
 use crate::diagnosis::variance::{gain_over_generic_functions, torques};
-use crate::effects::{Scope, Site};
+use crate::effects::{Placed, Scope, Site};
 use crate::error::Result;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -23,6 +23,8 @@ pub(super) struct Judge<'a> {
     on_held_out: Whitener,
     /// Least size of a finding on each joint, N m.
     least: Vec<f64>,
+    /// Standard deviation of the noise of each joint, N m.
+    noise: Vec<f64>,
     /// Residual of the baseline on the held-out logs.
     baseline: Column,
     /// All logs, with the columns of the model along them.
@@ -67,17 +69,29 @@ impl<'a> Judge<'a> {
         let rows = &session.logs.train.rows;
         let [trained, baseline] = fit.residuals(&[]);
         let torque = rms(&rows.valid, &Column::new(rows.torque.iter().cloned()));
-        let least = rms(&rows.valid, &trained).into_iter().zip(whitener.noise_std()).zip(torque).map(
-            |((residual, noise), torque)| {
+        let noise = whitener.noise_std();
+        let least =
+            rms(&rows.valid, &trained).into_iter().zip(&noise).zip(torque).map(|((residual, noise), torque)| {
                 let excess = (residual * residual - noise * noise).max(0.0).sqrt();
                 (criteria.share_of_torque * torque).min(criteria.share_of_excess * excess)
-            },
-        );
+            });
         let (least, on_held_out) = (least.collect(), whitener.on(&session.logs.test.rows));
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.model.columns(&all_logs.logs.train, members)?;
         let torques = torques(&all_logs.model.arm, &all_logs.logs.train.rows);
-        Ok(Judge { session, members, criteria, fit, on_held_out, least, baseline, all_logs, all_columns, torques })
+        Ok(Judge {
+            session,
+            members,
+            criteria,
+            fit,
+            on_held_out,
+            least,
+            noise,
+            baseline,
+            all_logs,
+            all_columns,
+            torques,
+        })
     }
 
     /// Judges every member at `kept` but those that are held, which do not rest on residuals.
@@ -100,7 +114,7 @@ impl<'a> Judge<'a> {
             size => size / self.least[joint],
         };
         let relative_size = own.iter().map(relative).fold(0.0, f64::max);
-        let mut judgements = vec![Judgement::at_least(Gate::Size, relative_size, 1.0)];
+        let mut judgements = vec![self.believable(member), Judgement::at_least(Gate::Size, relative_size, 1.0)];
         if let Some([strength, std, freedom]) = self.fit.strength(kept, index) {
             let p = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf((strength / std).abs()));
             judgements.push(Judgement::at_most(Gate::Strength, p, self.criteria.strength_p));
@@ -112,6 +126,13 @@ impl<'a> Judge<'a> {
             judgements.push(self.on_every_joint([&without[1], &with[1]]));
         }
         Judged { index, size, relative_size, judgements }
+    }
+
+    /// Whether a machine can have the law with its parameters as fitted with all others.
+    fn believable(&self, member: &Member) -> Judgement {
+        let Placed { effect, joint, parameters } = &member.placed;
+        let can_be = is_level(*effect) || effect.is_believable(parameters, *joint, self.session.model.base.robot());
+        Judgement::at_most(Gate::Believable, f64::from(u8::from(!can_be)), 0.0)
     }
 
     /// Share of the held-out residual of its `own` joints that a finding explains.
@@ -172,8 +193,22 @@ impl<'a> Judge<'a> {
         Normal::standard().inverse_cdf(1.0 - self.criteria.contradicted_p / count.max(1) as f64)
     }
 
+    /// Share of the held-out excess over the noise that the member at `kept[index]` explains with the `others` in the model, in squares, on
+    /// that of its own joints where it is largest.
+    fn predicted(&self, kept: &[usize], others: &[usize], index: usize) -> f64 {
+        let member = &self.members[kept[index]];
+        if member.candidate.log.is_some() {
+            return 0.0;
+        }
+        let valid = &self.session.logs.test.rows.valid;
+        let [before, after] = [others, kept].map(|members| rms(valid, &self.fit.residuals(members)[1]));
+        let share = |&joint: &usize| share_of_excess(before[joint], after[joint], self.noise[joint]);
+        own_joints(member).iter().map(share).fold(0.0, f64::max)
+    }
+
     /// What the member at `kept[index]` explains beyond generic functions, with the others in the model; passed where the rows of that
-    /// comparison are too long for its law.
+    /// comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
+    /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
     pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
         let threshold = self.criteria.beyond_structure;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
@@ -184,10 +219,17 @@ impl<'a> Judge<'a> {
         let gains = joints
             .map(|joint| gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint));
         match gains.sum::<Option<f64>>() {
-            Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold),
+            Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold)
+                .or(self.predicted(kept, &others, index) >= self.criteria.verdict.explained),
             None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },
         }
     }
+}
+
+/// Share of an excess over the noise, in squares, that is gone from `before` to `after`, both root mean square; zero where there is none.
+fn share_of_excess(before: f64, after: f64, noise: f64) -> f64 {
+    let excess = before * before - noise * noise;
+    if excess > 0.0 { (before * before - after * after) / excess } else { 0.0 }
 }
 
 /// Joints that a law is about: where it is in joints or gears, those; else all on which it has torque.
@@ -204,6 +246,14 @@ mod tests {
     use super::*;
     use crate::diagnosis::model::Candidate;
     use crate::effects::{Placed, find};
+
+    #[test]
+    fn a_share_of_what_is_beyond_the_noise() {
+        // 25 - 9 = 16 of 25 - 4 = 21 are gone; all of it at the noise; nothing where there is no more than noise.
+        assert!((share_of_excess(5.0, 3.0, 2.0) - 16.0 / 21.0).abs() < 1e-12);
+        assert!((share_of_excess(5.0, 2.0, 2.0) - 1.0).abs() < 1e-12);
+        assert_eq!(share_of_excess(2.0, 1.0, 2.0), 0.0);
+    }
 
     #[test]
     fn a_gear_is_judged_on_its_joint_and_a_body_wherever_it_has_torque() {

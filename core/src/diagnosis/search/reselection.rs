@@ -188,9 +188,9 @@ pub(super) fn list_alternatives(
         }
         watch.tell(Progress::Found(found.len()));
         let known = &*found;
-        let again = together.par_iter().map(|&index| {
-            Ok((index, Again::new(session, known, index, &round.all, multiplicity, criteria)?))
-        });
+        let again = together
+            .par_iter()
+            .map(|&index| Ok((index, Again::new(session, known, index, &round.all, multiplicity, criteria)?)));
         compared.extend(again.collect::<Result<Vec<_>>>()?);
     }
     for (index, again) in compared {

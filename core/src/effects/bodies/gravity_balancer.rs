@@ -20,6 +20,7 @@
 //! that pushes from half a turn away is nearly one that pulls.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Robot;
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
 #[derive(Debug, Clone, Copy)]
@@ -94,6 +95,11 @@ impl Effect for GravityBalancer {
         &PARAMETERS
     }
 
+    /// It balances gravity, which an axis that is vertical in every pose does not feel.
+    fn can_be_on(&self, joint: usize, robot: &Robot) -> bool {
+        robot.feels_gravity(joint)
+    }
+
     /// The pull of a balancer is that of a link of another first moment.
     fn contained_in(&self) -> Option<&'static str> {
         Some("link_inertia_error")
@@ -111,7 +117,7 @@ impl Effect for GravityBalancer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::testing::torque_at;
+    use crate::effects::testing::{pendulum, torque_at};
 
     /// Where cosine is 0.6 and sine 0.8.
     const ANGLE: f64 = 0.927_295_218_001_612_2;
@@ -125,6 +131,14 @@ mod tests {
         let torque = torque_at(&GravityBalancer, &[1000.0, 500.0, 0.6, 0.1], 0.1 - ANGLE, -0.5);
         assert!((torque + 325.131_670_195).abs() < 1e-8, "{torque}");
         assert_eq!(torque_at(&GravityBalancer, &[0.0, 0.0, 0.6, 0.1], ANGLE, -0.5), 0.0);
+    }
+
+    #[test]
+    fn stands_where_there_is_something_to_balance() {
+        let mut arm = pendulum();
+        assert!(GravityBalancer.can_be_on(0, &arm));
+        arm.gravity = 9.81 * arm.joints[0].axis;
+        assert!(!GravityBalancer.can_be_on(0, &arm));
     }
 
     #[test]

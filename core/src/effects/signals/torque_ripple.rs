@@ -88,8 +88,13 @@ impl Effect for TorqueRipple {
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
-        let (sine, cosine) = (p[2] * x.q[joint]).sin_cos();
-        out[joint] += p[0] * cosine + p[1] * sine;
+        // A scan asks for one of the two at a time, hundreds of times along a log.
+        let angle = p[2] * x.q[joint];
+        out[joint] += match (p[0], p[1]) {
+            (cosine, 0.0) => cosine * angle.cos(),
+            (0.0, sine) => sine * angle.sin(),
+            (cosine, sine) => cosine * angle.cos() + sine * angle.sin(),
+        };
     }
 }
 

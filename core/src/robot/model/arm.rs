@@ -7,6 +7,9 @@ use crate::error::{Error, Result};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
+/// Part of gravity from which a joint feels it: less is how exactly an arm stands.
+const LEAST_PART: f64 = 0.05;
+
 /// A robot of one or more revolute or prismatic joints with a coordinate each, and of joints that follow them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
@@ -68,6 +71,26 @@ impl Robot {
         if reach > 0.0 { reach } else { 1.0 }
     }
 
+    /// Whether gravity can turn or move a joint: whether in some pose its axis leaves the direction in which it has no part in that,
+    /// which is gravity's own for a joint that turns and a level one for a joint that slides.
+    pub fn feels_gravity(&self, coordinate: usize) -> bool {
+        // Poses in which no two joints stand alike; an axis that keeps its direction in all of them keeps it.
+        let pose = |step: usize| (0..self.dof()).map(|k| (step * (k + 1)) as f64 * 0.7).collect::<Vec<f64>>();
+        let down = self.gravity.normalize();
+        let moved = |body: &usize| self.coupling(*body).coordinate == coordinate;
+        (0..3).any(|step| {
+            let frames = self.frames(&pose(step));
+            (0..self.bodies()).filter(moved).any(|body| {
+                let joint = self.body(body);
+                let axis = frames[body].rotation * joint.axis;
+                match joint.kind {
+                    JointKind::Prismatic => axis.dot(&down).abs() > LEAST_PART,
+                    _ => axis.cross(&down).norm() > LEAST_PART,
+                }
+            })
+        })
+    }
+
     /// Poses of all moving joint frames, in the order of [`Robot::body`], and of the flange as the last entry, in the base at
     /// the coordinates `x`.
     pub fn frames(&self, x: &[f64]) -> Vec<Pose> {
@@ -80,5 +103,24 @@ impl Robot {
         }
         frames[self.bodies()] = frames[self.tip()].then(&self.flange);
         frames
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::robot::{InertiaCheck, load};
+    use nalgebra::Vector3;
+
+    #[test]
+    fn an_axis_along_gravity_in_every_pose_does_not_feel_it() {
+        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let mut robot = load(urdf, InertiaCheck::Required).unwrap();
+        let felt = |robot: &super::Robot| (0..6).map(|joint| robot.feels_gravity(joint)).collect::<Vec<bool>>();
+        assert_eq!(felt(&robot), [false, true, true, true, true, true]);
+        // Six hundredths from upright are felt, four are how exactly an arm stands.
+        for (tilt, feels) in [(0.04, false), (0.06, true)] {
+            robot.gravity = Vector3::new(9.81 * tilt, 0.0, -9.81);
+            assert_eq!(felt(&robot)[0], feels, "{tilt}");
+        }
     }
 }

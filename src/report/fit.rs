@@ -240,6 +240,40 @@ pub fn constants(robot: &Robot, fitted: &Fitted) -> Option<String> {
     })
 }
 
+/// Bodies that can exist leave this many times the residual of the fit, and this share of the torque at least, where something else makes
+/// the torque: links whose inertias do not fit each other cost less.
+const NOT_OF_BODIES: f64 = 5.0;
+const OF_TORQUE: f64 = 0.2;
+
+/// A line about joints whose torque no bodies make, if there are any: the base parameters can be those of gravity upside down.
+pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) -> Option<String> {
+    let left = |joint: &usize| {
+        let (bodies, fit) = (consistent.train_rms[*joint], fitted.train_rms[*joint]);
+        bodies > NOT_OF_BODIES * fit && bodies > OF_TORQUE * consistent.torque_rms[*joint]
+    };
+    let joints: Vec<usize> = (0..robot.dof()).filter(left).collect();
+    let each: Vec<String> = joints
+        .iter()
+        .map(|&joint| {
+            let [bodies, torque, fit] =
+                [consistent.train_rms[joint], consistent.torque_rms[joint], fitted.train_rms[joint]].map(significant);
+            let Joint { name, kind, .. } = &robot.joints[joint];
+            format!(
+                "{name} is left with {bodies} {} of {torque}, which the fit without them explains to {fit}",
+                kind.unit("N m")
+            )
+        })
+        .collect();
+    let [x, y, z] = [robot.gravity.x, robot.gravity.y, robot.gravity.z].map(significant);
+    (!joints.is_empty()).then(|| {
+        format!(
+            "identified.urdf is wrong: no bodies make these torques: {}; is gravity along [{x}, {y}, {z}] m/s2 of the base (the mounting: \
+             --gravity, or [mounting] in a dataset), and are the signs right? `tauscope inspect` looks for both",
+            each.join("; ")
+        )
+    })
+}
+
 /// Tables for people: the residual of each joint, and the effects' parameters.
 pub fn tables(robot: &Robot, found: Found) -> String {
     let Found { plain, extended, consistent } = found;

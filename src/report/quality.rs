@@ -214,8 +214,8 @@ fn nothing_wrong<'a>(joints: impl Iterator<Item = (&'a str, f64)>) -> String {
         return "Nothing is wrong with it.".into();
     }
     format!(
-        "Nothing is wrong with it by itself, but the robot's model leaves much of the torque unexplained ({}): check that it is this robot, that \
-         the zeros of its joints are right, and what it carries; `tauscope diagnose` says what the model misses.",
+        "Nothing is wrong with it by itself, but the robot's model leaves much of the torque unexplained ({}): check that it is this robot, how it \
+         is mounted (--gravity), that the zeros of its joints are right, and what it carries; `tauscope diagnose` says what the model misses.",
         much.join(", ")
     )
 }

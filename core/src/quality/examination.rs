@@ -150,11 +150,12 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let turned =
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
         about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
-        // Torques are not compared with positions in another unit, or half a turn from where the joint is.
-        let of_position = |finding: &Finding| finding.kind == Kind::PositionUnit;
-        let positions_doubtful = position_units.any()
-            || findings.iter().any(of_position)
-            || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
+        // Torques are not compared with positions in an unknown unit, or half a turn from where the joint is.
+        let units_doubtful = match &in_si {
+            Some(_) => PositionUnits::of(&whole, &motion::summaries(&whole, robot), robot, &endless).any(),
+            None => position_units.any(),
+        };
+        let positions_doubtful = units_doubtful || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
         // Torques are compared with motion in true time.
         let corrected = in_true_time(view.log);

@@ -96,12 +96,18 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     notes.extend(observed.notes);
     stages.begin("identifying");
     let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
+    let fit = |placed: Vec<Placed>, logs| fit_effects(&model, arguments.trust, logs, preparation, placed);
     let extended = match placed.is_empty() {
         true => None,
-        false => Some(
-            fit_effects(&model, arguments.trust, logs, preparation, placed)
-                .map_err(|problem| on_every_joint(&arguments.effect, problem))?,
-        ),
+        false => match fit(placed.clone(), logs) {
+            Ok(fitted) => Some(fitted),
+            Err(problem) => {
+                let alone = |placed: &Placed| fit(vec![placed.clone()], fit::Logs { test: &[], ..logs }).is_ok();
+                let (kept, note) = separable(&arguments.effect, placed, &robot, alone).ok_or(problem)?;
+                notes.push(note);
+                Some(fit(kept, logs)?)
+            }
+        },
     };
     notes.extend(report::undetermined(model.base(), &plain));
     notes.extend(report::constants(&robot, extended.as_ref().unwrap_or(&plain)));
@@ -111,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         Trust::Structure => Some(consistent::consistent(&model, logs, preparation, &plain)?),
         Trust::Nominal => None,
     };
-
+    notes.extend(consistent.as_ref().and_then(|found| report::not_of_bodies(&robot, &plain, found)));
     let identified = match &consistent {
         Some(found) => found.robot(&robot),
         None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
@@ -232,17 +238,25 @@ fn place(wanted: &[String], robot: &Robot, model: Option<&Model>) -> Result<Vec<
     Ok(placed)
 }
 
-/// An error of a fit with effects on every joint, one of which may be what the logs do not separate.
-fn on_every_joint(wanted: &[String], problem: Error) -> Error {
-    let on_all =
-        |text: &&String| !text.contains(':') && effects::find(text).is_ok_and(|e| e.about().scope == Scope::Joint);
-    match (problem, wanted.iter().find(on_all)) {
-        (Error::Request { subject, problem }, Some(text)) => Error::request(
-            subject,
-            format!("{problem}; or name the joints of the effect that are separable: --effect {text}:JOINT"),
-        ),
-        (problem, _) => problem,
+/// Of effects that the logs do not separate together: those that they separate on a joint by itself, with a note on the others, which
+/// were asked for on no joint by name. None where that changes nothing.
+fn separable(
+    wanted: &[String],
+    placed: Vec<Placed>,
+    robot: &Robot,
+    alone: impl Fn(&Placed) -> bool,
+) -> Option<(Vec<Placed>, String)> {
+    let on_all = |placed: &Placed| {
+        let about = placed.effect.about();
+        about.scope == Scope::Joint && wanted.iter().any(|text| text == about.name)
+    };
+    let (kept, left): (Vec<Placed>, Vec<Placed>) = placed.into_iter().partition(|own| !on_all(own) || alone(own));
+    if left.is_empty() || kept.is_empty() {
+        return None;
     }
+    let name = |own: &Placed| format!("{} of {}", own.effect.about().name, robot.joints[own.joint].name);
+    let names = left.iter().map(name).collect::<Vec<_>>().join(", ");
+    Some((kept, format!("{names}: left out, since the logs do not separate it from the arm's parameters")))
 }
 
 /// The identified arm in the simulator along the logs that the viewer shows; nothing without the viewer, or where the
@@ -284,4 +298,26 @@ fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) ->
         None => Smoothing::SavitzkyGolay { window, order, decimation },
     };
     Ok(Preparation { smoothing, band })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::InertiaCheck;
+
+    #[test]
+    fn joints_on_which_an_effect_is_not_separable_are_left_out_unless_they_were_named() {
+        let robot = robot::load("urdf/irb1600_6_120.urdf", InertiaCheck::Required).unwrap();
+        let wanted = |text: &str| vec![text.to_owned()];
+        let all = || place(&wanted("torque_offset"), &robot, None).unwrap();
+        let (kept, note) = separable(&wanted("torque_offset"), all(), &robot, |placed| placed.joint != 2).unwrap();
+        assert_eq!(kept.iter().map(|placed| placed.joint).collect::<Vec<_>>(), [0, 1, 3, 4, 5]);
+        assert!(note.starts_with(&format!("torque_offset of {}: left out", robot.joints[2].name)), "{note}");
+        // Nothing is left, nothing is left out, or the joint was asked for.
+        assert!(separable(&wanted("torque_offset"), all(), &robot, |_| false).is_none());
+        assert!(separable(&wanted("torque_offset"), all(), &robot, |_| true).is_none());
+        let named = wanted(&format!("torque_offset:{}", robot.joints[2].name));
+        let placed = place(&named, &robot, None).unwrap();
+        assert!(separable(&named, placed, &robot, |_| false).is_none());
+    }
 }

@@ -38,8 +38,12 @@ fn record(to: impl Write, film: &Film) -> io::Result<()> {
     for track in &film.tracks {
         arm::log(&mut file, &recording, film.robot, &visuals, track)?;
     }
-    for note in &visuals.notes {
-        tracing::warn!("{}: {note}; it is not drawn", film.robot.name);
+    if let Some(first) = visuals.notes.first() {
+        let others = match visuals.notes.len() - 1 {
+            0 => String::new(),
+            others => format!(", and {others} more like it (the viewer's page lists them)"),
+        };
+        tracing::warn!("{}: not drawn: {first}{others}", film.robot.name);
     }
     let notes: String = visuals.notes.iter().map(|note| format!("\n- not shown as the URDF has it: {note}")).collect();
     let verdict = [

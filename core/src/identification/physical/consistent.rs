@@ -48,6 +48,8 @@ pub struct Consistent {
     pub cost: f64,
     /// The best possible cost is lower by at most this.
     pub gap: f64,
+    /// Root mean square torque per joint on the training logs, N m.
+    pub torque_rms: Vec<f64>,
     /// Residual root mean square per joint on the training logs, N m.
     pub train_rms: Vec<f64>,
     /// The same on the held-out logs; empty where there are none.
@@ -80,7 +82,9 @@ pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &
         joints.iter().map(|joint| joint.residual_rms(&solution.beta)).collect::<Vec<f64>>()
     };
     let test_rms = if logs.test.is_empty() { Vec::new() } else { rms(&regression(logs.test)?.regression()?) };
-    Ok(Consistent { train_rms: rms(&training), test_rms, ..solution })
+    let zero = vec![0.0; solution.beta.len()];
+    let torque_rms = training.iter().map(|joint| joint.residual_rms(&zero)).collect();
+    Ok(Consistent { torque_rms, train_rms: rms(&training), test_rms, ..solution })
 }
 
 /// The parameters nearest to the base parameters `fitted` in the metric of `normal`, their inverse covariance; residuals stay
@@ -99,7 +103,16 @@ pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Con
     let beta = model.base().values(&standard);
     let cost = point.rows(0, program.fitted).norm_squared();
     let gap = 2.0 * BARRIER * (CONDITIONS * model.dof()) as f64;
-    Ok(Consistent { standard, beta, exact, cost, gap, train_rms: Vec::new(), test_rms: Vec::new() })
+    Ok(Consistent {
+        standard,
+        beta,
+        exact,
+        cost,
+        gap,
+        torque_rms: Vec::new(),
+        train_rms: Vec::new(),
+        test_rms: Vec::new(),
+    })
 }
 
 /// The program in the coordinates u: deviation of the base parameters in units of their uncertainty, then the standard

@@ -1,7 +1,7 @@
 //! Findings on a wrong description.
 
 use super::change::Change;
-use super::verdict::{Alternative, Verdict};
+use super::verdict::{Alternative, Shown, Verdict};
 use crate::quality::finding::{Finding, Kind, Severity};
 
 /// Alternatives that are named; more mean only that the logs do not decide.
@@ -111,6 +111,31 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
     }
 }
 
+/// What shows a change that the residuals do not show.
+fn not_by_residuals(shown: Shown, joints: &[String]) -> String {
+    match shown {
+        Shown::Constant { joint, constant, weight } => format!(
+            "the residuals do not show it, but as described the drive of {} would push with a constant {} N, where the bodies on it weigh {} N; \
+             only a balancer that is stronger than that could",
+            joints[joint],
+            about_signed(constant),
+            about(weight)
+        ),
+        Shown::Effort { joint, largest, limit } => format!(
+            "the residuals do not show it, but a twentieth of the samples is beyond {}, and the URDF's effort limit of {} is {}; only a \
+             heavy rotor and another limit could explain it",
+            about(largest),
+            joints[joint],
+            about(limit)
+        ),
+    }
+}
+
+/// A value with its sign in as many digits as it is known to.
+fn about_signed(value: f64) -> String {
+    format!("{}{}", if value < 0.0 { "-" } else { "" }, about(value.abs()))
+}
+
 /// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives.
 pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     let changes = &verdict.description.changes;
@@ -118,11 +143,14 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     let named = |alternative: &Alternative| {
         format!("{} ({})", all_words(&alternative.changes, joints), percent(alternative.unexplained))
     };
-    let gain = format!(
-        "with that {} of the torque stays unexplained on parts held out instead of {}",
-        percent(verdict.after),
-        percent(verdict.before)
-    );
+    let gain = match verdict.shown {
+        Some(shown) => not_by_residuals(shown, joints),
+        None => format!(
+            "with that {} of the torque stays unexplained on parts held out instead of {}",
+            percent(verdict.after),
+            percent(verdict.before)
+        ),
+    };
     let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
     let next = if verdict.unlike_bodies { format!("{next}; {ANOTHER}") } else { next };
     let rivals: Vec<String> = verdict.alternatives.iter().take(NAMED).map(named).collect();

@@ -8,9 +8,10 @@ use super::known::Known;
 use super::search::{Found, Outcome, search};
 use super::settle::settled;
 use super::sizes::scale::Scaled;
-use super::sizes::{ALIKE, factors, scale};
+use super::sizes::{ALIKE, effort, factors, scale};
 use super::tried::Tried;
-use super::verdict::{Alternative, Verdict};
+use super::verdict::{Alternative, Shown, Verdict};
+use super::weights::{self, Weighed};
 use crate::quality::view::View;
 use crate::robot::Robot;
 use nalgebra::Vector3;
@@ -116,7 +117,7 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         weightless.is_none_or(|weightless| better(&weightless)).then_some(scaled)
     };
     if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
-        return Some(scaled_verdict(&before, after, factors));
+        return Some(untraced_verdict(&before, after, factors));
     }
     let of_each = |bodies: &Physics| {
         let several = found.is_some_and(|best| best.description.scaled().count() > 1);
@@ -125,23 +126,47 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         asked.then(|| factors::of_all_joints(&free, bodies, &rows, &outcome.start, found)).flatten()
     };
     if let Some((after, factors)) = bodies.as_ref().and_then(of_each) {
-        return Some(scaled_verdict(&outcome.start, after, factors));
+        return Some(untraced_verdict(&outcome.start, after, factors));
     }
     if outcome.found.is_some() {
         return verdict(settled(bodies.as_ref(), &rows, outcome), confirmed);
     }
-    let outcome = search(Known { physics: bodies.as_ref()?, other: Some(&free) }, &rows, &with_motion, start)?;
-    verdict(settled(None, &rows, outcome), confirmed)
+    let bodies = bodies.as_ref()?;
+    let known = Known { physics: bodies, other: Some(&free) };
+    let outcome = search(known, &rows, &with_motion, start.clone())?;
+    if outcome.found.is_some() {
+        return verdict(settled(None, &rows, outcome), confirmed);
+    }
+    of_drives(bodies, &rows, &start)
 }
 
-/// The verdict on torques of another scale, which the logs do not trace to a cause.
-fn scaled_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> Verdict {
+/// The verdict on a description under which a drive would do what none does, though it explains the torques.
+fn of_drives(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Verdict> {
+    let of_all = |before: &Tried, after: Vec<Tried>, shown: Shown| {
+        let mut after = after.into_iter();
+        let best = after.next()?;
+        let alternatives =
+            after.map(|tried| Alternative { unexplained: tried.share(), changes: tried.description.changes });
+        let alternatives = alternatives.collect();
+        Some(Verdict { alternatives, shown: Some(shown), ..untraced_verdict(before, best, Vec::new()) })
+    };
+    if let Some(Weighed { before, after, shown }) = weights::weighed(bodies, rows, start) {
+        return of_all(&before, after, shown);
+    }
+    let (description, shown) = effort::of_one_joint(bodies, rows, start)?;
+    let [before, after] = [start.clone(), description].map(|own| Tried::new(bodies, rows, own));
+    of_all(&before?, vec![after?], shown)
+}
+
+/// The verdict on torques of another scale, and on others that the logs do not trace to a cause.
+fn untraced_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> Verdict {
     Verdict {
         before: before.share(),
         after: after.share(),
         each: [before.evaluation.unexplained.clone(), after.evaluation.unexplained],
         alternatives: Vec::new(),
         next: None,
+        shown: None,
         description: after.description,
         factors,
         unlike_bodies: false,
@@ -173,6 +198,7 @@ fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<
         each: [start.evaluation.unexplained, found.best.evaluation.unexplained.clone()],
         alternatives: found.rivals.into_iter().map(alternative).collect(),
         next: found.next.map(alternative),
+        shown: None,
         description: found.best.description,
         factors: Vec::new(),
         unlike_bodies,

@@ -10,6 +10,7 @@
 //! | whether a gain is large, and what the described bodies say to it | `known` |
 //! | which set of changes is the smallest | `search` |
 //! | which of those that the logs do not separate | `settle` |
+//! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
 //! | whether the clock is wrong | `clock` |
@@ -32,6 +33,7 @@ mod sizes;
 mod tried;
 mod turns;
 mod verdict;
+mod weights;
 
 pub use change::{Change, Description};
 pub(super) use clock::{clock_factor, clock_text};
@@ -39,7 +41,7 @@ pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};
 pub(super) use turns::are_turns;
-pub use verdict::{Alternative, Verdict};
+pub use verdict::{Alternative, Shown, Verdict};
 
 #[cfg(test)]
 mod tests;

@@ -80,6 +80,8 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
     let (mut seen, mut grown) = (vec![start.description.clone()], vec![start.description.clone()]);
     let whole = rows.whole();
     let (mut tried, mut without_gain) = (0, 0);
+    // The largest gain of a smaller set, whether or not that was credible: more changes that explain less are not the cause.
+    let mut of_smaller = 0.0;
     for size in 0..MOST {
         let mut candidates: Vec<Description> = Vec::new();
         let unscaled = grown.iter().filter(|from| from.scaled().next().is_none());
@@ -107,8 +109,11 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         seen.extend(candidates);
         grown = judged.iter().take(GROWN).map(|(tried, _)| tried.description.clone()).collect();
         let reached = found.as_ref().map_or(0.0, |found| found.gain.gain);
-        let promising = judged.first().is_some_and(|(_, gain)| gain.gain > reached + PROMISING);
-        let better = chosen(judged, &known, found.as_ref().map_or(&start, |found| &found.best), rows, tried);
+        let own = judged.first().map_or(0.0, |(_, gain)| gain.gain);
+        let (promising, explains_more) = (own > reached + PROMISING, own > of_smaller);
+        of_smaller = own.max(of_smaller);
+        let reference = found.as_ref().map_or(&start, |found| &found.best);
+        let better = chosen(judged, &known, reference, rows, tried).filter(|_| explains_more);
         match better {
             Some(better) => (found, without_gain) = (Some(better), 0),
             None if !promising || without_gain == PATIENCE => break,

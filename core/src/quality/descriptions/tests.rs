@@ -247,10 +247,13 @@ fn the_mounting_is_found_and_applying_it_leaves_nothing() {
     }
 }
 
+mod compensated;
 mod loads;
 mod models;
 mod right_logs;
 mod scales;
+mod slides;
+mod units;
 mod zeros;
 
 #[test]

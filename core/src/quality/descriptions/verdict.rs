@@ -11,7 +11,30 @@ pub struct Alternative {
     pub unexplained: f64,
 }
 
-/// What explains the logs clearly better than their description.
+/// What shows a change that explains the logs as well as their description does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shown {
+    /// As described, the drive of a joint that slides would need a constant force beyond the weight on it, N.
+    Constant {
+        /// The joint.
+        joint: usize,
+        /// The force.
+        constant: f64,
+        /// The weight of the described bodies where they hang on it.
+        weight: f64,
+    },
+    /// The torque of a joint is beyond the effort limit of its drive, N m (N).
+    Effort {
+        /// The joint.
+        joint: usize,
+        /// A torque that a twentieth of the samples exceeds.
+        largest: f64,
+        /// The limit.
+        limit: f64,
+    },
+}
+
+/// What explains the logs clearly better than their description, or as well and by a drive that exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// The changed description.
@@ -26,6 +49,8 @@ pub struct Verdict {
     pub alternatives: Vec<Alternative>,
     /// The best of the sets that are clearly worse.
     pub next: Option<Alternative>,
+    /// What shows the changes, where the residuals do not.
+    pub shown: Option<Shown>,
     /// Factors of the torques to those of the described bodies, where their scale is wrong.
     pub factors: Vec<Option<f64>>,
     /// Whether positions or gravity are changed, and the described bodies explain the torques no better for it: the log may be that of

@@ -1,5 +1,6 @@
 //! What the joints do: range and speed against the limits, units of position, joints that hardly move.
 
+mod exchange;
 mod position_unit;
 mod summary;
 
@@ -70,9 +71,12 @@ pub(super) fn findings(
         let revolute = robot.is_none_or(|robot| robot.joints[joint].kind == JointKind::Revolute);
         let limits = robot.map(|robot| robot.joints[joint].limits);
         if let Some(limits) = limits.filter(|_| leaves_limits(robot, joint, &summary.range)) {
+            let other = units.exchanged(joint).map_or(String::new(), |other| {
+                format!(" (those of {} are within them, and these within its own), or units", view.log.joints[other])
+            });
             let text = format!(
                 "the positions {:.3} .. {:.3} leave the URDF's limits {:.3} .. {:.3}; check zero positions, signs and the \
-                     order of the joints",
+                     order of the joints{other}",
                 summary.range[0], summary.range[1], limits.lower, limits.upper
             );
             out.push(Finding::new(Kind::OutsideLimits, Severity::Warning, place.clone(), text));

@@ -1,5 +1,6 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
+use super::exchange;
 use super::summary::JointSummary;
 use crate::quality::places::grouped;
 use crate::quality::velocity;
@@ -16,9 +17,9 @@ const BEYOND: f64 = 4.0;
 /// A joint beyond its limits is too fast for its unit from this many times its limit of speed.
 const TOO_FAST: f64 = 5.0;
 
-/// In the other unit, position and speed exceed the limits by no more than these factors.
-const WITHIN: f64 = 1.05;
-const NOT_FASTER: f64 = 1.5;
+/// In the other unit, or as those of another joint, position and speed exceed the limits by no more than these factors.
+pub(super) const WITHIN: f64 = 1.05;
+pub(super) const NOT_FASTER: f64 = 1.5;
 
 /// Whole turns by which angles may be away; those that are farther count something else.
 const TURNS_AWAY: f64 = 2.0;
@@ -192,6 +193,8 @@ fn fitting(
 pub(crate) struct PositionUnits {
     /// Of each joint the units that fit, where SI units do not.
     doubts: Vec<Option<Vec<OtherUnit>>>,
+    /// Of each joint the one whose positions it may have.
+    exchanged: Vec<Option<usize>>,
     kinds: Vec<JointKind>,
 }
 
@@ -221,7 +224,16 @@ impl PositionUnits {
                 }
             }
         }
-        PositionUnits { doubts, kinds }
+        // The positions of a joint that turns are far too large for one that slides, in which no unit is wrong.
+        let partner = |joint: usize| exchange::partner(robot.filter(|_| doubts[joint].is_some())?, summaries, joint);
+        let exchanged: Vec<Option<usize>> = (0..view.dof()).map(partner).collect();
+        doubts.iter_mut().zip(&exchanged).filter(|(_, other)| other.is_some()).for_each(|(doubt, _)| *doubt = None);
+        PositionUnits { doubts, exchanged, kinds }
+    }
+
+    /// The joint whose positions this one may have: in each other's place both are within their limits.
+    pub(super) fn exchanged(&self, joint: usize) -> Option<usize> {
+        self.exchanged[joint]
     }
 
     /// Whether the positions of any joint are not in rad or m.

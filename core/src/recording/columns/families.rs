@@ -1,5 +1,6 @@
 //! Columns that are called alike, and the joints that they name or number.
 
+use super::bare;
 use super::names::{self, Joint, Meaning};
 use std::collections::BTreeMap;
 
@@ -159,7 +160,7 @@ pub struct JointNames {
 
 /// The joints whose positions a header names or numbers.
 pub(crate) fn joint_names(header: &[String]) -> JointNames {
-    let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
+    let (meanings, _) = bare::meanings(header);
     let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
     let numbered = positions(&meanings).iter().filter(numbered).count();
     let names = own_names(&meanings);

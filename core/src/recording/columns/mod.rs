@@ -4,6 +4,7 @@
 //! on how names were understood; or an error that names what is missing. With the values it gives the recording. Names are those of
 //! many programs ([`names`]), or given in a data set ([`ColumnMap`]).
 
+mod bare;
 mod families;
 pub(super) mod labels;
 mod layout;

@@ -1,5 +1,6 @@
 //! The search for the columns of a recording by their names.
 
+use super::bare;
 use super::families::{Place, any_position, base, behind_prefix, best_family, candidates, numbers_in_names, own_names};
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
@@ -45,12 +46,12 @@ impl Layout {
         joints: Option<&[String]>,
         demand: Demand,
     ) -> Result<Layout> {
-        let meanings: Vec<_> = header.iter().map(|name| names::meanings(name)).collect();
+        let (meanings, on_bare) = bare::meanings(header);
         let names = match joints {
             Some(joints) => joints.to_vec(),
             None => own_names(&meanings),
         };
-        let mut understood = Vec::new();
+        let mut understood: Vec<String> = on_bare.into_iter().collect();
         let mut numbers = BTreeMap::new();
         if joints.is_some() && !any_position(&meanings, &names) {
             numbers = numbers_in_names(&meanings, names.len());

@@ -5,6 +5,7 @@
 //! seconds, the rows that were left out ([`Rejected`]), and notes on what was assumed and corrected ([`Sieved`]).
 
 mod join;
+mod plausible;
 mod read;
 mod source;
 mod units;

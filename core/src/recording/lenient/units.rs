@@ -1,5 +1,6 @@
 //! Units that the names of columns give: positions, velocities, accelerations and torques in these are converted to those of SI.
 
+use super::plausible;
 use crate::recording::Recording;
 use crate::recording::columns::names::{ACCELERATION, POSITION, QUANTITIES, TORQUE, Unit, VELOCITY};
 use std::f64::consts::TAU;
@@ -14,6 +15,7 @@ pub(super) fn in_si(log: &mut Recording, mut units: [Vec<Option<Unit>>; 4], know
     for (own, _) in units.iter_mut().zip(known).filter(|(_, known)| *known) {
         own.fill(None);
     }
+    let contradicted = plausible::without_contradicted(log, &mut units, known);
     let positions: Vec<f64> = units[POSITION].iter().map(|unit| unit.map_or(1.0, |unit| unit.factor)).collect();
     let mut factors = [POSITION, VELOCITY, ACCELERATION, TORQUE].map(|quantity| {
         let own = units[quantity].iter().map(|unit| unit.map_or(1.0, |unit| unit.factor));
@@ -31,7 +33,7 @@ pub(super) fn in_si(log: &mut Recording, mut units: [Vec<Option<Unit>>; 4], know
         let with_rates = quantity == POSITION && rates_follow;
         notes(log, quantity, &units[quantity], with_rates)
     });
-    let notes = notes.collect();
+    let notes = contradicted.into_iter().chain(notes).collect();
     let Recording { q, qd, qdd, tau, .. } = log;
     let tables = [Some(q), qd.as_mut(), qdd.as_mut(), Some(tau)];
     for (table, factors) in tables.into_iter().zip(factors) {

@@ -47,6 +47,7 @@ pub(crate) struct Friction {
 /// Normal equations of a joint under a description.
 struct Equations<'a> {
     table: &'a JointTable,
+    joint: usize,
     channel: usize,
     /// Columns times the torque to explain, of each block.
     right: Vec<DVector<f64>>,
@@ -85,6 +86,7 @@ impl<'a> Fit<'a> {
             });
             Some(Equations {
                 table,
+                joint,
                 channel,
                 right: right.collect(),
                 squares: squares.collect(),
@@ -167,6 +169,18 @@ impl<'a> Fit<'a> {
             (scatter * (count - 1.0) / count).sqrt()
         };
         Some((0..whole.len()).map(|joint| Friction { share: whole[joint], error: error(joint) }).collect())
+    }
+
+    /// Constant torque of the drive of every joint that takes part, with the joint, in a fit of all rows.
+    pub(crate) fn constants(&self) -> Option<Vec<(usize, f64)>> {
+        let (weights, _) = self.weighted()?;
+        let solution = self.solve(&weights, self.bounds, &|_| true)?;
+        let of = |joint: &Equations| {
+            let column = joint.table.width() - FRICTION_COLUMNS - 1;
+            let place = joint.table.parameters.iter().find_map(|own| own[column]);
+            (joint.joint, place.map_or(0.0, |place| solution[place]))
+        };
+        Some(self.joints.iter().map(of).collect())
     }
 
     /// Weights of the joints, and the mean squared residual of each with them.

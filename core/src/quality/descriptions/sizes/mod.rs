@@ -5,9 +5,11 @@
 //! | a free direction of gravity | `tilt` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
+//! | whether a torque is beyond its drive | `effort` |
 //! | where the zero of a joint is | `zeros` |
 //! | the least value of a function | `golden` |
 
+pub(super) mod effort;
 pub(super) mod factors;
 mod golden;
 pub(super) mod scale;

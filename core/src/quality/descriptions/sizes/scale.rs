@@ -17,7 +17,7 @@ pub(crate) const ALIKE: f64 = 0.35;
 const NEEDED: f64 = 2.0;
 
 /// Masses of a URDF are wrong by less than this factor, unless they are placeholders, whose torque is not alike.
-const PLAUSIBLE: f64 = 8.0;
+pub(crate) const PLAUSIBLE: f64 = 8.0;
 
 /// Factors up to so many times larger and smaller than the first estimate are tried: a load may have raised that of the wrist.
 const WIDEST: f64 = 100.0;
@@ -168,7 +168,17 @@ pub(crate) fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
 fn factor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
     // The rotor, the constant and friction.
     let all = table.width();
-    let own: Vec<usize> = std::iter::once(0).chain(all.checked_sub(FRICTION_COLUMNS + 1)?..all).collect();
+    factor_over(std::iter::once(0).chain(all.checked_sub(FRICTION_COLUMNS + 1)?..all).collect(), table, channel, rows)
+}
+
+/// The same of a joint whose rotor has no part in it.
+pub(crate) fn factor_without_rotor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
+    let all = table.width();
+    factor_over((all.checked_sub(FRICTION_COLUMNS + 1)?..all).collect(), table, channel, rows)
+}
+
+/// The same with columns of its `own` besides the torque of the bodies.
+fn factor_over(own: Vec<usize>, table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
     let width = own.len();
     let count: usize = table.rows.iter().sum();
     if !rows.measured[channel] || count < 4 * (width + 1) {

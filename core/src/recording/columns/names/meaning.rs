@@ -5,7 +5,18 @@ use super::unit::Unit;
 use super::words::{SEPARATORS, without_unit, words};
 
 /// Words for the current of a motor, which stands in for its torque.
-const CURRENT: [&str; 7] = ["current", "currents", "motor_current", "motor_currents", "amps", "cur", "curr"];
+const CURRENT: [&str; 10] = [
+    "current",
+    "currents",
+    "motor_current",
+    "motor_currents",
+    "axis_current",
+    "drive_current",
+    "amps",
+    "cur",
+    "curr",
+    "macur",
+];
 
 /// Units that stand behind a name without brackets.
 const UNIT_WORDS: [&str; 26] = [
@@ -120,7 +131,7 @@ pub(crate) struct Meaning {
 
 impl Meaning {
     /// A measured quantity of a joint, in a unit that is not known.
-    fn new(quantity: usize, joint: Joint, family: String) -> Meaning {
+    pub(in crate::recording::columns) fn new(quantity: usize, joint: Joint, family: String) -> Meaning {
         Meaning {
             truth: false,
             quantity,
@@ -273,6 +284,12 @@ fn named(name: &str) -> Option<Meaning> {
         return meaning(found, &joint.join("/"), format!("#/{last}"), 1);
     }
     let [part] = parts else { return None };
+    // Several words before a joint of a letter and a number: `TORQUE_AXIS_ACT_A1`.
+    if let Some((before, joint)) = part.rsplit_once(['_', ' ']).filter(|(_, joint)| is_numbered(joint))
+        && let Some(found) = quantity(&words(before))
+    {
+        return meaning(found, joint, format!("{before}_#"), 1);
+    }
     // One word before or behind the joint's name.
     let (before, behind) = part.split_once(['_', ' '])?;
     if let Some(found) = quantity(&words(before)).filter(|_| before.len() > 1) {
@@ -282,6 +299,12 @@ fn named(name: &str) -> Option<Meaning> {
     let found = quantity(&words(behind))?;
     let joint = before.strip_suffix("_actual").or(before.strip_suffix("_measured")).unwrap_or(before);
     meaning(found, joint, format!("#_{behind}"), 2)
+}
+
+/// Whether a word is a letter and a number, as controllers call axes.
+fn is_numbered(word: &str) -> bool {
+    let number = word.trim_start_matches(|letter: char| letter.is_ascii_alphabetic());
+    number.len() + 1 == word.len() && !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// Parts of a path.

@@ -29,6 +29,8 @@ fn numbers_behind_the_quantity() {
         ("q_dot_1", VELOCITY, 1),
         ("q1 [rad]", POSITION, 1),
         ("torques[0]", TORQUE, 0),
+        ("$TORQUE_AXIS_ACT[1]", TORQUE, 1),
+        ("$VEL_AXIS_ACT[1]", VELOCITY, 1),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Number(number))), "{column}");
     }
@@ -48,6 +50,13 @@ fn names_before_and_behind_the_quantity() {
         ("elbow_flex.pos", POSITION, "elbow_flex"),
         ("joint_1_vel", VELOCITY, "joint_1"),
         ("q_joint_1", POSITION, "joint_1"),
+        ("$AXIS_ACT.A1", POSITION, "A1"),
+        ("$AXIS_ACT_A1", POSITION, "A1"),
+        ("AxisVel_A1", VELOCITY, "A1"),
+        ("Torque_A1", TORQUE, "A1"),
+        ("TorqueAct_A1", TORQUE, "A1"),
+        ("MotorTorque_A1", TORQUE, "A1"),
+        ("TORQUE_AXIS_ACT_A1", TORQUE, "A1"),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Name(name.to_owned()))), "{column}");
     }

@@ -71,6 +71,11 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
             factor = factor_of(&whole);
             STAMP
         }
+        // The interpolation cycle of a KUKA controller, in ms.
+        "ipoc" => {
+            factor = Some(1e-3);
+            STAMP
+        }
         "zeit" | "temps" | "tiempo" | "tempo" => STAMP,
         "t" | "time" if factor.is_some() && unit.is_none() => STAMP,
         "t" | "time" if column.starts_with(['_', '%']) => OF_LOGGER,

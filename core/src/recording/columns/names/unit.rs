@@ -69,7 +69,7 @@ const OF_TIME: [&str; 5] = ["s", "sec", "ms", "us", "ns"];
 
 impl Unit {
     /// The unit of a quantity by its text. A velocity of which the name says `deg` alone is in deg/s.
-    pub(super) fn of(text: &str, quantity: usize) -> Option<Unit> {
+    pub(in crate::recording::columns) fn of(text: &str, quantity: usize) -> Option<Unit> {
         let text = bare(text);
         let find = |quantity: usize, text: &str| {
             let row = UNITS.iter().find(|row| row.0 == quantity && row.4.contains(&text))?;

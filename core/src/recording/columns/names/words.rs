@@ -8,7 +8,8 @@ pub(super) fn words(name: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut small = false;
     for letter in name.chars() {
-        let separates = SEPARATORS.contains(&letter) || letter == '-';
+        // A controller's own variables begin with a dollar sign.
+        let separates = SEPARATORS.contains(&letter) || matches!(letter, '-' | '$');
         if separates || (letter.is_uppercase() && small) {
             out.push(String::new());
         }

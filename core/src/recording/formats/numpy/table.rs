@@ -60,6 +60,21 @@ pub(crate) fn npy(path: &Path) -> Result<Table> {
     table(path, arrays)
 }
 
+/// What arrays with the names of another array's columns are called.
+const OF_COLUMNS: [&str; 5] = ["columns", "column_names", "header", "fields", "labels"];
+
+/// What makes seconds between two rows of a number with this name.
+fn step_of(name: &str) -> Option<fn(f64) -> f64> {
+    match name.to_ascii_lowercase().as_str() {
+        "dt" | "ts" | "period" | "timestep" | "time_step" | "sample_time" | "dt_s" => Some(|seconds| seconds),
+        "dt_ms" | "period_ms" => Some(|milliseconds| 1e-3 * milliseconds),
+        "rate" | "rate_hz" | "fs" | "freq" | "frequency" | "hz" | "sampling_rate" | "sample_rate" => {
+            Some(|rate| 1.0 / rate)
+        }
+        _ => None,
+    }
+}
+
 fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
     let is_time = |array: &&Array| names::time(&array.name, 1).is_some() && array.values.len() > 1;
     let longest = || arrays.iter().flat_map(|array| &array.shape).copied().max();
@@ -70,6 +85,9 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
             matches!(array.name.as_str(), "name" | "names" | "joint_names" | "joints") && !array.texts.is_empty()
         })
         .map_or(&[], |array| array.texts.as_slice());
+    // Names of the columns of one array.
+    let columns: &[String] =
+        arrays.iter().find(|array| OF_COLUMNS.contains(&array.name.as_str())).map_or(&[], |array| &array.texts);
     let mut table = Table::default();
     for array in &arrays {
         let (count, step) = match *array.shape.as_slice() {
@@ -85,6 +103,7 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
         let of_joint = names::meanings(&format!("{}[0]", array.name)).first().map(|meaning| meaning.quantity);
         for place in 0..count {
             let name = match (of_joint, labels.get(place)) {
+                _ if columns.len() == count && count > 1 => columns[place].clone(),
                 (Some(quantity), Some(label)) if labels.len() == count => {
                     format!("{label}{}", names::QUANTITIES[quantity].suffixes[0])
                 }
@@ -94,6 +113,15 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
             table.header.push(name);
             table.columns.push((0..rows).map(|row| array.values[row * step[0] + place * step[1]]).collect());
         }
+    }
+    // The time between two rows stands in for their times.
+    let step = arrays.iter().find_map(|array| match (array.values.as_slice(), step_of(&array.name)) {
+        ([value], Some(step)) if *value > 0.0 => Some(step(*value)),
+        _ => None,
+    });
+    if let (Some(step), None) = (step, arrays.iter().find(is_time)) {
+        table.header.push("t".to_owned());
+        table.columns.push((0..rows).map(|row| row as f64 * step).collect());
     }
     match table.header.is_empty() {
         true => Err(Error::input(path, None, "numpy", "there is no array of numbers in it")),

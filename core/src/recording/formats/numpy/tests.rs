@@ -116,3 +116,22 @@ fn an_array_without_names_is_refused() {
         let _ = read(&archive(&[("t.npy", whole[..length].to_vec())], 9)[..length], "log.npz");
     }
 }
+
+#[test]
+fn a_period_stands_in_for_times_and_names_of_columns_belong_to_one_array() {
+    let letters = |names: &str| names.chars().flat_map(|letter| (letter as u32).to_le_bytes()).collect::<Vec<u8>>();
+    let data = array("'<f8'", "False", "(3, 2)", &doubles(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    let named = |name: &str, value: f64| {
+        let step = array("'<f8'", "False", "()", &doubles(&[value]));
+        let names = array("'<U2'", "False", "(2,)", &letters("q1r1"));
+        let files = [("data.npy", data.clone()), (name, step), ("columns.npy", names)];
+        read(&archive(&files, 9), "log.npz").unwrap()
+    };
+    let table = named("dt.npy", 0.25);
+    assert_eq!(
+        (&table.header[..], &table.columns[2][..]),
+        (&["q1", "r1", "t"].map(String::from)[..], &[0.0, 0.25, 0.5][..])
+    );
+    assert_eq!(named("rate_hz.npy", 4.0).columns[2], [0.0, 0.25, 0.5]);
+    assert_eq!(named("mass.npy", 4.0).header, ["q1", "r1"]);
+}

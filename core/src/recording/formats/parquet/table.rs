@@ -24,7 +24,16 @@ pub(in crate::recording) struct Table {
 }
 
 fn broken(path: &Path, error: impl std::fmt::Display) -> Error {
-    Error::input(path, None, "Parquet", format!("the file cannot be read: {error}"))
+    let error = error.to_string();
+    // The reader names the compression that it was built without.
+    let cure = match error.split_once("Disabled feature at compile time: ") {
+        Some((_, compression)) => format!(
+            ": {compression} is not read; save the file with another compression, in pandas by \
+             df.to_parquet(\"log.parquet\", compression=\"zstd\")"
+        ),
+        None => String::new(),
+    };
+    Error::input(path, None, "Parquet", format!("the file cannot be read: {error}{cure}"))
 }
 
 fn builder(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>> {
@@ -121,5 +130,18 @@ impl Table {
     /// Adds the file's metadata on the recording.
     pub(crate) fn describe(&self, recording: &mut Recording) {
         describe(&self.metadata, recording);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_compression_that_is_not_read_has_a_cure() {
+        let said =
+            broken(Path::new("a.parquet"), "Parquet error: Disabled feature at compile time: brotli").to_string();
+        assert!(said.ends_with("brotli is not read; save the file with another compression, in pandas by df.to_parquet(\"log.parquet\", compression=\"zstd\")"), "{said}");
+        assert!(!broken(Path::new("a.parquet"), "EOF").to_string().contains("compression"));
     }
 }

@@ -90,7 +90,8 @@ fn days_from_1970(year: i64, month: i64, day: i64) -> i64 {
     era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
 }
 
-/// The parts of a cell that is a list, `[0.1, 0.2]` or `array('d', [0.1, 0.2])`; none of another cell.
+/// The parts of a cell that is a list, `[0.1, 0.2]`, `array('d', [0.1, 0.2])` or `[np.float64(0.1), np.float64(0.2)]`; none of another
+/// cell.
 pub(super) fn list(cell: &str) -> Vec<&str> {
     let Some(start) = cell.rfind('[').or(cell.starts_with('(').then_some(0)) else { return Vec::new() };
     if start > 0 && !cell.starts_with("array(") {
@@ -99,9 +100,15 @@ pub(super) fn list(cell: &str) -> Vec<&str> {
     let inside = cell[start + 1..].trim_end_matches([']', ')']);
     inside
         .split([',', ';', ' ', '\t'])
-        .map(|part| part.trim_matches(['\'', '"', ' ']))
+        .map(|part| without_type(part).trim_matches(['\'', '"', ' ']))
         .filter(|part| !part.is_empty())
         .collect()
+}
+
+/// A value without the type that numpy writes around it from its second version on.
+fn without_type(part: &str) -> &str {
+    let typed = part.strip_prefix("np.").or(part.strip_prefix("numpy."));
+    typed.and_then(|typed| typed.split_once('(')).map_or(part, |(_, value)| value.trim_end_matches(')'))
 }
 
 /// The parts of a cell in a column of lists, or the cell itself.
@@ -141,6 +148,8 @@ mod tests {
         assert_eq!(list("[0.1, -2e3]"), ["0.1", "-2e3"]);
         assert_eq!(list("array('d', [1.0, 2.0])"), ["1.0", "2.0"]);
         assert_eq!(list("['a', 'b']"), ["a", "b"]);
+        assert_eq!(list("[np.float64(-0.5), np.float32(2e-3)]"), ["-0.5", "2e-3"]);
+        assert_eq!(list("[np.str_('a'), np.str_('b')]"), ["a", "b"]);
         assert!(list("1.5").is_empty() && list("elbow[0]").is_empty() && list("").is_empty());
     }
 }

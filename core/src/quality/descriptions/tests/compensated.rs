@@ -1,0 +1,35 @@
+//! Torques from which a controller took the gravity of a model whose masses are not quite the arm's.
+
+use super::*;
+
+#[test]
+fn gravity_that_a_controller_takes_off_is_nothing_else() {
+    let mut wrong = Vec::new();
+    let mut found = 0;
+    for robot in [irb(), arm("tests/reference/skew7.urdf")] {
+        for seed in 0..4 {
+            let actual = scales::with_other_masses(&robot, seed);
+            let logs = [0, 1].map(|log| {
+                let mut log = simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log);
+                let q = log.recording.q.clone();
+                let still = q.map(|_, channel| vec![0.0; channel.len()]);
+                let motion = Motion { q, qd: still.clone(), qdd: still };
+                let gravity = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
+                for joint in 0..robot.dof() {
+                    let tau = log.recording.tau.channel_mut(joint).iter_mut();
+                    tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
+                }
+                log
+            });
+            let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
+            let verdicts = together.reports.into_iter().filter_map(|report| report.description);
+            for changes in verdicts.map(|verdict| verdict.description.changes) {
+                found += usize::from(changes == [Change::WithoutGravity]);
+                if changes != [Change::WithoutGravity] {
+                    wrong.push(format!("{}, {seed}: {changes:?}", robot.name));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty() && found > 0, "{found}: {}", wrong.join("\n"));
+}

@@ -1,0 +1,142 @@
+//! Weights for which constants of the drives make up.
+//!
+//! The weight on a joint that slides is constant, and so is a part of its drive's torque: no residual shows that an arm hangs from a
+//! ceiling, or that a slide is upright. The drive then needs a constant force that no drive has. Only a part of the weight may be
+//! one, which a balancer takes off.
+
+use super::change::{Change, Description};
+use super::compare::compare;
+use super::fitting::{Fit, Physics, Rows};
+use super::sizes::ALIKE;
+use super::tried::Tried;
+use super::verdict::Shown;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::linear::root_mean_square;
+use crate::robot::Robot;
+
+/// Under any direction of gravity a weight varies over the log by less than this share of its size: one on a joint that others turn varies
+/// by more, and residuals decide about it.
+const VARIES: f64 = 0.05;
+
+/// A weight counts from this share of the root mean square torque of its joint: offsets of drives come to a few hundredths of that.
+const HEAVY: f64 = 0.3;
+
+/// Share of the weight above which a constant, less what a balancer may take off, is none of a drive, and below which it is: described
+/// masses may be wrong by half.
+const OF_WEIGHT: f64 = 0.5;
+
+/// A changed description may leave the limits of a joint by so much more than the given one, m.
+const LEAVES: f64 = 0.01;
+
+/// Descriptions under which no drive needs a constant beyond its weight.
+pub(super) struct Weighed {
+    /// The logs as they are.
+    pub before: Tried,
+    /// The changed descriptions, of which the logs allow each; at least one.
+    pub after: Vec<Tried>,
+    /// What the drive would need as described.
+    pub shown: Shown,
+}
+
+/// Other directions of gravity, or of an axis, under which the logs are explained as well and drives need no constants; none where those of
+/// the given description may be a drive's.
+pub(super) fn weighed(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Weighed> {
+    let Physics::Bodies(robot) = bodies else { return None };
+    let along = |axis: usize, size: f64| {
+        let mut gravity = [0.0; 3];
+        gravity[axis] = size;
+        gravity
+    };
+    let size = start.gravity.norm();
+    let directions: Vec<[f64; 3]> = (0..3).flat_map(|axis| [size, -size].map(|size| along(axis, size))).collect();
+    let each: Vec<Vec<Weight>> =
+        directions.iter().map(|&gravity| weights(robot, rows, &start.with(Change::Gravity(gravity)))).collect();
+    let heaviest: Vec<Weight> = (0..start.dof())
+        .map(|joint| Weight {
+            size: each.iter().map(|of| of[joint].size.abs()).fold(0.0, f64::max),
+            varies: each.iter().map(|of| of[joint].varies).fold(0.0, f64::max),
+        })
+        .collect();
+    let counts = |joint: usize| {
+        let Weight { size, varies } = heaviest[joint];
+        let torque = rows.size[start.torque_of[joint]];
+        let slides = !rows.turns[joint] && rows.measured[start.torque_of[joint]];
+        slides && varies < VARIES * size && size > HEAVY * torque
+    };
+    let constants = |description: &Description| -> Option<Vec<(usize, f64)>> {
+        let whole = rows.whole();
+        let tables = bodies.tables(&whole, description);
+        let constants = Fit::new(&tables, &whole, description).constants()?;
+        Some(constants.into_iter().filter(|(joint, _)| counts(*joint)).collect())
+    };
+    let given = weights(robot, rows, start);
+    let excess = |&(joint, constant): &(usize, f64)| beyond_balance(constant, given[joint].size) / heaviest[joint].size;
+    let needed = constants(start)?;
+    let worst = needed.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+    if excess(worst) < OF_WEIGHT {
+        return None;
+    }
+    let before = Tried::new(bodies, rows, start.clone())?;
+    let beyond = |description: &Description| -> f64 {
+        let positions = description.positions(&rows.motion.q);
+        let of = |joint: usize| rows.beyond_limits(joint, positions.channel(joint)).max(0.0);
+        (0..description.dof()).map(of).fold(0.0, f64::max)
+    };
+    let changes = directions.into_iter().map(Change::Gravity).chain([Change::AxisSign(worst.0)]);
+    let after: Vec<Tried> = changes
+        .map(|change| start.with(change))
+        .filter(|changed| !changed.same_as(start) && beyond(changed) < beyond(start) + LEAVES)
+        .filter(|changed| {
+            let small = |(joint, constant): &(usize, f64)| constant.abs() < OF_WEIGHT * heaviest[*joint].size;
+            constants(changed).is_some_and(|constants| constants.iter().all(small))
+        })
+        .filter_map(|changed| Tried::new(bodies, rows, changed))
+        .filter(|tried| {
+            let worse = compare(&tried.evaluation, &before.evaluation, &rows.log).is_none_or(|loss| loss.is_distinct());
+            tried.share() < ALIKE && !worse
+        })
+        .collect();
+    let (joint, constant) = *worst;
+    let shown = Shown::Constant { joint, constant, weight: heaviest[joint].size };
+    (!after.is_empty()).then_some(Weighed { before, after, shown })
+}
+
+/// By how much a constant is beyond what a balancer makes, which takes off the weight or a part of it.
+fn beyond_balance(constant: f64, weight: f64) -> f64 {
+    (constant - constant.clamp((-weight).min(0.0), (-weight).max(0.0))).abs()
+}
+
+/// The torque of gravity on a joint over a log.
+#[derive(Debug, Clone, Copy)]
+struct Weight {
+    /// Its mean.
+    size: f64,
+    /// Root mean square of what varies.
+    varies: f64,
+}
+
+/// The torque of gravity on every joint under a description.
+fn weights(robot: &Robot, rows: &Rows, description: &Description) -> Vec<Weight> {
+    let still = rows.motion.qd.map(|_, channel| vec![0.0; channel.len()]);
+    let motion = Motion { q: description.positions(&rows.motion.q), qd: still.clone(), qdd: still };
+    let chain = Chain::new(robot).with_gravity(description.gravity.into());
+    let of = |torque: &[f64]| {
+        let size = torque.iter().sum::<f64>() / torque.len().max(1) as f64;
+        let varies: Vec<f64> = torque.iter().map(|own| own - size).collect();
+        Weight { size, varies: root_mean_square(&varies) }
+    };
+    inverse_dynamics(&chain, &robot.inertial_parameters(), &motion).iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_balancer_takes_off_the_weight_and_no_more() {
+        let of = |constant: f64| beyond_balance(constant, 14.0);
+        assert_eq!([of(-14.0), of(-7.0), of(0.0)], [0.0; 3]);
+        assert_eq!([of(-28.0), of(3.0)], [14.0, 3.0]);
+        assert_eq!([beyond_balance(5.0, 0.0), beyond_balance(14.0, -14.0)], [5.0, 0.0]);
+    }
+}

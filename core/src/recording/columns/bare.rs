@@ -1,0 +1,83 @@
+//! Columns that are called by their joint alone, `J1` or `A1 [deg]`: positions, or what their unit says.
+
+use super::names::{self, Joint, Meaning, POSITION, QUANTITIES, Unit};
+
+/// What controllers call a joint, before its number.
+const OF_JOINT: [&str; 8] = ["j", "a", "joint", "axis", "ax", "axis_a", "motor", "servo"];
+
+/// Positions that a log has besides those of its joints, at most: that of a gripper.
+const OTHERS: usize = 1;
+
+/// All ways to understand the names of a header, and a note on columns that are taken for positions without saying so. A joint's
+/// name alone counts where the joints have no other positions.
+pub(super) fn meanings(header: &[String]) -> (Vec<Vec<Meaning>>, Option<String>) {
+    let mut all: Vec<Vec<Meaning>> = header.iter().map(|name| names::meanings(name)).collect();
+    let measured = |meaning: &&Meaning| !meaning.truth && !meaning.exact_only && meaning.quantity == POSITION;
+    let known = all.iter().filter(|readings| readings.first().as_ref().is_some_and(measured)).count();
+    let bare: Vec<(usize, Meaning)> =
+        (0..header.len()).filter_map(|column| Some((column, bare(&header[column])?))).collect();
+    let positions = bare.iter().filter(|(_, meaning)| meaning.quantity == POSITION).count();
+    if known > OTHERS || known >= positions {
+        return (all, None);
+    }
+    let without_unit =
+        bare.iter().find(|(_, meaning)| meaning.unit.is_none()).map(|(column, _)| header[*column].clone());
+    for (column, meaning) in bare {
+        all[column].push(meaning);
+    }
+    let note = without_unit
+        .map(|first| format!("{first} and its like say no quantity: they are taken for the joints' positions"));
+    (all, note)
+}
+
+/// The meaning of a joint's name alone, or with a unit behind it.
+fn bare(column: &str) -> Option<Meaning> {
+    let start = column.find(|letter: char| letter.is_ascii_digit())?;
+    let digits = column[start..].bytes().take_while(u8::is_ascii_digit).count();
+    let (stem, rest) = (&column[..start], &column[start + digits..]);
+    let word = stem.trim_end_matches(['_', ' ', '.', '[']).to_lowercase();
+    if !OF_JOINT.contains(&word.as_str()) {
+        return None;
+    }
+    let unit = rest.trim_matches([' ', '[', ']', '(', ')', '_', '.']);
+    let in_unit = |text: &str| (0..QUANTITIES.len()).find_map(|quantity| Some((quantity, Unit::of(text, quantity)?)));
+    let (quantity, unit) = match unit {
+        "" => (POSITION, None),
+        // `rad_s` is `rad/s`.
+        text => in_unit(&text.replace('_', "/")).or_else(|| in_unit(text)).map(|(own, unit)| (own, Some(unit)))?,
+    };
+    // `Axis_A1` is A1 elsewhere.
+    let name = &column[..start + digits];
+    let last =
+        name.rsplit(['_', ' ', '.']).next().filter(|last| last.starts_with(|letter: char| letter.is_alphabetic()));
+    let joint = Joint::Name(last.unwrap_or(name).to_owned());
+    let current = unit.is_some_and(Unit::is_current);
+    Some(Meaning { unit, current, ..Meaning::new(quantity, joint, format!("bare {quantity}")) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(header: &[&str]) -> Vec<Option<(usize, Option<&'static str>)>> {
+        let header: Vec<String> = header.iter().map(|name| (*name).to_owned()).collect();
+        let first = |readings: &Vec<Meaning>| {
+            readings.first().map(|meaning| (meaning.quantity, meaning.unit.map(|unit| unit.symbol)))
+        };
+        meanings(&header).0.iter().map(first).collect()
+    }
+
+    #[test]
+    fn a_joint_alone_is_its_position_where_nothing_else_is() {
+        assert_eq!(of(&["t", "J1", "torque_J1"]), [None, Some((0, None)), Some((3, None))]);
+        assert_eq!(of(&["t", "A1 [deg]", "tau1"]), [None, Some((0, Some("deg"))), Some((3, None))]);
+        assert_eq!(of(&["t", "J1", "q1", "tau1"])[1], None);
+        assert_eq!(of(&["t", "X1", "tau1", "J1 [%]"]), [None, None, Some((3, None)), None]);
+    }
+
+    #[test]
+    fn a_unit_says_the_quantity() {
+        let of = of(&["J1_rad", "J1_rad_s", "J1_Nm", "j1 [deg/s]"]);
+        assert_eq!(of, [(0, "rad"), (1, "rad/s"), (3, "N m"), (1, "deg/s")].map(|(k, unit)| Some((k, Some(unit)))));
+    }
+}

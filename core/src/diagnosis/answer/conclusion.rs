@@ -242,8 +242,7 @@ fn answer<'a>(
     // Where the search was ended, nothing but the map has looked for structure: there it decides alone.
     let data_sets: &[&DataSet] = if unfinished { &[] } else { &[&session.logs.train, &session.logs.test] };
     let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
-    let followed =
-        mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria.structure, options.alpha, apart)?;
+    let followed = mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria, options.alpha, apart)?;
     unexplained.extend(followed);
     let extended_test_rms = rms(&test.valid, &extended);
     if unfinished {

@@ -55,7 +55,7 @@ impl Searched {
         let (selection, minor) = found_that_matter(session, options, watch)?;
         let unexplained = match watch.is_over() {
             true => Vec::new(),
-            false => unexplained(session, &selection, &options.criteria.structure, options.alpha)?,
+            false => unexplained(session, &selection, &options.criteria, options.alpha)?,
         };
         Ok(Searched { selection, minor, unexplained })
     }

@@ -7,8 +7,6 @@ use serde::Serialize;
 pub struct ImpactCriteria {
     /// Factor on alpha at which impacts are significant where the held-out logs have no change of sign of the load.
     pub unconfirmed: f64,
-    /// Highest p-value of training and of held-out logs by themselves.
-    pub each_p: f64,
     /// Highest p-value without the moments at which another gear's load changes sign too, below which the other gear is no alternative; and
     /// among moments only in which the loads change as much.
     pub own_p: f64,
@@ -19,6 +17,6 @@ pub struct ImpactCriteria {
 
 impl Default for ImpactCriteria {
     fn default() -> Self {
-        ImpactCriteria { unconfirmed: 1e-6, each_p: 0.05, own_p: 0.01, open_p: 0.1 }
+        ImpactCriteria { unconfirmed: 1e-6, own_p: 0.01, open_p: 0.1 }
     }
 }

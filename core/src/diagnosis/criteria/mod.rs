@@ -2,17 +2,20 @@
 
 mod comparison;
 mod impacts;
+mod replication;
 mod search;
 mod structure;
 mod verdict;
 
 pub(crate) use comparison::ComparisonCriteria;
 pub(crate) use impacts::ImpactCriteria;
+pub(crate) use replication::ReplicationCriteria;
 pub use search::SearchCriteria;
 pub(crate) use structure::StructureCriteria;
 pub(crate) use verdict::VerdictCriteria;
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Thresholds that decide which effects are found and which of them are reported as findings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -25,8 +28,6 @@ pub struct Criteria {
     /// Highest p-value of the strength of a finding by its scatter between blocks of the training logs (two-sided t test):
     /// the p-value of the search takes the noise for known, this one does not.
     pub strength_p: f64,
-    /// One-sided level at which a held-out residual that grows with a finding contradicts it, shared among the held-out logs.
-    pub contradicted_p: f64,
     /// Factor over the baseline by which no joint's held-out residual may grow with a finding: the parameters of the arm are estimated
     /// together, and every joint's prediction moves by a few percent with any.
     pub worse: f64,
@@ -35,6 +36,8 @@ pub struct Criteria {
     /// Least gain of the logarithm of the restricted likelihood by a law over generic functions of all kinds: 3 are odds of
     /// 20 to 1.
     pub beyond_structure: f64,
+    /// Thresholds of what held-out logs say.
+    pub replication: ReplicationCriteria,
     /// Thresholds of the search that finds them.
     pub search: SearchCriteria,
     /// Thresholds of model comparison.
@@ -53,16 +56,43 @@ impl Default for Criteria {
             share_of_torque: 0.02,
             share_of_excess: 0.1,
             strength_p: 0.01,
-            contradicted_p: 0.05,
             worse: 1.1,
             worse_p: 0.16,
             beyond_structure: 3.0,
+            replication: ReplicationCriteria::default(),
             search: SearchCriteria::default(),
             comparison: ComparisonCriteria::default(),
             impacts: ImpactCriteria::default(),
             structure: StructureCriteria::default(),
             verdict: VerdictCriteria::default(),
         }
+    }
+}
+
+impl Criteria {
+    /// The thresholds as `diagnosis.json` holds them: one that serves several questions also stands where each of them had its own.
+    pub(crate) fn to_document(self) -> Value {
+        let Criteria { comparison, replication, .. } = self;
+        let shared = [
+            ("", "contradicted_p", json!(replication.again_p)),
+            ("/search", "again_p", json!(replication.again_p)),
+            ("/search", "confirms_p", json!(replication.leans_p)),
+            ("/search", "attempts", json!(replication.attempts())),
+            ("/search", "hopeless_p", json!(replication.asked_p)),
+            ("/structure", "again_p", json!(replication.again_p)),
+            ("/structure", "confirmed_p", json!(replication.alone_p)),
+            ("/structure", "looked_for_p", json!(replication.asked_p)),
+            ("/structure", "leans_p", json!(replication.leans_p)),
+            ("/structure", "adds_nothing_p", json!(comparison.encompassed_p)),
+            ("/impacts", "each_p", json!(replication.again_p)),
+        ];
+        let mut document = json!(self);
+        for (place, name, value) in shared {
+            if let Some(Value::Object(fields)) = document.pointer_mut(place) {
+                fields.insert(name.to_owned(), value);
+            }
+        }
+        document
     }
 }
 
@@ -178,6 +208,23 @@ impl Judgement {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Every number here can be wrong: there are to be no more.
+    #[test]
+    fn thresholds_are_few() {
+        fn numbers(value: &Value) -> usize {
+            match value {
+                Value::Object(fields) => fields.values().map(numbers).sum(),
+                Value::Array(values) => values.iter().map(numbers).sum(),
+                _ => 1,
+            }
+        }
+        let count = numbers(&json!(Criteria::default()));
+        assert!(count <= 60, "{count}");
+        let document = Criteria::default().to_document();
+        assert_eq!(document["structure"]["again_p"], document["replication"]["again_p"]);
+        assert_eq!(document["search"]["attempts"], json!([1.25, 5.0]));
+    }
 
     #[test]
     fn either_side_of_a_threshold() {

@@ -38,19 +38,10 @@ pub struct SearchCriteria {
     pub at_bound: f64,
     /// Highest p-value without the blocks that show a candidate best; on the training logs alone, and where held-out logs confirm it.
     pub influence_p: [f64; 2],
-    /// Highest p-value of the held-out logs at which a candidate shows there again.
-    pub again_p: f64,
     /// Family-wise p-value of the training logs below which the held-out logs need only not contradict it.
     pub beyond_chance: f64,
     /// Highest family-wise p-value of the training logs that held-out logs can confirm: above it one log alone would decide.
     pub confirmable_p: f64,
-    /// Highest p-value of the held-out logs that confirms anything: what goes with noise alone as often contradicts as it supports.
-    pub confirms_p: f64,
-    /// Factors on the held-out p-value by attempt: the level is shared by 1 / 1.25 + 1 / 5 = 1, so that a second attempt is possible and
-    /// the first hardly pays for it.
-    pub attempts: [f64; 2],
-    /// Family-wise p-value of the training logs above which no candidate is tried.
-    pub hopeless_p: f64,
     /// Least share of the residual that a candidate must explain where the residual is well above the noise: there all that is small
     /// fits a little. Twice as much in the presence of constants.
     pub share_of_misfit: f64,
@@ -72,12 +63,8 @@ impl Default for SearchCriteria {
             later: 0.02,
             at_bound: 6.63,
             influence_p: [0.01, 0.05],
-            again_p: 0.05,
             beyond_chance: 1e-6,
             confirmable_p: 0.3,
-            confirms_p: 0.2,
-            attempts: [1.25, 5.0],
-            hopeless_p: 0.5,
             share_of_misfit: 0.05,
         }
     }

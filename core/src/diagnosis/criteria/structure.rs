@@ -10,27 +10,17 @@ pub struct StructureCriteria {
     pub together: f64,
     /// Share of alpha at which the training logs by themselves show structure with certainty.
     pub certain: f64,
-    /// Highest p-value of the held-out logs at which they show the same again.
-    pub again_p: f64,
-    /// Highest p-value of the held-out logs by themselves that confirms what has no prediction for other logs.
-    pub confirmed_p: f64,
-    /// Highest p-value of structure on the training logs that is looked for on the held-out logs.
-    pub looked_for_p: f64,
     /// Highest p-value of a block in the noise that does not know it at which the noise is estimated anew with it.
     pub suggested_p: f64,
     /// Least share of the residual of a joint that structure must have to be reported: with many rows that of any simplification of a
     /// simulator or a sensor is significant.
     pub share_of_residual: f64,
-    /// p-value above which a finding adds nothing to structure.
-    pub adds_nothing_p: f64,
     /// Share of what a finding explains by itself that structure must explain beyond it to replace it: less may be any simplification of
     /// its law.
     pub beyond_finding: f64,
     /// Highest p-value, over all kinds of structure of a joint with a finding, of training and held-out logs together at which the finding
     /// is not all: that something is there is known, and the question is only whether the finding is it.
     pub not_all_p: f64,
-    /// Highest p-value of the held-out logs by themselves for that.
-    pub leans_p: f64,
     /// Share of the cut-off of a joint's positions up to which a spectral line counts: nearer to it, what the differences make of encoder
     /// noise is a peak, too.
     pub below_cutoff: f64,
@@ -53,15 +43,10 @@ impl Default for StructureCriteria {
         StructureCriteria {
             together: 0.2,
             certain: 0.02,
-            again_p: 0.05,
-            confirmed_p: 0.01,
-            looked_for_p: 0.5,
             suggested_p: 0.1,
             share_of_residual: 0.03,
-            adds_nothing_p: 1e-3,
             beyond_finding: 0.02,
             not_all_p: 0.01,
-            leans_p: 0.2,
             below_cutoff: 0.5,
             same_line_hz: 0.1,
             foreign: 3.0,

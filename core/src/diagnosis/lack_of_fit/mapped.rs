@@ -4,7 +4,7 @@
 //! noise. The tests of the mixed model need no noise spectrum.
 
 use super::structure::Unexplained;
-use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::variance::{JointMap, Kind, Line, ResidualMap};
 use crate::error::Result;
 
@@ -24,17 +24,17 @@ pub(crate) fn mapped(
     map: &ResidualMap,
     cutoffs_hz: &[f64],
     known: &[Unexplained],
-    criteria: &StructureCriteria,
+    criteria: &Criteria,
     alpha: f64,
     apart: impl FnOnce() -> Result<Vec<ResidualMap>>,
 ) -> Result<Vec<Unexplained>> {
-    let level = criteria.together * alpha;
+    let level = criteria.structure.together * alpha;
     let count = map.joints.len() as f64;
     let open = map.joints.iter().filter(|own| known.iter().all(|left| left.joint != own.joint));
     let shown: Vec<(&JointMap, Vec<Shown>)> = open
-        .map(|own| (own, shown(own, count, criteria.below_cutoff * cutoffs_hz[own.joint], level)))
+        .map(|own| (own, shown(own, count, criteria.structure.below_cutoff * cutoffs_hz[own.joint], level)))
         .map(|(own, mut shown)| {
-            shown.retain(|shown| shown.share >= criteria.share_of_residual);
+            shown.retain(|shown| shown.share >= criteria.structure.share_of_residual);
             (own, shown)
         })
         .filter(|(_, shown)| !shown.is_empty())
@@ -83,11 +83,13 @@ impl Follows {
     }
 
     /// Whether a map of other logs does not speak against it: it is significant there, or the logs are too short to be asked.
-    fn is_seen_again(self, map: &ResidualMap, joint: usize, criteria: &StructureCriteria) -> bool {
+    fn is_seen_again(self, map: &ResidualMap, joint: usize, criteria: &Criteria) -> bool {
         let Some(own) = map.joints.iter().find(|own| own.joint == joint) else { return false };
         match self {
-            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < criteria.again_p),
-            Follows::Line(line) => own.lines.iter().any(|other| (other.hz - line.hz).abs() <= criteria.same_line_hz),
+            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < criteria.replication.again_p),
+            Follows::Line(line) => {
+                own.lines.iter().any(|other| (other.hz - line.hz).abs() <= criteria.structure.same_line_hz)
+            }
         }
     }
 }
@@ -131,8 +133,7 @@ mod tests {
 
     /// What is reported where the logs by themselves show the same.
     fn reported(map: &ResidualMap, cutoff_hz: f64, known: &[Unexplained]) -> Vec<Unexplained> {
-        mapped(map, &[cutoff_hz], known, &StructureCriteria::default(), 0.05, || Ok(vec![map.clone(), map.clone()]))
-            .unwrap()
+        mapped(map, &[cutoff_hz], known, &Criteria::default(), 0.05, || Ok(vec![map.clone(), map.clone()])).unwrap()
     }
 
     #[test]
@@ -154,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_training_and_the_held_out_logs_each_show_it() {
-        let criteria = StructureCriteria::default();
+        let criteria = Criteria::default();
         let reported = |map: &ResidualMap, apart: [ResidualMap; 2]| {
             mapped(map, &[15.0], &[], &criteria, 0.05, || Ok(apart.into())).unwrap()
         };

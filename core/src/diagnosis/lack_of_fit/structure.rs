@@ -2,7 +2,7 @@
 //! the joint they replace.
 
 use super::condensed::Condensed;
-use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
@@ -91,7 +91,7 @@ pub(super) struct Fitted<'a> {
     /// Logs and arm.
     pub session: &'a Session<'a>,
     /// Thresholds.
-    pub criteria: &'a StructureCriteria,
+    pub criteria: &'a Criteria,
     /// The effects in it.
     pub members: Vec<Member>,
     /// Which of them have no rivals.
@@ -137,7 +137,7 @@ impl<'a> Fitted<'a> {
     pub(super) fn new(
         session: &'a Session,
         selection: &'a Selection,
-        criteria: &'a StructureCriteria,
+        criteria: &'a Criteria,
         alpha: f64,
     ) -> Result<Self> {
         let members = members(&selection.found);
@@ -159,8 +159,8 @@ impl<'a> Fitted<'a> {
             held_out_errors: errors(&session.logs.test),
             before: &selection.held_out,
             criteria,
-            together: criteria.together * alpha,
-            certain: criteria.certain * alpha,
+            together: criteria.structure.together * alpha,
+            certain: criteria.structure.certain * alpha,
             session,
             named: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
@@ -208,7 +208,7 @@ impl<'a> Fitted<'a> {
     pub(super) fn seen<'s>(&self, place: &'s Place, block: &Block) -> Option<Seen<'s>> {
         let rows = &self.session.logs.train.rows;
         let plain = place.under.test(&block.columns)?;
-        if plain.1.log_p() > self.criteria.suggested_p.ln() {
+        if plain.1.log_p() > self.criteria.structure.suggested_p.ln() {
             return None;
         }
         let mut all = vec![(Cow::Borrowed(&place.under), plain)];
@@ -221,12 +221,12 @@ impl<'a> Fitted<'a> {
         let seen = all.into_iter().filter_map(|(under, (whitened, test))| {
             // On a joint with a finding only the kinds of this joint count. Slow noise only adds to what chance alone brings.
             let tries = if place.has_names { place.kinds } else { place.tests };
-            let p = (tries * test.log_p().exp() <= self.criteria.looked_for_p).then(|| {
+            let p = (tries * test.log_p().exp() <= self.criteria.replication.asked_p).then(|| {
                 against_slow_noise(rows, &under.whitener, &under.adjusted_for_errors, &whitened, &test).exp()
             })?;
             tracing::debug!(place.joint, block.structure, p, plain = test.log_p(), "structure");
             let family_wise_p = (place.tests * p).min(1.0);
-            (tries * p <= self.criteria.looked_for_p).then_some(Seen { under, whitened, test, p, family_wise_p })
+            (tries * p <= self.criteria.replication.asked_p).then_some(Seen { under, whitened, test, p, family_wise_p })
         });
         seen.min_by(|a, b| a.p.total_cmp(&b.p))
     }
@@ -246,17 +246,19 @@ impl<'a> Fitted<'a> {
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
         tracing::debug!(joint, structure, chance, gained, significant, "structure on held-out rows");
         // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
-        let goes_along = family_wise_p < self.certain && chance < self.criteria.confirmed_p;
+        let goes_along = family_wise_p < self.certain && chance < self.criteria.replication.alone_p;
         let certain = gained && family_wise_p < self.certain && significant;
-        let shown =
-            certain || goes_along || (gained && with(family_wise_p) < self.together && chance < self.criteria.again_p);
-        let is_not_all =
-            place.has_names && chance < self.criteria.leans_p && with(place.kinds * p) < self.criteria.not_all_p;
+        let shown = certain
+            || goes_along
+            || (gained && with(family_wise_p) < self.together && chance < self.criteria.replication.again_p);
+        let is_not_all = place.has_names
+            && chance < self.criteria.replication.leans_p
+            && with(place.kinds * p) < self.criteria.structure.not_all_p;
         let share = under.share(joint, test.statistic);
         let weighs = certain || is_not_all;
         let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
-        let counts = (shown && share > self.criteria.share_of_residual) || !instead_of.is_empty();
+        let counts = (shown && share > self.criteria.structure.share_of_residual) || !instead_of.is_empty();
         counts.then_some(Unexplained {
             joint,
             share,
@@ -275,7 +277,7 @@ impl<'a> Fitted<'a> {
         let whitened = under.on_held_out.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
         let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
-        let significant = chance < self.criteria.confirmed_p;
+        let significant = chance < self.criteria.replication.alone_p;
         Some(Again { chance, gained: significant, significant })
     }
 
@@ -315,7 +317,9 @@ impl<'a> Fitted<'a> {
             let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
             let with_block = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
             tracing::debug!(joint, family = ?member.candidate.family(), alone, with_block, "name in the presence of structure");
-            if with_block > self.criteria.adds_nothing_p.ln() && more > self.criteria.beyond_finding * alone {
+            if with_block > self.criteria.comparison.encompassed_p.ln()
+                && more > self.criteria.structure.beyond_finding * alone
+            {
                 empty.push(place);
             }
         }

@@ -3,7 +3,7 @@
 
 use super::harmonics::Spectrum;
 use super::structure::{Fitted, Place, Under, Unexplained, is_weighed};
-use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
 use crate::diagnosis::search::Selection;
@@ -25,7 +25,7 @@ const OTHER_KINDS: usize = 2;
 pub(crate) fn unexplained(
     session: &Session,
     selection: &Selection,
-    criteria: &StructureCriteria,
+    criteria: &Criteria,
     alpha: f64,
 ) -> Result<Vec<Unexplained>> {
     let model = Fitted::new(session, selection, criteria, alpha)?;
@@ -106,12 +106,12 @@ impl Fitted<'_> {
             .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
-        (again.log_p < self.criteria.again_p.ln()).then_some(Unexplained {
+        (again.log_p < self.criteria.replication.again_p.ln()).then_some(Unexplained {
             joint,
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p: Some(family_wise_p),
-            certain: again.log_p < self.criteria.confirmed_p.ln(),
+            certain: again.log_p < self.criteria.replication.alone_p.ln(),
             instead_of: Vec::new(),
         })
     }

@@ -190,7 +190,7 @@ impl<'a> Judge<'a> {
 
     /// Standard deviations of growth beyond which one of `count` contradicts.
     fn contradicted(&self, count: usize) -> f64 {
-        Normal::standard().inverse_cdf(1.0 - self.criteria.contradicted_p / count.max(1) as f64)
+        Normal::standard().inverse_cdf(1.0 - self.criteria.replication.again_p / count.max(1) as f64)
     }
 
     /// Share of the held-out excess over the noise that the member at `kept[index]` explains with the `others` in the model, in squares, on

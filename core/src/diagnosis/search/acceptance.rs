@@ -1,7 +1,7 @@
 //! Whether the best candidate of a comparison is taken into the model: by what the training logs show once adjusted for all that is not
 //! physics, and by its gain on the held-out logs.
 
-use crate::diagnosis::criteria::{Gate, Judgement, SearchCriteria};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, SearchCriteria};
 use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
@@ -60,7 +60,7 @@ pub(super) struct Trial<'a> {
     /// Family-wise level.
     pub alpha: f64,
     /// Thresholds.
-    pub criteria: &'a SearchCriteria,
+    pub criteria: &'a Criteria,
     /// By how much less likely than by itself what the held-out logs show must be to confirm it, as they are asked more than once;
     /// None where they are not asked any more.
     pub tries: Option<f64>,
@@ -101,7 +101,7 @@ impl Trial<'_> {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
-        let limit = if confirmable { self.level_at(self.criteria.pooled) } else { limit };
+        let limit = if confirmable { self.level_at(self.criteria.search.pooled) } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let whitener = session.noise_under(&session.model.columns(&session.logs.train, &with)?);
@@ -115,8 +115,8 @@ impl Trial<'_> {
         tracing::debug!(level, elsewhere, much_left, lower_bound, share, chance, "gain by the others");
         let gates = [
             Judgement::at_most(Gate::FamilyWise, level, limit),
-            Judgement::at_most(Gate::Influence, elsewhere.exp(), self.criteria.influence_p[0]),
-            Judgement::at_most(Gate::OtherLogs, chance, self.criteria.again_p).and(!much_left),
+            Judgement::at_most(Gate::Influence, elsewhere.exp(), self.criteria.search.influence_p[0]),
+            Judgement::at_most(Gate::OtherLogs, chance, self.criteria.replication.again_p).and(!much_left),
             Judgement::above(Gate::HeldOutGain, share, 0.0),
         ];
         Ok(match Judgement::first_failed(gates) {
@@ -131,12 +131,12 @@ impl Trial<'_> {
         let refused = |failed, may_be| Ok(Err(Refusal { may_be, asked: false, failed }));
         let another_form = self.is_another_form(&winner.candidate);
         let is_hidden = self.is_hidden(&winner.candidate);
-        let mut share = strictness(&winner.candidate, self.criteria);
+        let mut share = strictness(&winner.candidate, &self.criteria.search);
         if is_hidden {
-            share = share.min(self.criteria.hidden);
+            share = share.min(self.criteria.search.hidden);
         }
         if another_form {
-            share = share.min(self.criteria.second_form);
+            share = share.min(self.criteria.search.second_form);
         }
         let limit = self.level_at(share);
         let confirmable = is_confirmable(&winner.candidate) && !another_form && !is_hidden;
@@ -154,7 +154,7 @@ impl Trial<'_> {
             return refused(Judgement::at_most(Gate::FamilyWise, level, highest), !is_level(*effect));
         }
         let lost = self.session.lost_inside_bounds(winner, self.whitener, self.fit)?;
-        let inside = Judgement::at_most(Gate::AtBound, lost, self.criteria.at_bound);
+        let inside = Judgement::at_most(Gate::AtBound, lost, self.criteria.search.at_bound);
         if !inside.passed {
             return refused(inside, false);
         }
@@ -175,7 +175,7 @@ impl Trial<'_> {
     /// The level of a share of alpha, which is limited where something was found before.
     fn level_at(&self, share: f64) -> f64 {
         let counts = |member: &Member| member.placed.effect.about().nature != Nature::Delay;
-        self.alpha * if self.members.iter().any(counts) { share.min(self.criteria.later) } else { share }
+        self.alpha * if self.members.iter().any(counts) { share.min(self.criteria.search.later) } else { share }
     }
 
     /// Whether a candidate is a law of friction over speed on a joint that has another such law in the model.
@@ -196,12 +196,12 @@ impl Trial<'_> {
     /// confirm: the two are independent.
     fn on_held_out_logs(&self, winner: &Judged, seen: Seen, under: Option<Whitener>) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = seen;
-        let criteria = self.criteria;
+        let Criteria { search: criteria, replication, .. } = self.criteria;
         let held_out = self.held_out(winner, under)?;
         let HeldOut { gains, adjusted_for_errors, .. } = &held_out;
         // What rests on a moment or two of the training logs is no accident if it is there again.
         let chance = adjusted_for_errors.chance();
-        let there = confirmable && chance < criteria.again_p && gains.without_most_influential_block() > 0.0;
+        let there = confirmable && chance < replication.again_p && gains.without_most_influential_block() > 0.0;
         let elsewhere = elsewhere.exp();
         let alone = Judgement::first_failed([
             Judgement::at_most(Gate::FamilyWise, level, limit),
@@ -244,7 +244,7 @@ impl Trial<'_> {
         tracing::debug!(together, chance, "training and held-out logs together");
         let confirmed = Judgement::first_failed([
             Judgement::at_most(Gate::Confirmation, together, self.level_at(criteria.confirmed)),
-            Judgement::at_most(Gate::Confirmation, chance, criteria.confirms_p),
+            Judgement::at_most(Gate::Confirmation, chance, replication.leans_p),
             Judgement::at_most(Gate::Influence, elsewhere, criteria.influence_p[1]).or(there),
             Judgement::above(Gate::HeldOutGain, gains.share(), 0.0),
         ]);

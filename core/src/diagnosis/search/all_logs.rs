@@ -62,7 +62,7 @@ pub(super) fn search(
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison over all logs");
         let Round { whitener, fit, .. } = &round;
         let (alpha, session) = (options.alpha, &all_logs);
-        let criteria = &options.criteria.search;
+        let criteria = &options.criteria;
         let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, criteria, tries: None };
         match trial.by_others(&winner, level)? {
             Outcome::Accepted(accepted) => {

@@ -4,6 +4,7 @@ use super::found::{Alternative, Found};
 use super::verdict::Verdict;
 use crate::diagnosis::Options;
 use crate::diagnosis::backlash::{Play, Traces};
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::family_wise;
 use crate::diagnosis::model::{Candidate, Family, Member, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
@@ -20,7 +21,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Vec::new());
     }
-    let criteria = &options.criteria.impacts;
+    let Criteria { impacts: criteria, replication, .. } = &options.criteria;
     let dof = session.model.base.dof();
     let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
     let known: Vec<usize> = session.model.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
@@ -40,7 +41,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         let level = family_wise(best, dof as f64);
         let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
         tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
-        let both = each.iter().all(|log_p| *log_p < criteria.each_p.ln());
+        let both = each.iter().all(|log_p| *log_p < replication.again_p.ln());
         let confirmed = both || test.changes(joint) == 0;
         let limit = options.alpha * if both { options.criteria.search.impacts } else { criteria.unconfirmed };
         if level > limit || !confirmed {

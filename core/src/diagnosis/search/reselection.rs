@@ -117,7 +117,7 @@ pub(super) fn rename(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<bool> {
-    let (alpha, criteria) = (options.alpha, &options.criteria.search);
+    let (alpha, criteria) = (options.alpha, &options.criteria);
     let comparing = &options.criteria.comparison;
     let mut changed = false;
     if found.len() < 2 {

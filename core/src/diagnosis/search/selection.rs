@@ -87,8 +87,8 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             );
         }
         // What the training logs alone do not show may show together with the held-out ones.
-        let tries = options.criteria.search.attempts.get(asked).copied();
-        if level > options.alpha && (tries.is_none() || level > options.criteria.search.hopeless_p) {
+        let tries = options.criteria.replication.attempts().get(asked).copied();
+        if level > options.alpha && (tries.is_none() || level > options.criteria.replication.asked_p) {
             break;
         }
         let members = members(&found);
@@ -105,7 +105,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             fit,
             multiplicity: &multiplicity,
             alpha: options.alpha,
-            criteria: &options.criteria.search,
+            criteria: &options.criteria,
             tries,
         };
         match trial.of(&winner, level, under)? {

@@ -4,7 +4,7 @@ use super::console::{by_joint, significant, table};
 use crate::dynamics::BaseParameters;
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
-use crate::identification::fit::{Constant, Fitted};
+use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
 use crate::robot::{Joint, Robot};
 use serde::Serialize;
 
@@ -98,6 +98,9 @@ struct Value {
     /// Whether the value is the description's because the logs do not separate it from others; it then has no standard deviation.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     undetermined: bool,
+    /// The parameter in each of several training logs, all others being common.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    between_logs: Option<BetweenLogs>,
 }
 
 /// The content of `identification.json`.
@@ -151,6 +154,7 @@ fn one_fit(robot: &Robot, fitted: &Fitted) -> OneFit {
         interval_95: intervals[index],
         at_bound: fitted.fit.at_bound[index],
         undetermined: fitted.fit.undetermined[index],
+        between_logs: fitted.fit.between_logs[index].clone(),
     };
     let places = || fitted.fit.places.iter().enumerate();
     let arm = places().filter(|(_, place)| place.is_none());
@@ -239,6 +243,37 @@ pub fn constants(robot: &Robot, fitted: &Fitted) -> Option<String> {
         )
     })
 }
+
+/// A line about the parameters on which several training logs disagree or that they do not pin down, if there are several.
+pub fn between_logs(fitted: &Fitted) -> Option<String> {
+    let all = fitted.fit.names.iter().zip(&fitted.fit.between_logs);
+    let found: Vec<(&String, &BetweenLogs)> = all.filter_map(|(name, found)| Some((name, found.as_ref()?))).collect();
+    let (_, first) = found.first()?;
+    let of = |agreement: fn(&Agreement) -> bool| found.iter().filter(move |(_, found)| agreement(&found.agreement));
+    let pinned = of(|agreement| *agreement == Agreement::Pinned).count();
+    let mut text = format!(
+        "{} training logs, one parameter at a time free to differ between them: {pinned} of {} parameters are pinned",
+        first.values.len(),
+        found.len()
+    );
+    for (name, BetweenLogs { values, agreement, .. }) in of(|agreement| matches!(agreement, Agreement::Changed { .. }))
+    {
+        let Agreement::Changed { after } = agreement else { continue };
+        let mean = |values: &[f64]| significant(values.iter().sum::<f64>() / values.len() as f64);
+        let (before, since) = values.split_at(*after);
+        text += &format!("; {name} changed after log {after}, from {} to {}", mean(before), mean(since));
+    }
+    let open: Vec<&str> = of(|agreement| *agreement == Agreement::NotPinned).map(|(name, _)| name.as_str()).collect();
+    match open.as_slice() {
+        [] => {}
+        few if few.len() <= FEW => text += &format!("; not pinned: {}", few.join(", ")),
+        many => text += &format!("; {} are not pinned (identification.json names them)", many.len()),
+    }
+    Some(text)
+}
+
+/// Names of parameters that one line holds.
+const FEW: usize = 6;
 
 /// Bodies that can exist leave this many times the residual of the fit, and this share of the torque at least, where something else makes
 /// the torque: links whose inertias do not fit each other cost less.

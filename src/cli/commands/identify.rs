@@ -111,6 +111,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     };
     notes.extend(report::undetermined(model.base(), &plain));
     notes.extend(report::constants(&robot, extended.as_ref().unwrap_or(&plain)));
+    notes.extend(report::between_logs(extended.as_ref().unwrap_or(&plain)));
     stages.begin("finding consistent parameters");
     // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {

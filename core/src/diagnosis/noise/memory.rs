@@ -1,7 +1,7 @@
 //! Noises that were estimated before: a model comparison adds columns on one joint after the other, and the noise of all other joints is
 //! asked for again as it was.
 
-use super::whitening::JointWhitener;
+use super::joint_whitener::JointWhitener;
 use quick_cache::sync::Cache;
 use std::hash::{DefaultHasher, Hasher};
 use std::sync::Arc;

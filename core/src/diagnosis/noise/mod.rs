@@ -4,10 +4,11 @@
 //! innovations, and the noise spectrum that a regression leaves free.
 
 mod innovations;
+mod joint_whitener;
 mod memory;
 mod noise_spectrum;
 mod whitening;
 
+pub(crate) use joint_whitener::rich;
 pub(crate) use memory::NoiseMemory;
 pub use whitening::Whitener;
-pub(crate) use whitening::rich;

@@ -2,7 +2,6 @@
 //!
 //! A model without a constant gives it to gravity and friction as far as it can, and both come out wrong.
 
-use crate::channels::Channels;
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::identification::regression::least_squares::sums;
 use crate::identification::regression::linear_problem::LinearProblem;
@@ -31,7 +30,8 @@ pub struct Constant {
 /// `sigma`.
 pub(super) fn constants(joints: &[JointRegression], sigma: &[f64], names: &[String]) -> Vec<Option<Constant>> {
     let rows = joints.iter().map(|joint| joint.torque.len()).max().unwrap_or(0);
-    let thinned: Vec<JointRegression> = joints.iter().map(|joint| thinned(joint, rows.div_ceil(ROWS).max(1))).collect();
+    let thinned: Vec<JointRegression> =
+        joints.iter().map(|joint| joint.part(0..joint.torque.len(), rows.div_ceil(ROWS).max(1))).collect();
     let sums = sums(&thinned);
     let Ok((beta, normal)) = sums.solve(sigma, names) else { return vec![None; joints.len()] };
     let problem = LinearProblem::with_normal(&thinned, sigma, sums.normal(sigma, names.len()));
@@ -56,23 +56,10 @@ pub(super) fn constants(joints: &[JointRegression], sigma: &[f64], names: &[Stri
     (0..joints.len()).map(|joint| if thinned[joint].rows() > 0 { of(joint) } else { None }).collect()
 }
 
-/// Every `step`-th row.
-fn thinned(joint: &JointRegression, step: usize) -> JointRegression {
-    let pick = |signal: &[f64]| signal.iter().copied().step_by(step).collect::<Vec<f64>>();
-    let columns: Vec<Vec<f64>> = joint.columns.iter().map(pick).collect();
-    let torque = pick(&joint.torque);
-    JointRegression {
-        joint: joint.joint.clone(),
-        parameters: joint.parameters.clone(),
-        columns: if columns.is_empty() { Channels::zeros(0, torque.len()) } else { Channels::from_vectors(&columns) },
-        valid: joint.valid.iter().copied().step_by(step).collect(),
-        torque,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::channels::Channels;
 
     /// Friction in the direction of motion, a wave as another column, and an offset.
     fn joint(offset: f64, with_constant: bool, noise: f64) -> JointRegression {

@@ -1,11 +1,13 @@
 //! Fits on demand. An arm, training logs and held-out logs come in; the arm's parameters, those of named effects and both residuals
 //! go out, and the joints that have an equation.
 
+mod between_logs;
 mod constants;
 pub mod equations;
 mod fitted;
 mod separable;
 
+pub use between_logs::{Agreement, BetweenLogs};
 pub use constants::Constant;
 pub use fitted::{Fitted, Logs, Rows, fit_effects};
 pub use separable::EffectFit;

@@ -2,6 +2,7 @@
 //! every step, Levenberg-Marquardt searches the few nonlinear ones. All stay within the bounds that make sense for the
 //! effect; one that ends at a bound is held there, and the others are as certain as they are with it held.
 
+use super::between_logs::{BetweenLogs, between_logs};
 use super::constants::{Constant, constants};
 use crate::effects::{Parameter, Role, varies_by_factors};
 use crate::error::Result;
@@ -53,6 +54,8 @@ pub struct EffectFit {
     pub residual_rms: Vec<f64>,
     /// The constant that each joint's residual holds, where it matters.
     pub constants: Vec<Option<Constant>>,
+    /// Each parameter in each of several training logs; None where it is held or they do not separate it, and of a single log.
+    pub between_logs: Vec<Option<BetweenLogs>>,
 }
 
 /// Fits all parameters of a model with effects; the effects in `model` hold the result afterwards.
@@ -337,9 +340,24 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     let estimate = weighted_least_squares(&free, &free_names)?.with_held(&held, names.len());
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();
     let constants = constants(&free, &estimate.sigma, &free_names);
+    let kept: Vec<usize> = (0..names.len()).filter(|k| held.iter().all(|(own, _)| own != k)).collect();
+    let free_beta: Vec<f64> = kept.iter().map(|&k| estimate.beta[k]).collect();
+    let mut agreements = vec![None; names.len()];
+    let each = between_logs(&free, [&free_beta, &estimate.sigma], &model.row_times()?, &free_names)?;
+    kept.into_iter().zip(each).for_each(|(k, found)| agreements[k] = found);
     let among = |all: &[(usize, f64)], k: usize| all.iter().any(|(own, _)| *own == k);
     let undetermined: Vec<bool> = (0..names.len()).map(|k| among(model.undetermined(), k)).collect();
     let at_bound = (0..names.len()).map(|k| among(&held, k) && !undetermined[k]).collect();
     let arm_units = model.baseline_units();
-    Ok(EffectFit { arm_units, estimate, names, places, at_bound, undetermined, residual_rms, constants })
+    Ok(EffectFit {
+        arm_units,
+        estimate,
+        names,
+        places,
+        at_bound,
+        undetermined,
+        residual_rms,
+        constants,
+        between_logs: agreements,
+    })
 }

@@ -6,6 +6,7 @@ use crate::identification::numerics::gram::{BLOCK, Gram, products, valid_block};
 use crate::identification::numerics::sequences::combined;
 use crate::identification::numerics::tsqr::Triangle;
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// One joint's share of a linear regression: torque = columns * parameters.
 #[derive(Debug, Clone)]
@@ -83,6 +84,23 @@ impl JointRegression {
         }
         let columns = Channels::from_vectors(&columns);
         JointRegression { joint: self.joint.clone(), parameters, columns, torque, valid: self.valid.clone() }
+    }
+
+    /// Every `step`-th of some rows.
+    pub(in crate::identification) fn part(&self, rows: Range<usize>, step: usize) -> Self {
+        let pick = |signal: &[f64]| signal[rows.clone()].iter().copied().step_by(step).collect::<Vec<f64>>();
+        let columns: Vec<Vec<f64>> = self.columns.iter().map(pick).collect();
+        let torque = pick(&self.torque);
+        JointRegression {
+            joint: self.joint.clone(),
+            parameters: self.parameters.clone(),
+            columns: match columns.is_empty() {
+                true => Channels::zeros(0, torque.len()),
+                false => Channels::from_vectors(&columns),
+            },
+            valid: self.valid[rows.clone()].iter().copied().step_by(step).collect(),
+            torque,
+        }
     }
 
     /// Number of rows that count.

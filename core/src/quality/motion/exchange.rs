@@ -3,9 +3,12 @@
 //! A turn of 1 rad is 1 m there, far beyond the limits, and as 1 mm it would hardly be a motion. No unit is wrong then: the two columns
 //! are exchanged. The torques decide, as of all exchanges.
 
-use super::position_unit::{NOT_FASTER, WITHIN};
 use super::summary::JointSummary;
 use crate::robot::{JointKind, Robot};
+
+/// In the other unit, or as those of another joint, position and speed exceed the limits by no more than these factors.
+pub(super) const WITHIN: f64 = 1.05;
+pub(super) const NOT_FASTER: f64 = 1.5;
 
 /// The joint that turns whose positions `joint`, which slides, may have: each of the two columns is within the limits of the other joint.
 pub(super) fn partner(robot: &Robot, summaries: &[JointSummary], joint: usize) -> Option<usize> {

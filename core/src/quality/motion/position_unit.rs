@@ -1,6 +1,6 @@
 //! Whether positions are in rad and m, or in degrees, mrad, mm or um.
 
-use super::exchange;
+use super::exchange::{self, NOT_FASTER, WITHIN};
 use super::summary::JointSummary;
 use crate::quality::places::grouped;
 use crate::quality::velocity;
@@ -16,10 +16,6 @@ const BEYOND: f64 = 4.0;
 
 /// A joint beyond its limits is too fast for its unit from this many times its limit of speed.
 const TOO_FAST: f64 = 5.0;
-
-/// In the other unit, or as those of another joint, position and speed exceed the limits by no more than these factors.
-pub(super) const WITHIN: f64 = 1.05;
-pub(super) const NOT_FASTER: f64 = 1.5;
 
 /// Whole turns by which angles may be away; those that are farther count something else.
 const TURNS_AWAY: f64 = 2.0;

@@ -205,17 +205,25 @@ impl SavitzkyGolay {
         if input.is_empty() {
             return Err(Error::request(SUBJECT, "the signal is empty; give at least one sample"));
         }
-        let (n, window) = (input.len(), self.window());
-        if self.edge == Edge::Polynomial && n < window {
-            return Err(Error::request(
-                SUBJECT,
-                format!(
-                    "the signal has {n} samples, fewer than the window of {window}; take a longer recording or a \
-                     shorter window"
-                ),
-            ));
+        if self.edge == Edge::Polynomial { Self::check_window(self.window(), input.len()) } else { Ok(()) }
+    }
+
+    /// Whether a polynomial over the whole of a window can be fitted to a signal of so many samples: asked before a filter is made, whose
+    /// weights at the ends are as many as the square of its window.
+    ///
+    /// # Errors
+    /// Where there are fewer samples than the window has.
+    pub(crate) fn check_window(window: usize, samples: usize) -> Result<()> {
+        if samples >= window {
+            return Ok(());
         }
-        Ok(())
+        Err(Error::request(
+            SUBJECT,
+            format!(
+                "the signal has {samples} samples, fewer than the window of {window}; take a longer recording or a \
+                 shorter window"
+            ),
+        ))
     }
 
     fn apply_edges(&self, input: &[f64], output: &mut [f64]) {
@@ -399,6 +407,9 @@ mod tests {
             let message = SavitzkyGolay::new(window, order, derivative, period, Edge::Mirror).unwrap_err().to_string();
             assert!(message.contains(word), "{message}");
         }
+        assert!(
+            SavitzkyGolay::check_window(99_999, 99_999).is_ok() && SavitzkyGolay::check_window(99_999, 99_998).is_err()
+        );
     }
 
     #[test]

@@ -99,6 +99,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
             (motion, Filter::None, Filter::None, 1, 1)
         }
         Smoothing::SavitzkyGolay { window, order, decimation } => {
+            SavitzkyGolay::check_window(window, q.samples())?;
             let smoother = |degree| SavitzkyGolay::new(window, order, degree, period, Edge::Polynomial);
             let filters = [smoother(0)?, smoother(1)?, smoother(2)?];
             let mut motion = Motion::zeros(q.channels(), q.samples());

@@ -238,12 +238,13 @@ fn plain(name: &str) -> Option<(usize, Joint)> {
     })
 }
 
-/// `actual_q_0`, `state.q[0]`, `position[0]`, `/joint_states/position/0`: a quantity and behind it a number.
+/// `actual_q_0`, `state.q[0]`, `position[0]`, `/left/joint_states/position/0`: a quantity and behind it a number.
 fn numbered(name: &str) -> Option<Meaning> {
     let (stem, number) = index(name)?;
     let segments: Vec<&str> = segments(stem);
     let (last, groups) = segments.split_last()?;
-    if !groups.iter().all(|group| is_group(group)) {
+    // What stands before the field of a message is its topic, in whatever namespace.
+    if !name.starts_with('/') && !groups.iter().all(|group| is_group(group)) {
         return None;
     }
     let (quantity, current) = quantity(&words(last))?;

@@ -4,7 +4,7 @@ use super::findings::{Finding, NamedParameter, finding, findings, joints};
 use super::notices;
 use super::outcome::{Answer, Conclusion};
 use super::quantities::{ResidualStructure, Share};
-use crate::diagnosis::criteria::Judgement;
+use crate::diagnosis::criteria::{Criteria, Judgement};
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Rejected, Verdict};
@@ -13,7 +13,6 @@ use crate::payload::{self, Payload, Quantity};
 use crate::quality::Kind;
 use crate::robot::Robot;
 use serde::{Serialize, Serializer};
-use serde_json::Value;
 
 /// Schema of the `diagnosis.json` that `tauscope diagnose` writes.
 pub const DIAGNOSIS_SCHEMA: &str = "tauscope.diagnosis/1";
@@ -60,7 +59,8 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rejected: Vec<RejectedCandidate>,
     /// Thresholds that decide what is a finding.
-    criteria: Value,
+    #[serde(serialize_with = "as_document")]
+    criteria: Criteria,
     /// What the residual of the baseline follows, joint by joint, in means of 80 ms over all logs.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     residual_map: Vec<MapOfJoint>,
@@ -326,7 +326,7 @@ impl Document {
             load: diagnosis.load.as_ref().map(Load::of),
             smaller_findings: diagnosis.minor.iter().map(|minor| SmallerFinding::new(robot, minor)).collect(),
             rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
-            criteria: diagnosis.scope.criteria.to_document(),
+            criteria: diagnosis.scope.criteria,
             residual_map: diagnosis.map.joints.iter().map(|map| MapOfJoint::new(robot, map)).collect(),
             extended: Some(Extended {
                 test_rms_nm: known(&diagnosis.errors.extended_test_rms),
@@ -367,6 +367,10 @@ impl Document {
             ..Document::default()
         }
     }
+}
+
+fn as_document<S: Serializer>(criteria: &Criteria, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    criteria.to_document().serialize(serializer)
 }
 
 impl Serialize for Answer {

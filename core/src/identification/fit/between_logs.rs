@@ -75,6 +75,8 @@ pub(super) fn log_rows(times: &[f64]) -> Vec<Range<usize>> {
 /// Sums over a block of rows.
 struct Block {
     log: usize,
+    /// J'W J.
+    normal: DMatrix<f64>,
     /// J'W r.
     score: DVector<f64>,
 }
@@ -137,7 +139,7 @@ impl<'a> Sums<'a> {
                 let problem = LinearProblem::new(&parts, sigma, count);
                 let residuals: Vec<Vec<f64>> = parts.iter().map(|part| part.residual(beta)).collect();
                 normal += problem.normal();
-                blocks.push(Block { log, score: problem.right(&residuals) });
+                blocks.push(Block { log, normal: problem.normal().clone(), score: problem.right(&residuals) });
             }
             normals.push(normal);
         }
@@ -163,16 +165,22 @@ impl<'a> Sums<'a> {
         (0..logs).for_each(|log| gram[(log, log)] += self.normals[log][(k, k)]);
         // A value that is common to all logs is in the fit already: that direction is none of the differences.
         let inverse = gram.clone().pseudo_inverse(1e-9 * gram.diagonal().max()).ok()?;
-        let mut scores = DVector::zeros(logs);
-        let mut scatter = DMatrix::zeros(logs, logs);
-        for Block { log, score } in &self.blocks {
+        let of_columns = |log: usize, score: &DVector<f64>| {
             let mut own = -projected.tr_mul(score);
-            own[*log] += score[k];
+            own[log] += score[k];
+            own
+        };
+        let scores: DVector<f64> = self.blocks.iter().map(|block| of_columns(block.log, &block.score)).sum();
+        let differences = &inverse * scores;
+        // What differs is no scatter: the scores are those of the residual with the differences in the model.
+        let common = &projected * &differences;
+        let mut scatter = DMatrix::zeros(logs, logs);
+        for Block { log, normal, score } in &self.blocks {
+            let explained = normal.column(k) * differences[*log] - normal * &common;
+            let own = of_columns(*log, &(score - explained));
             scatter += &own * own.transpose();
-            scores += own;
         }
         let blocks = self.blocks.len() as f64;
-        let differences = &inverse * scores;
         let covariance = &inverse * scatter * &inverse * (blocks / (blocks - 1.0));
         let std: Vec<f64> = (0..logs).map(|log| covariance[(log, log)].max(0.0).sqrt()).collect();
         if !std.iter().all(|std| std.is_finite() && *std > 0.0) {

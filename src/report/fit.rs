@@ -256,8 +256,10 @@ pub fn between_logs(fitted: &Fitted) -> Option<String> {
         first.values.len(),
         found.len()
     );
-    for (name, BetweenLogs { values, agreement, .. }) in of(|agreement| matches!(agreement, Agreement::Changed { .. }))
-    {
+    // What changed also moves what it resembles: the surest first.
+    let mut changed: Vec<_> = of(|agreement| matches!(agreement, Agreement::Changed { .. })).collect();
+    changed.sort_by(|a, b| a.1.p.total_cmp(&b.1.p));
+    for (name, BetweenLogs { values, agreement, .. }) in changed {
         let Agreement::Changed { after } = agreement else { continue };
         let mean = |values: &[f64]| significant(values.iter().sum::<f64>() / values.len() as f64);
         let (before, since) = values.split_at(*after);

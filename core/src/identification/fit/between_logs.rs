@@ -307,9 +307,9 @@ mod tests {
         let to_and_fro = found(&[3.0, 4.0, 3.0, 4.0], 2);
         assert_eq!(to_and_fro[0].as_ref().unwrap().agreement, Agreement::NotPinned);
         // It differs significantly and makes less than 1 % of the torque.
-        let little = found(&[3.0, 3.0, 3.1, 3.1], 3);
+        let little = found(&[3.0, 3.0, 3.08, 3.08], 3);
         let little = little[0].as_ref().unwrap();
-        assert!(little.p < 0.01 && little.agreement == Agreement::Pinned, "{little:?}");
+        assert!(little.p < 0.05 && little.agreement == Agreement::Pinned, "{little:?}");
     }
 
     #[test]

@@ -257,12 +257,16 @@ pub fn between_logs(fitted: &Fitted) -> Option<String> {
         found.len()
     );
     // What changed also moves what it resembles: the surest first.
-    let mut changed: Vec<_> = of(|agreement| matches!(agreement, Agreement::Changed { .. })).collect();
-    changed.sort_by(|a, b| a.1.p.total_cmp(&b.1.p));
-    for (name, BetweenLogs { values, agreement, .. }) in changed {
-        let Agreement::Changed { after } = agreement else { continue };
+    let mut changed: Vec<_> = found
+        .iter()
+        .filter_map(|&(name, found)| match found.agreement {
+            Agreement::Changed { after } => Some((found.p, name, found.values.split_at(after), after)),
+            _ => None,
+        })
+        .collect();
+    changed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, name, (before, since), after) in changed {
         let mean = |values: &[f64]| significant(values.iter().sum::<f64>() / values.len() as f64);
-        let (before, since) = values.split_at(*after);
         text += &format!("; {name} changed after log {after}, from {} to {}", mean(before), mean(since));
     }
     let open: Vec<&str> = of(|agreement| *agreement == Agreement::NotPinned).map(|(name, _)| name.as_str()).collect();

@@ -42,8 +42,13 @@ pub struct Motion {
 impl Motion {
     /// A motion at rest at zero.
     pub fn zeros(joints: usize, samples: usize) -> Self {
-        let zeros = || Channels::zeros(joints, samples);
-        Motion { q: zeros(), qd: zeros(), qdd: zeros() }
+        Motion::at_rest(Channels::zeros(joints, samples))
+    }
+
+    /// Poses without velocities and accelerations.
+    pub fn at_rest(q: Channels) -> Self {
+        let still = Channels::zeros(q.channels(), q.samples());
+        Motion { q, qd: still.clone(), qdd: still }
     }
 
     /// Number of joints.

@@ -141,9 +141,7 @@ fn below_swing(train: &impl GearTrain, joint: usize, gear: Gear) -> Result<Optio
     let places: Vec<Vec<f64>> = (0..motors.joints())
         .map(|j| (0..PLACES).map(|place| motors.q.channel(j)[place * samples / PLACES]).collect())
         .collect();
-    let still = Channels::zeros(motors.joints(), PLACES);
-    let motion = Motion { q: Channels::from_vectors(&places), qd: still.clone(), qdd: still };
-    let [_, inertia] = load_and_inertia(train, joint, motion);
+    let [_, inertia] = load_and_inertia(train, joint, Motion::at_rest(Channels::from_vectors(&places)));
     let inertia = inertia.into_iter().fold(0.0, f64::max);
     let swing_hz = 1.0 / (std::f64::consts::TAU * (gear.compliance * inertia).sqrt());
     let hz = (BELOW_SWING * swing_hz).max(SLOWEST_SWING_HZ);

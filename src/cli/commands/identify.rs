@@ -95,8 +95,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let model = observed.model;
     notes.extend(observed.notes);
     stages.begin("identifying");
-    let plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
     let fit = |placed: Vec<Placed>, logs| fit_effects(&model, arguments.trust, logs, preparation, placed);
+    let plain = fit(Vec::new(), logs)?;
     let extended = match placed.is_empty() {
         true => None,
         false => match fit(placed.clone(), logs) {

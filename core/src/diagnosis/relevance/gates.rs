@@ -219,8 +219,11 @@ impl<'a> Judge<'a> {
         let gains = joints
             .map(|joint| gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint));
         match gains.sum::<Option<f64>>() {
-            Some(gain) => Judgement::at_least(Gate::BeyondStructure, gain, threshold)
-                .or(self.predicted(kept, &others, index) >= self.criteria.verdict.explained),
+            Some(gain) => {
+                let gained = gain >= threshold;
+                let passed = gained || self.predicted(kept, &others, index) >= self.criteria.verdict.explained;
+                Judgement { gate: Gate::BeyondStructure, value: gain, threshold, passed }
+            }
             None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },
         }
     }

@@ -65,7 +65,7 @@ pub struct BetweenLogs {
 }
 
 /// The rows of each log, which rows without a time separate.
-pub(super) fn log_rows(times: &[f64]) -> Vec<Range<usize>> {
+fn log_rows(times: &[f64]) -> Vec<Range<usize>> {
     let mut logs: Vec<Range<usize>> = Vec::new();
     for row in (0..times.len()).filter(|&row| times[row].is_finite()) {
         match logs.last_mut().filter(|log| log.end == row) {
@@ -95,6 +95,15 @@ struct Sums<'a> {
     reach: Vec<f64>,
 }
 
+/// A parameter in each log with the covariance of these values, not judged yet.
+struct Tested {
+    values: Vec<f64>,
+    std: Vec<f64>,
+    spread: f64,
+    p: f64,
+    covariance: DMatrix<f64>,
+}
+
 /// Every parameter of a weighted fit, `beta` with the standard deviations `sigma` of the joints, in each of several logs, whose rows have
 /// these `times`; None where the logs do not separate it.
 ///
@@ -111,16 +120,17 @@ pub(super) fn between_logs(
         return Ok(vec![None; names.len()]);
     }
     let sums = Sums::new(joints, [beta, sigma], times, &logs, names)?;
-    let tested: Vec<Option<(BetweenLogs, DMatrix<f64>)>> = (0..names.len()).map(|k| sums.of(k)).collect();
+    let tested: Vec<Option<Tested>> = (0..names.len()).map(|k| sums.of(k)).collect();
     let mut order: Vec<usize> = (0..names.len()).filter(|&k| tested[k].is_some()).collect();
-    let p = |k: usize| tested[k].as_ref().map_or(1.0, |(found, _)| found.p);
+    let p = |k: usize| tested[k].as_ref().map_or(1.0, |tested| tested.p);
     order.sort_by(|&a, &b| p(a).total_cmp(&p(b)));
     let disagree = order.iter().enumerate().take_while(|(place, k)| p(**k) <= DISAGREE / (order.len() - place) as f64);
     let disagree: Vec<usize> = disagree.map(|(_, &k)| k).collect();
     let judged = tested.into_iter().enumerate().map(|(k, tested)| {
-        let (found, covariance) = tested?;
-        let agreement = sums.agreement(k, &found, &covariance, disagree.contains(&k));
-        Some(BetweenLogs { agreement, ..found })
+        let tested = tested?;
+        let agreement = sums.agreement(k, &tested, disagree.contains(&k));
+        let Tested { values, std, spread, p, .. } = tested;
+        Some(BetweenLogs { values, std, spread, p, agreement })
     });
     Ok(judged.collect())
 }
@@ -159,8 +169,8 @@ impl<'a> Sums<'a> {
         Ok(Sums { normals, blocks, inverse: ScaledNormal::new(&all, names)?.inverse(), beta, reach })
     }
 
-    /// A parameter in each log with the covariance of these values.
-    fn of(&self, k: usize) -> Option<(BetweenLogs, DMatrix<f64>)> {
+    /// A parameter in each log; None where these do not separate it.
+    fn of(&self, k: usize) -> Option<Tested> {
         let logs = self.normals.len();
         let columns: Vec<DVector<f64>> = self.normals.iter().map(|normal| normal.column(k).into_owned()).collect();
         let cross = DMatrix::from_columns(&columns);
@@ -192,14 +202,13 @@ impl<'a> Sums<'a> {
         }
         let p = self.p(&differences, &covariance)?;
         let between = differences.norm_squared() - covariance.trace();
-        let found = BetweenLogs {
+        Some(Tested {
             values: differences.iter().map(|difference| self.beta[k] + difference).collect(),
             std,
             spread: (between.max(0.0) / (logs - 1) as f64).sqrt(),
             p,
-            agreement: Agreement::Pinned,
-        };
-        Some((found, covariance))
+            covariance,
+        })
     }
 
     /// p-value of differences that are zero, of which one less than there are is free.
@@ -212,13 +221,14 @@ impl<'a> Sums<'a> {
         statistic.is_finite().then(|| law.sf(statistic))
     }
 
-    fn agreement(&self, k: usize, found: &BetweenLogs, covariance: &DMatrix<f64>, disagree: bool) -> Agreement {
+    fn agreement(&self, k: usize, found: &Tested, disagree: bool) -> Agreement {
         let error = |size: f64| size * self.reach[k] > OF_TORQUE && size > OF_VALUE * self.beta[k].abs();
         if disagree && found.spread * self.reach[k] > SPREAD {
             let values = DVector::from_column_slice(&found.values);
             let logs = values.len();
             let alike = |rows: Range<usize>| {
-                let (own, part) = (values.rows_range(rows.clone()), covariance.view_range(rows.clone(), rows.clone()));
+                let (own, part) =
+                    (values.rows_range(rows.clone()), found.covariance.view_range(rows.clone(), rows.clone()));
                 let about_mean = own.add_scalar(-own.mean());
                 // Differences from the mean, of which the covariance is that of the values less that of their mean.
                 let centre = DMatrix::identity(rows.len(), rows.len()).add_scalar(-1.0 / rows.len() as f64);

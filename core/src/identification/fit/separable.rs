@@ -337,27 +337,16 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     let mut places: Vec<Option<Place>> = vec![None; model.baseline_len()];
     places.extend(model.amplitudes().into_iter().chain(nonlinear.iter().copied()).map(Some));
     let (free, free_names) = without(&regression, &held, &names);
-    let estimate = weighted_least_squares(&free, &free_names)?.with_held(&held, names.len());
+    let estimate = weighted_least_squares(&free, &free_names)?;
+    let times = model.row_times()?;
+    let mut each = between_logs(&free, [&estimate.beta, &estimate.sigma], &times, &free_names)?.into_iter();
+    let estimate = estimate.with_held(&held, names.len());
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();
     let constants = constants(&free, &estimate.sigma, &free_names);
-    let kept: Vec<usize> = (0..names.len()).filter(|k| held.iter().all(|(own, _)| own != k)).collect();
-    let free_beta: Vec<f64> = kept.iter().map(|&k| estimate.beta[k]).collect();
-    let mut agreements = vec![None; names.len()];
-    let each = between_logs(&free, [&free_beta, &estimate.sigma], &model.row_times()?, &free_names)?;
-    kept.into_iter().zip(each).for_each(|(k, found)| agreements[k] = found);
     let among = |all: &[(usize, f64)], k: usize| all.iter().any(|(own, _)| *own == k);
+    let between_logs = (0..names.len()).map(|k| if among(&held, k) { None } else { each.next().flatten() }).collect();
     let undetermined: Vec<bool> = (0..names.len()).map(|k| among(model.undetermined(), k)).collect();
     let at_bound = (0..names.len()).map(|k| among(&held, k) && !undetermined[k]).collect();
     let arm_units = model.baseline_units();
-    Ok(EffectFit {
-        arm_units,
-        estimate,
-        names,
-        places,
-        at_bound,
-        undetermined,
-        residual_rms,
-        constants,
-        between_logs: agreements,
-    })
+    Ok(EffectFit { arm_units, estimate, names, places, at_bound, undetermined, residual_rms, constants, between_logs })
 }

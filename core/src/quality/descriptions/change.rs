@@ -80,6 +80,12 @@ pub struct Description {
     pub changes: Vec<Change>,
 }
 
+/// Gravity along each axis of the base, of each of two sizes, m/s2.
+pub(super) fn along_axes(sizes: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
+    let along = |axis: usize, size: f64| std::array::from_fn(|own| if own == axis { size } else { 0.0 });
+    (0..3).flat_map(move |axis| sizes.map(|size| along(axis, size)))
+}
+
 impl Description {
     /// Logs as they are, of an arm of `dof` joints under a gravity.
     pub fn as_given(dof: usize, gravity: Vector3<f64>) -> Description {
@@ -227,15 +233,9 @@ impl Description {
                 changes.push(Change::AllTorqueSigns);
             }
             let size = if self.gravity.norm() > 0.0 { self.gravity.norm() } else { GRAVITY };
-            let axes = (0..3).flat_map(|axis| [-size, size].map(|value| (axis, value)));
-            let along = |(axis, value): (usize, f64)| {
-                let mut gravity = [0.0; 3];
-                gravity[axis] = value;
-                Change::Gravity(gravity)
-            };
             changes.extend(measured_pairs().map(|(a, b)| Change::TorqueExchange(a, b)));
             changes.push(Change::WithoutGravity);
-            changes.extend(axes.map(along));
+            changes.extend(along_axes([-size, size]).map(Change::Gravity));
             changes.extend(measured_pairs().map(|(a, b)| Change::JointExchange(a, b)));
             changes.extend((0..dof).map(Change::AxisSign));
             changes.extend((0..dof).map(Change::PositionSign));

@@ -4,7 +4,7 @@
 //! ceiling, or that a slide is upright. The drive then needs a constant force that no drive has. Only a part of the weight may be
 //! one, which a balancer takes off.
 
-use super::change::{Change, Description};
+use super::change::{Change, Description, along_axes};
 use super::compare::compare;
 use super::fitting::{Fit, Physics, Rows};
 use super::sizes::ALIKE;
@@ -42,13 +42,8 @@ pub(super) struct Weighed {
 /// the given description may be a drive's.
 pub(super) fn weighed(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Weighed> {
     let Physics::Bodies(robot) = bodies else { return None };
-    let along = |axis: usize, size: f64| {
-        let mut gravity = [0.0; 3];
-        gravity[axis] = size;
-        gravity
-    };
     let size = start.gravity.norm();
-    let directions: Vec<[f64; 3]> = (0..3).flat_map(|axis| [size, -size].map(|size| along(axis, size))).collect();
+    let directions: Vec<[f64; 3]> = along_axes([size, -size]).collect();
     let each: Vec<Vec<Weight>> =
         directions.iter().map(|&gravity| weights(robot, rows, &start.with(Change::Gravity(gravity)))).collect();
     let heaviest: Vec<Weight> = (0..start.dof())
@@ -117,8 +112,7 @@ struct Weight {
 
 /// The torque of gravity on every joint under a description.
 fn weights(robot: &Robot, rows: &Rows, description: &Description) -> Vec<Weight> {
-    let still = rows.motion.qd.map(|_, channel| vec![0.0; channel.len()]);
-    let motion = Motion { q: description.positions(&rows.motion.q), qd: still.clone(), qdd: still };
+    let motion = Motion::at_rest(description.positions(&rows.motion.q));
     let chain = Chain::new(robot).with_gravity(description.gravity.into());
     let of = |torque: &[f64]| {
         let size = torque.iter().sum::<f64>() / torque.len().max(1) as f64;

@@ -176,8 +176,8 @@ impl<'a> Fit<'a> {
         let (weights, _) = self.weighted()?;
         let solution = self.solve(&weights, self.bounds, &|_| true)?;
         let of = |joint: &Equations| {
-            let column = joint.table.width() - FRICTION_COLUMNS - 1;
-            let place = joint.table.parameters.iter().find_map(|own| own[column]);
+            let column = joint.table.constant_and_friction().map(|own| own.start);
+            let place = column.and_then(|column| joint.table.parameters.iter().find_map(|own| own[column]));
             (joint.joint, place.map_or(0.0, |place| solution[place]))
         };
         Some(self.joints.iter().map(of).collect())

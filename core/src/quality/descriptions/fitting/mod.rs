@@ -13,5 +13,5 @@ mod physics;
 mod rows;
 
 pub(crate) use fit::{Evaluation, Fit, Friction};
-pub(crate) use physics::{FRICTION_COLUMNS, JointTable, Physics, Tables};
+pub(crate) use physics::{JointTable, Physics, Tables};
 pub(crate) use rows::Rows;

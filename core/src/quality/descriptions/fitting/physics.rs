@@ -15,6 +15,7 @@ use crate::identification::model::Model;
 use crate::robot::Robot;
 use crate::signal::hat;
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::ops::Range;
 
 /// Quantiles of a joint's speed at which the size of its friction is free; linear between.
 const FRICTION_KNOTS: [f64; 3] = [0.05, 0.4, 0.95];
@@ -214,6 +215,11 @@ impl JointTable {
     /// Number of columns.
     pub(crate) fn width(&self) -> usize {
         self.gram.first().map_or(0, |gram| gram.ncols())
+    }
+
+    /// Columns of the constant of the drive, which is the first, and of its friction; none of an empty table.
+    pub(crate) fn constant_and_friction(&self) -> Option<Range<usize>> {
+        Some(self.width().checked_sub(FRICTION_COLUMNS + 1)?..self.width())
     }
 
     fn new(

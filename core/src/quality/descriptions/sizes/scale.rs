@@ -5,7 +5,7 @@
 
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
-use super::super::fitting::{FRICTION_COLUMNS, Fit, JointTable, Physics, Rows, Tables};
+use super::super::fitting::{Fit, JointTable, Physics, Rows, Tables};
 use super::super::tried::Tried;
 use super::golden::golden;
 use nalgebra::{DMatrix, DVector};
@@ -166,15 +166,13 @@ pub(crate) fn between(low: f64, high: f64, merit: impl Fn(f64) -> f64) -> f64 {
 
 /// How many times larger the logged torque of a joint is than that of the bodies without a load; none where it is not alike.
 fn factor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
-    // The rotor, the constant and friction.
-    let all = table.width();
-    factor_over(std::iter::once(0).chain(all.checked_sub(FRICTION_COLUMNS + 1)?..all).collect(), table, channel, rows)
+    let rotor = 0;
+    factor_over(std::iter::once(rotor).chain(table.constant_and_friction()?).collect(), table, channel, rows)
 }
 
 /// The same of a joint whose rotor has no part in it.
 pub(crate) fn factor_without_rotor(table: &JointTable, channel: usize, rows: &Rows) -> Option<f64> {
-    let all = table.width();
-    factor_over((all.checked_sub(FRICTION_COLUMNS + 1)?..all).collect(), table, channel, rows)
+    factor_over(table.constant_and_friction()?.collect(), table, channel, rows)
 }
 
 /// The same with columns of its `own` besides the torque of the bodies.

@@ -104,7 +104,7 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
             };
             offsets = along(golden(0.0, FURTHER, SECTIONS, |factor| merit(&along(factor))));
         }
-        reported(&offsets).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, &merit)))
+        reported(&offsets).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, merit)))
     };
     found.into_par_iter().filter_map(together).collect()
 }
@@ -133,20 +133,14 @@ fn reported(offsets: &[f64]) -> Option<Vec<f64>> {
 
 /// The same offsets, by turns more or less where the joint is then within its limits or nearer to them: by whole ones, and by half ones where
 /// the torques say no more against these than chance would, as where gravity is compensated.
-fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: &(impl Fn(&[f64]) -> f64 + Sync)) -> Vec<f64> {
+fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let logged = from.with_zeros(&vec![0.0; from.dof()]).positions(&rows.motion.q);
-    let least = merit(&offsets);
     let turned = |joint: usize| {
         let offset = offsets[joint];
         let at = |turns: f64| offset + turns * TAU;
         let beyond = |turns: f64| {
             let positions: Vec<f64> = logged.channel(joint).iter().map(|q| q + at(turns)).collect();
             rows.beyond_limits(joint, &positions).max(0.0)
-        };
-        let fits = |turns: &f64| {
-            let mut turned = offsets.clone();
-            turned[joint] = at(*turns);
-            turns.fract() == 0.0 || merit(&turned) < least + GAINS
         };
         // The first of those that are as near to the limits: the one that fits best.
         let nearest = |turns: &[f64]| turns.iter().copied().min_by(|a, b| beyond(*a).total_cmp(&beyond(*b)));
@@ -155,6 +149,12 @@ fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: &(impl F
             0.0 => 0.0,
             _ if beyond(whole) <= 0.0 => at(whole),
             _ => {
+                let least = merit(&offsets);
+                let fits = |turns: &f64| {
+                    let mut turned = offsets.clone();
+                    turned[joint] = at(*turns);
+                    merit(&turned) < least + GAINS
+                };
                 let halves: Vec<f64> = [-0.5, 0.5].into_iter().filter(fits).collect();
                 at(nearest(&[&[whole], halves.as_slice()].concat()).unwrap_or(whole))
             }

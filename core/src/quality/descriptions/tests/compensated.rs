@@ -11,9 +11,7 @@ fn gravity_that_a_controller_takes_off_is_nothing_else() {
             let actual = scales::with_other_masses(&robot, seed);
             let logs = [0, 1].map(|log| {
                 let mut log = simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log);
-                let q = log.recording.q.clone();
-                let still = q.map(|_, channel| vec![0.0; channel.len()]);
-                let motion = Motion { q, qd: still.clone(), qdd: still };
+                let motion = Motion::at_rest(log.recording.q.clone());
                 let gravity = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
                 for joint in 0..robot.dof() {
                     let tau = log.recording.tau.channel_mut(joint).iter_mut();

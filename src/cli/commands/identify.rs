@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::identification::consistent;
 use crate::identification::effect_model::{Preparation, Trust};
 use crate::identification::equations;
-use crate::identification::fit::{self, fit_effects};
+use crate::identification::fit::{self, fit_effects, fit_effects_in};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
@@ -95,8 +95,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     let model = observed.model;
     notes.extend(observed.notes);
     stages.begin("identifying");
-    let fit = |placed: Vec<Placed>, logs| fit_effects(&model, arguments.trust, logs, preparation, placed);
-    let plain = fit(Vec::new(), logs)?;
+    let mut plain = fit_effects(&model, arguments.trust, logs, preparation, Vec::new())?;
+    let among = |rows: &[bool], placed, logs| fit_effects_in(&model, arguments.trust, logs, preparation, placed, rows);
+    let fit = |placed, logs| among(&plain.reversals, placed, logs);
     let extended = match placed.is_empty() {
         true => None,
         false => match fit(placed.clone(), logs) {
@@ -109,6 +110,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
             }
         },
     };
+    if let Some(fitted) = extended.as_ref().filter(|fitted| fitted.reversals != plain.reversals) {
+        plain = among(&fitted.reversals, Vec::new(), logs)?;
+    }
     notes.extend(report::undetermined(model.base(), &plain));
     notes.extend(report::constants(&robot, extended.as_ref().unwrap_or(&plain)));
     notes.extend(report::between_logs(extended.as_ref().unwrap_or(&plain)));

@@ -29,8 +29,8 @@ pub(super) struct Design {
     pub right: DVector<f64>,
     /// Columns of each kind; None for those of a law.
     pub kinds: Vec<(Option<Kind>, Range<usize>)>,
-    /// Rank of the fixed columns.
-    pub rank: usize,
+    /// An orthonormal basis of the fixed columns.
+    pub basis: DMatrix<f64>,
     /// Rows that follow each other without a gap.
     pub runs: Vec<Range<usize>>,
     /// Time of each row since the start of all logs, in averaged rows.
@@ -42,6 +42,11 @@ pub(super) struct Design {
 }
 
 impl Design {
+    /// Rank of the fixed columns.
+    pub(super) fn rank(&self) -> usize {
+        self.basis.ncols()
+    }
+
     /// The same without the columns of a law.
     pub(super) fn without_law(mut self) -> Self {
         self.kinds.retain(|(kind, _)| kind.is_some());
@@ -225,7 +230,7 @@ impl Raw {
             y,
             z,
             kinds: self.kinds.clone(),
-            rank: basis.ncols(),
+            basis,
             runs: self.runs.clone(),
             time: self.time.clone(),
             log: self.log.clone(),

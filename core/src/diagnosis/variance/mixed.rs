@@ -64,6 +64,13 @@ impl Posterior {
         columns - &z * self.factor.solve(&(transposed_product(&z, columns) / noise))
     }
 
+    /// Directions `W` that the random effects take of the rows: `W W' = Z A^-1 Z' / noise`.
+    pub(super) fn directions(&self, design: &Design, noise: f64) -> DMatrix<f64> {
+        let z = design.z.select_columns(&self.columns).transpose() / noise.sqrt();
+        // The factor has a positive diagonal.
+        self.factor.l_dirty().solve_lower_triangular(&z).map_or_else(|| z.transpose(), |solved| solved.transpose())
+    }
+
     /// Logarithm of the determinant of A.
     fn log_determinant(&self) -> f64 {
         2.0 * self.factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
@@ -72,14 +79,14 @@ impl Posterior {
 
 /// Fits strengths and noise.
 pub(super) fn fit(design: &Design) -> Fit {
-    let free = (design.y.len().saturating_sub(design.rank)).max(1) as f64;
+    let free = (design.y.len().saturating_sub(design.rank())).max(1) as f64;
     let noise = (design.y.norm_squared() / free).max(f64::MIN_POSITIVE);
     fit_from(design, vec![0.1 * noise; design.kinds.len()], noise)
 }
 
 /// The same from these strengths and this noise; those that are absent stay so.
 pub(super) fn fit_from(design: &Design, mut strengths: Vec<f64>, mut noise: f64) -> Fit {
-    let free = (design.y.len().saturating_sub(design.rank)).max(1) as f64;
+    let free = (design.y.len().saturating_sub(design.rank())).max(1) as f64;
     let square = design.y.norm_squared();
     // A kind without functions, as of other joints where there are none, is absent.
     let empty = design.kinds.iter().zip(&mut strengths).filter(|((_, range), _)| range.is_empty());
@@ -126,7 +133,7 @@ pub(super) fn fit_from(design: &Design, mut strengths: Vec<f64>, mut noise: f64)
 /// The fit under strengths and noise that are settled.
 fn settled(design: &Design, strengths: Vec<f64>, noise: f64) -> Fit {
     let (rows, square) = (design.y.len(), design.y.norm_squared());
-    let free = (rows.saturating_sub(design.rank)).max(1) as f64;
+    let free = (rows.saturating_sub(design.rank())).max(1) as f64;
     let mut fit = Fit {
         residual: design.y.clone(),
         parts: vec![DVector::zeros(rows); strengths.len()],
@@ -180,7 +187,7 @@ pub(super) mod tests {
             y,
             z,
             kinds: vec![(Some(Kind::Position), 0..each), (Some(Kind::Speed), each..2 * each)],
-            rank: 0,
+            basis: DMatrix::zeros(rows, 0),
             runs: std::iter::once(0..rows).collect(),
             time: (0..rows).collect(),
             log: vec![0; rows],

@@ -30,6 +30,15 @@ impl EffectModel<'_> {
         Ok(joints.into_iter().map(|parts| JointRegression::joined(parts, SEPARATION)).collect())
     }
 
+    /// The rows of every joint that see a reversal or slow motion, `[joint][row]`.
+    pub(in crate::identification) fn rows_at_reversals(&self) -> Vec<Vec<bool>> {
+        let of_joint = |joint: usize| {
+            let logs = self.logs.iter().map(|(_, prepared)| prepared.rows_at_reversals(joint));
+            logs.reduce(|all, one| [all, vec![false; SEPARATION], one].concat()).unwrap_or_default()
+        };
+        (0..self.joints()).map(of_joint).collect()
+    }
+
     /// Time of every row of [`EffectModel::regression`], each log's own, s; NaN for the rows that only separate logs.
     ///
     /// # Errors
@@ -84,7 +93,7 @@ impl EffectModel<'_> {
         let corrected;
         let (recording, prepared) = match &undone {
             Some(log) => {
-                corrected = prepare::measured(log, self.preparation.smoothing, self.preparation.band)?;
+                corrected = prepare::measured(log, self.preparation.smoothing, self.preparation.band)?.like(prepared);
                 (log, &corrected)
             }
             None => (recording, prepared),

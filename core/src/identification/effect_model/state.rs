@@ -65,6 +65,13 @@ impl<'a> EffectModel<'a> {
         Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, undetermined: None })
     }
 
+    /// Leaves out the rows that see a reversal or slow motion, except on joints where they are to be `kept`.
+    #[must_use]
+    pub(in crate::identification) fn with_reversals(mut self, kept: &[bool]) -> Self {
+        self.logs.iter_mut().for_each(|(_, prepared)| prepared.keep_reversals(kept));
+        self
+    }
+
     /// Number of joints.
     pub fn joints(&self) -> usize {
         self.model.dof()

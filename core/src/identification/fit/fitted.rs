@@ -31,6 +31,8 @@ pub struct Fitted {
     pub test_rms: Vec<f64>,
     /// The held-out logs row by row.
     pub test: Rows,
+    /// Joints whose rows near reversals are in the fit, if they have any; those of the others show more than noise.
+    pub reversals: Vec<bool>,
 }
 
 /// The rows that a fit is judged by, `[joint][row]`; nothing where there are no held-out logs.
@@ -61,14 +63,38 @@ pub fn fit_effects(
     preparation: Preparation,
     placed: Vec<Placed>,
 ) -> Result<Fitted> {
-    let mut training = EffectModel::new(model, trust, logs.train, preparation, placed)?;
-    let found = fit(&mut training)?;
+    fit_effects_in(model, trust, logs, preparation, placed, &vec![true; model.dof()])
+}
+
+/// [`fit_effects`] in rows near reversals only of joints where they are to be `kept`, so that two fits are in the same rows.
+///
+/// # Errors
+/// Those of [`fit_effects`].
+pub fn fit_effects_in(
+    model: &Model,
+    trust: Trust,
+    logs: Logs,
+    preparation: Preparation,
+    placed: Vec<Placed>,
+    kept: &[bool],
+) -> Result<Fitted> {
+    let along = |logs, placed, kept: &[bool]| -> Result<EffectModel> {
+        Ok(EffectModel::new(model, trust, logs, preparation, placed)?.with_reversals(kept))
+    };
+    let mut reversals = kept.to_vec();
+    let mut training = along(logs.train, placed, &reversals)?;
+    let mut found = fit(&mut training)?;
+    if found.good_reversals.contains(&false) {
+        reversals.iter_mut().zip(&found.good_reversals).for_each(|(kept, good)| *kept &= good);
+        training = along(logs.train, training.placed().to_vec(), &reversals)?;
+        found = fit(&mut training)?;
+    }
     let placed = training.placed().to_vec();
     let (test_rms, test) = match logs.test {
         [] => (Vec::new(), Rows::default()),
-        test => judged(EffectModel::new(model, trust, test, preparation, placed.clone())?, &found)?,
+        test => judged(along(test, placed.clone(), &reversals)?, &found)?,
     };
-    Ok(Fitted { train_rms: found.residual_rms.clone(), placed, test_rms, test, fit: found })
+    Ok(Fitted { train_rms: found.residual_rms.clone(), placed, test_rms, test, fit: found, reversals })
 }
 
 impl Fitted {

@@ -5,9 +5,10 @@ mod between_logs;
 mod constants;
 pub mod equations;
 mod fitted;
+mod reversals;
 mod separable;
 
 pub use between_logs::{Agreement, BetweenLogs};
 pub use constants::Constant;
-pub use fitted::{Fitted, Logs, Rows, fit_effects};
+pub use fitted::{Fitted, Logs, Rows, fit_effects, fit_effects_in};
 pub use separable::EffectFit;

@@ -4,6 +4,7 @@
 
 use super::between_logs::{BetweenLogs, between_logs};
 use super::constants::{Constant, constants};
+use super::reversals;
 use crate::effects::{Parameter, Role, varies_by_factors};
 use crate::error::Result;
 use crate::identification::effect_model::{EffectModel, Place};
@@ -54,6 +55,8 @@ pub struct EffectFit {
     pub residual_rms: Vec<f64>,
     /// The constant that each joint's residual holds, where it matters.
     pub constants: Vec<Option<Constant>>,
+    /// Joints whose rows near reversals show no more than the others.
+    pub good_reversals: Vec<bool>,
     /// Each parameter in each of several training logs; None where it is held or they do not separate it, and of a single log.
     pub between_logs: Vec<Option<BetweenLogs>>,
 }
@@ -342,11 +345,23 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     let mut each = between_logs(&free, [&estimate.beta, &estimate.sigma], &times, &free_names)?.into_iter();
     let estimate = estimate.with_held(&held, names.len());
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();
+    let good_reversals = reversals::kept(&regression, &model.rows_at_reversals(), &estimate.beta);
     let constants = constants(&free, &estimate.sigma, &free_names);
     let among = |all: &[(usize, f64)], k: usize| all.iter().any(|(own, _)| *own == k);
     let between_logs = (0..names.len()).map(|k| if among(&held, k) { None } else { each.next().flatten() }).collect();
     let undetermined: Vec<bool> = (0..names.len()).map(|k| among(model.undetermined(), k)).collect();
     let at_bound = (0..names.len()).map(|k| among(&held, k) && !undetermined[k]).collect();
     let arm_units = model.baseline_units();
-    Ok(EffectFit { arm_units, estimate, names, places, at_bound, undetermined, residual_rms, constants, between_logs })
+    Ok(EffectFit {
+        arm_units,
+        estimate,
+        names,
+        places,
+        at_bound,
+        undetermined,
+        residual_rms,
+        constants,
+        good_reversals,
+        between_logs,
+    })
 }

@@ -69,8 +69,11 @@ impl Consistent {
 /// If a log is too short for its preparation, or the search fails (which needs parameters that are not finite).
 pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &Fitted) -> Result<Consistent> {
     let estimate = &fitted.fit.estimate;
-    let regression = |recordings| EffectModel::new(model, Trust::Structure, recordings, preparation, Vec::new());
-    let training = regression(logs.train)?.regression()?;
+    let regression = |recordings| {
+        let rows = EffectModel::new(model, Trust::Structure, recordings, preparation, Vec::new())?;
+        rows.with_reversals(&fitted.reversals).regression()
+    };
+    let training = regression(logs.train)?;
     let mut normal = LinearProblem::new(&training, &estimate.sigma, estimate.beta.len()).normal().clone();
     // What the logs do not determine is as large as in any body of the arm's size.
     let sizes = Plausible::new(model, &normal, &estimate.beta).scale;
@@ -81,7 +84,7 @@ pub fn consistent(model: &Model, logs: Logs, preparation: Preparation, fitted: &
     let rms = |joints: &[JointRegression]| {
         joints.iter().map(|joint| joint.residual_rms(&solution.beta)).collect::<Vec<f64>>()
     };
-    let test_rms = if logs.test.is_empty() { Vec::new() } else { rms(&regression(logs.test)?.regression()?) };
+    let test_rms = if logs.test.is_empty() { Vec::new() } else { rms(&regression(logs.test)?) };
     let zero = vec![0.0; solution.beta.len()];
     let torque_rms = training.iter().map(|joint| joint.residual_rms(&zero)).collect();
     Ok(Consistent { torque_rms, train_rms: rms(&training), test_rms, ..solution })

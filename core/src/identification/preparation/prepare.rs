@@ -73,8 +73,8 @@ pub struct Prepared<'a> {
     decimation: usize,
     /// Samples on either side whose values enter a filtered sample.
     reach: usize,
-    /// How it is decided where the direction of motion is certain.
-    band: Band,
+    /// Whether the rows of each joint that see a quick reversal or slow motion are used.
+    quick: Vec<bool>,
     /// Speed below which the direction of each joint is not certain, rad/s or m/s.
     slow: Vec<Slow>,
     /// Sizes of the weights of the samples that enter a filtered one.
@@ -144,7 +144,7 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
         position_filter,
         decimation,
         reach,
-        band,
+        quick: vec![band == Band::OfNoise; recording.joints()],
         slow,
         weights,
     })
@@ -186,7 +186,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         position_filter: Filter::None,
         decimation: 1,
         reach: 0,
-        band: Band::Given(band),
+        quick: vec![false; q.channels()],
         slow: vec![Slow::given(band); q.channels()],
         weights: Vec::new(),
     }
@@ -301,7 +301,33 @@ impl<'a> Prepared<'a> {
 
     /// Rows after decimation all of whose inputs are inside the log, and whose direction is certain.
     pub(in crate::identification) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
-        reversals::rows_to_use(&self.moving(joint), (self.reach, &self.weights), self.decimation, self.band)
+        self.rows_of(joint, self.quick[joint])
+    }
+
+    /// Those of them that see a reversal or slow motion.
+    pub(in crate::identification) fn rows_at_reversals(&self, joint: usize) -> Vec<bool> {
+        let mut rows = self.rows_to_use(joint);
+        rows.iter_mut().zip(self.rows_of(joint, false)).for_each(|(row, clear)| *row &= !clear);
+        rows
+    }
+
+    fn rows_of(&self, joint: usize, quick: bool) -> Vec<bool> {
+        let moving = match quick {
+            true => self.moving(joint),
+            false => self.motion.qd.channel(joint).iter().map(|v| v.abs() > self.slow[joint].sure).collect(),
+        };
+        reversals::rows_to_use(&moving, (self.reach, &self.weights), self.decimation, quick)
+    }
+
+    /// With the choice of rows near reversals that `other` has.
+    pub(in crate::identification) fn like(mut self, other: &Prepared) -> Self {
+        self.quick.clone_from(&other.quick);
+        self
+    }
+
+    /// Leaves out the rows that see a reversal or slow motion, except on joints where they are to be `kept`.
+    pub(in crate::identification) fn keep_reversals(&mut self, kept: &[bool]) {
+        self.quick.iter_mut().zip(kept).for_each(|(quick, kept)| *quick &= kept);
     }
 }
 

@@ -13,7 +13,7 @@ pub enum Band {
     /// The same for every joint, rad/s or m/s. No row whose filter reaches a slower sample is used.
     Given(f64),
     /// Each joint's own, from the noise of its velocity and its own speed. A row whose filter reaches a quick reversal is
-    /// used.
+    /// used; where the residual of a fit is larger near reversals, only rows in which the joint surely moves are.
     OfNoise,
 }
 
@@ -47,8 +47,8 @@ pub fn weights(filter: &Filter, reach: usize, samples: usize) -> Result<Vec<f64>
 }
 
 /// Every `step`-th sample whose row may be used: the filter, which sees `reach` samples to either side with these `weights`, fits
-/// into the log, and the direction is certain as far as `band` asks.
-pub fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usize, band: Band) -> Vec<bool> {
+/// into the log, and the direction is certain in all that it sees, or `quick` reversals excepted.
+pub fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usize, quick: bool) -> Vec<bool> {
     let mut uncertain_before = vec![0usize; moving.len() + 1];
     for (sample, &ok) in moving.iter().enumerate() {
         uncertain_before[sample + 1] = uncertain_before[sample] + usize::from(!ok);
@@ -59,9 +59,7 @@ pub fn rows_to_use(moving: &[bool], (reach, weights): (usize, &[f64]), step: usi
             return true;
         }
         let uncertain = |(weight, ok): (&f64, &bool)| if *ok { 0.0 } else { *weight };
-        band == Band::OfNoise
-            && moving[sample]
-            && weights.iter().zip(&moving[seen]).map(uncertain).sum::<f64>() <= MOST_UNCERTAIN
+        quick && moving[sample] && weights.iter().zip(&moving[seen]).map(uncertain).sum::<f64>() <= MOST_UNCERTAIN
     };
     (0..moving.len())
         .step_by(step)
@@ -81,13 +79,13 @@ mod tests {
         moving[100..160].fill(false);
         // A mean over 41 samples, of which two may be uncertain.
         let mean = vec![1.0 / 41.0; 41];
-        let rows = rows_to_use(&moving, (20, &mean), 1, Band::OfNoise);
+        let rows = rows_to_use(&moving, (20, &mean), 1, true);
         assert!(!rows[19] && rows[20] && rows[49] && !rows[50] && rows[51]);
         assert!(rows[81] && !rows[82] && !rows[130] && !rows[177] && rows[178] && !rows[380]);
-        let given = rows_to_use(&moving, (20, &mean), 1, Band::Given(0.1));
+        let given = rows_to_use(&moving, (20, &mean), 1, false);
         assert!(!given[45] && !given[70] && given[71] && !given[81]);
         // A short window gives so much weight to each that none may be.
-        let short = rows_to_use(&moving, (1, &[0.2, 0.6, 0.2]), 1, Band::OfNoise);
+        let short = rows_to_use(&moving, (1, &[0.2, 0.6, 0.2]), 1, true);
         assert!(short[48] && !short[49] && !short[51] && short[52]);
     }
 

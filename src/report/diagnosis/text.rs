@@ -1,8 +1,8 @@
 //! The answer in a few lines.
 
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NamedParameter, Play,
-    ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NamedParameter, Part,
+    Play, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::internal::diagnosis::{
     NOT_SIZED, effort, finding, findings, joints, predicts_worse, remedy, shown, with_unit,
@@ -297,10 +297,12 @@ pub(crate) fn followed(robot: &Robot, map: &ResidualMap) -> Option<String> {
     let (unit, names) = by_joint(robot);
     let title = format!("residual in all logs, rms in {unit}");
     let rows = map.joints.iter().filter_map(|map| {
-        let parts =
-            map.reported().take(MENTIONED).map(|part| format!("{} {}", part.follows.title(), significant(part.rms)));
+        let part = |part: &Part| format!("{} {}", part.follows.title(), significant(part.rms));
+        let parts = map.reported().take(MENTIONED).map(part);
+        let unseparated: Vec<String> = map.unseparated().take(MENTIONED).map(part).collect();
+        let unseparated = (!unseparated.is_empty()).then(|| format!("not separated: {}", unseparated.join(" or ")));
         let lines = map.lines.iter().map(|line| format!("{} Hz {}", significant(line.hz), significant(line.rms)));
-        let follows: Vec<String> = parts.chain(lines).collect();
+        let follows: Vec<String> = parts.chain(unseparated).chain(lines).collect();
         let sizes = [map.residual, map.noise].map(significant);
         let row = [names[map.joint].clone()].into_iter().chain(sizes).chain([follows.join(", ")]);
         (!follows.is_empty()).then(|| row.collect())

@@ -23,6 +23,9 @@ const MOST_CORRELATED: f64 = 0.8;
 /// Share of the noise from which a part is reported: less changes the residual by 3 %.
 const CLEAR: f64 = 0.25;
 
+/// Residual over noise from which parts are named although the logs are too short to separate them.
+const MUCH: f64 = 2.0;
+
 /// Time that a row of the logs stands for, s.
 const ROW_S: f64 = 0.02;
 
@@ -74,6 +77,13 @@ impl JointMap {
     /// The parts that are significant and stand clear of the noise, the largest first.
     pub fn reported(&self) -> impl Iterator<Item = &Part> {
         self.parts.iter().filter(|part| part.significant && part.rms >= CLEAR * self.noise)
+    }
+
+    /// The parts that stand clear of the noise, the largest first, where the residual is much larger than that and none of them is significant
+    /// by itself: the logs are too short to separate them.
+    pub fn unseparated(&self) -> impl Iterator<Item = &Part> {
+        let much = self.residual >= MUCH * self.noise && self.reported().next().is_none();
+        self.parts.iter().filter(move |part| much && part.rms >= CLEAR * self.noise)
     }
 
     /// The p-value of a kind, among all others but not adjusted for their number; None where it is not tested.

@@ -16,10 +16,11 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::RngExt;
 use std::ops::Range;
 
-/// Rows of 20 ms in a block: 2 s, several times what joint torque noise remembers; in short logs less, for enough blocks.
-const LONGEST_BLOCK: usize = 100;
-const SHORTEST_BLOCK: usize = 32;
-const BLOCKS: usize = 30;
+/// Rows of 20 ms in a block: a second, several times what joint torque noise remembers once its correlation is made white; in short logs less,
+/// for more blocks than there are columns in the model.
+const LONGEST_BLOCK: usize = 50;
+const SHORTEST_BLOCK: usize = 16;
+const BLOCKS: usize = 100;
 
 /// Fewest averaged rows in a block: neighbours are nearly independent.
 const LEAST_ROWS: usize = 2;
@@ -95,11 +96,8 @@ impl<'a> Null<'a> {
     /// The p-value of a kind with these columns.
     fn p(&self, columns: &DMatrix<f64>, seed: u64, index: u64) -> f64 {
         let own = left(self.design, self.posterior.as_ref(), self.noise, columns);
-        // What is flipped are blocks of noise alone, without what the other random effects do to the score.
-        let [random, flipped] = [columns.dot(&own), own.norm_squared()];
-        let scale = if flipped > 0.0 { (random / flipped).max(1.0) } else { 1.0 };
         let observed = transposed_product(&own, &DMatrix::from_columns(std::slice::from_ref(&self.residual)));
-        p_value(observed.norm_squared() / scale, &scores(&own, &self.scaled, self.blocks), seed, index)
+        p_value(observed.norm_squared(), &scores(&own, &self.scaled, self.blocks), seed, index)
     }
 }
 

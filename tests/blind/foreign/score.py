@@ -1,18 +1,26 @@
-"""Judges a tauscope binary on blind cases: score.py BINARY FOLDER... [--tag NAME] [--where KEY=VALUE].
+"""Judges a tauscope binary on blind cases: score.py BINARY FOLDER... [--tag NAME] [--where KEY=VALUE] [--check].
 
 Writes diagnosis.json and the console text into CASE/out-TAG, and prints tables; lines.tsv beside the cases has one line
-per case. A case that fails is counted as such and does not stop the rest.
+per case. A case that fails is counted as such and does not stop the rest. With --check the exit code is 1 if a rate is
+significantly worse than its target.
 """
 
 import argparse
 import json
 import subprocess
+import sys
 import time
 from collections import Counter, defaultdict
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import binom
+
+# Rates that --check asks for: at most so many quiet logs named or unexplained, firm wrong names, and single effects of the
+# library at the size of the noise that are not found; and the level of the binomial test against each.
+MOST_ALARMS, MOST_WRONG, MOST_MISSED = 0.05, 0.01, 0.05
+LEVEL = 0.05
 
 OUTCOMES = ["named", "one_of", "wide_set", "missed", "wrong", "failed"]
 
@@ -167,6 +175,25 @@ def tables(judged):
         print("  outside:", {name: [round(float(z), 1) for z in zs] for name, zs in far.items() if any(abs(z) >= 3 for z in zs)})
 
 
+def failures(judged):
+    """The rates that are significantly worse than their targets, as lines."""
+    quiet = [answer is None or bool(answer["findings"] or answer["unexplained"]) for truth, answer, _ in judged if not truth["effects"]]
+    single = [(answer, j) for truth, answer, j in judged if len(truth["effects"]) == 1 and truth["effects"][0]["in_library"]]
+    rates = [
+        ("quiet logs named, unexplained or without an answer", quiet, MOST_ALARMS),
+        ("single effects without their name", [j[0][0] not in ("named", "one_of") for _, j in single], MOST_MISSED),
+        ("single effects with a firm wrong name", [bool(j[1]) for answer, j in single if answer], MOST_WRONG),
+    ]
+    lines = []
+    for name, wrong, most in rates:
+        count, total = sum(wrong), len(wrong)
+        p = float(binom.sf(count - 1, total, most)) if total else 1.0
+        print(f"{name}: {count} of {total}, at most {100 * most:.0f} % wanted, p = {p:.3g}")
+        if p < LEVEL:
+            lines.append(name)
+    return lines
+
+
 def wanted(path, conditions):
     truth = json.loads(path.read_text())
     return all(str(truth.get(key)) == value for key, value in (condition.split("=") for condition in conditions))
@@ -181,6 +208,7 @@ def main():
     parser.add_argument("--rescore", action="store_true", help="only read what earlier runs wrote")
     parser.add_argument("--where", action="append", default=[], help="KEY=VALUE of truth.json; only such cases")
     parser.add_argument("-j", type=int, default=1)
+    parser.add_argument("--check", action="store_true", help="exit code 1 if a rate is significantly worse than its target")
     options = parser.parse_args()
     judged, times = [], []
     for folder in options.folders:
@@ -203,7 +231,8 @@ def main():
                 lines.flush()
     tables(judged)
     print(f"\n{len(judged)} cases, {np.median(times):.1f} s in the median, {np.max(times):.1f} s at most")
+    return 1 if options.check and failures(judged) else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

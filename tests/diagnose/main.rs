@@ -1,6 +1,7 @@
 //! The diagnosis around its statistics: faults of the data come before physics, what the simulation knows already is not
 //! found again, and the extended model is a model that runs.
 
+mod agreement;
 mod changes;
 mod entry;
 mod extended;

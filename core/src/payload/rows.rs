@@ -3,17 +3,13 @@
 use super::load_columns::LoadColumns;
 use crate::channels::Channels;
 use crate::error::Result;
+use crate::identification::effect_model::Preparation;
 use crate::identification::equal_states::States;
 use crate::identification::joint_regression::JointRegression;
 use crate::identification::model::Model;
-use crate::identification::prepare::{self, Smoothing};
-use crate::identification::reversals::Band;
-use crate::identification::smoothing_choice::{USUAL_ORDER, usual_window};
+use crate::identification::prepare;
 use crate::recording::Recording;
 use crate::signal::downsample;
-
-/// Rows in a smoothing window: the next row adds little that the filter has not mixed into this one.
-const ROWS_IN_A_WINDOW: usize = 12;
 
 /// The rows of one log.
 #[derive(Debug)]
@@ -34,10 +30,9 @@ impl LogRows {
     /// # Errors
     /// If the log is too short for the window.
     pub(super) fn new(log: &Recording, model: &Model, load: &LoadColumns) -> Result<Self> {
-        let window = usual_window(log.rate_hz());
-        let decimation = (window / ROWS_IN_A_WINDOW).max(1);
-        let smoothing = Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation };
-        let prepared = prepare::measured(log, smoothing, Band::OfNoise)?;
+        let Preparation { smoothing, band } = Preparation::usual(log);
+        let decimation = smoothing.decimation();
+        let prepared = prepare::measured(log, smoothing, band)?;
         let thinned = |table: &Channels| -> Result<Channels> {
             let channels = table.iter().map(|channel| downsample(channel, decimation)).collect::<Result<Vec<_>>>()?;
             Ok(Channels::from_vectors(&channels))

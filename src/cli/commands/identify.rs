@@ -280,13 +280,6 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
     }
 }
 
-/// Default preparation of logs: Savitzky-Golay of order six over [`usual_window`].
-pub(super) fn usual_preparation(log: &Recording) -> Preparation {
-    let window = usual_window(log.rate_hz());
-    let smoothing = Smoothing::SavitzkyGolay { window, order: 6, decimation: (window / 12).max(1) };
-    Preparation { smoothing, band: Band::OfNoise }
-}
-
 fn preparation(arguments: &Arguments, setup: Option<&Setup>, log: &Recording) -> Result<Preparation> {
     let spec = setup.map(|setup| &setup.scenario.identification);
     let window = arguments.window.or(spec.and_then(|s| s.smoothing_window));

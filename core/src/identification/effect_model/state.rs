@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::identification::model::Model;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
 use crate::identification::preparation::reversals::Band;
+use crate::identification::preparation::smoothing_choice::{USUAL_ORDER, usual_window};
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::identification::regression::least_squares::require_rows;
 use crate::identification::regression::undetermined::undetermined;
@@ -18,6 +19,19 @@ pub struct Preparation {
     pub smoothing: Smoothing,
     /// Where the direction of a joint is certain.
     pub band: Band,
+}
+
+/// Rows in a smoothing window: the next row adds little that the filter has not mixed into this one.
+const ROWS_IN_A_WINDOW: usize = 12;
+
+impl Preparation {
+    /// Savitzky-Golay over the usual window at the rate of `log`, directions certain by the noise of the velocities.
+    pub fn usual(log: &Recording) -> Self {
+        let window = usual_window(log.rate_hz());
+        let decimation = (window / ROWS_IN_A_WINDOW).max(1);
+        let smoothing = Smoothing::SavitzkyGolay { window, order: USUAL_ORDER, decimation };
+        Preparation { smoothing, band: Band::OfNoise }
+    }
 }
 
 /// A model with effects on a set of logs.

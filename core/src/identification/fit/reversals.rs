@@ -5,8 +5,10 @@
 
 use crate::identification::regression::joint_regression::JointRegression;
 
-/// Mean squared residual near reversals over that of the other rows from which a row there is worth less than half of another.
-const WORSE: f64 = 2.0;
+/// Mean squared residual near reversals over that of the other rows from which a row there is worth less than a tenth of another. Friction at
+/// low speed, which belongs to the parameters that are asked for, makes up to six times as much on real arms; a sign that is wrong in time,
+/// twenty times.
+const WORSE: f64 = 10.0;
 
 /// Fewest rows for a mean square.
 const FEWEST: usize = 30;
@@ -56,10 +58,10 @@ mod tests {
     }
 
     #[test]
-    fn rows_worth_less_than_half_of_others_are_left_out() {
-        assert!(keeps(100, 1.41) && !keeps(100, 1.42));
+    fn rows_worth_less_than_a_tenth_of_others_are_left_out() {
+        assert!(keeps(100, 3.16) && !keeps(100, 3.17));
         // Few rows show nothing, and what most rows are is needed.
-        assert!(keeps(29, 3.0) && !keeps(30, 3.0));
-        assert!(!keeps(200, 3.0) && keeps(201, 3.0));
+        assert!(keeps(29, 4.0) && !keeps(30, 4.0));
+        assert!(!keeps(200, 4.0) && keeps(201, 4.0));
     }
 }

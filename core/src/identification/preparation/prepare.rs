@@ -41,6 +41,16 @@ pub enum Smoothing {
     },
 }
 
+impl Smoothing {
+    /// Samples from one row to the next.
+    pub fn decimation(self) -> usize {
+        match self {
+            Smoothing::None => 1,
+            Smoothing::SavitzkyGolay { decimation, .. } | Smoothing::LowPass { decimation, .. } => decimation,
+        }
+    }
+}
+
 /// Positions pass up to this multiple of the cut-off: what torque and columns go through must be the narrower filter,
 /// else accelerations would be filtered twice where the torque is filtered once.
 const POSITION_MARGIN: f64 = 4.0;

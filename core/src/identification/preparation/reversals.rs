@@ -13,7 +13,7 @@ pub enum Band {
     /// The same for every joint, rad/s or m/s. No row whose filter reaches a slower sample is used.
     Given(f64),
     /// Each joint's own, from the noise of its velocity and its own speed. A row whose filter reaches a quick reversal is
-    /// used; where the residual of a fit is larger near reversals, only rows in which the joint surely moves are.
+    /// used; where the residual of a fit is much larger near reversals, only rows in which the joint surely moves are.
     OfNoise,
 }
 

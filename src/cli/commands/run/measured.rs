@@ -40,7 +40,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     }
     corrected::write(&folder, Some(&dataset), &Named::default(), &robot, correction.as_ref(), units)?;
     let model = Model::new(&robot);
-    let usual_preparation = identify::usual_preparation(&train[0]);
+    let usual_preparation = Preparation::usual(&train[0]);
     let (train, test): (Vec<&Recording>, Vec<&Recording>) = (train.iter().collect(), test.iter().collect());
     let preparation = Preparation { smoothing: smoothing_choice::savitzky_golay(&train)?, ..usual_preparation };
     let logs = fit::Logs { train: &train, test: &test };

@@ -29,16 +29,19 @@ pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut o
     outcome
 }
 
-/// The same with other directions of gravity that explain the logs as well among the rivals.
+/// The same with other directions of gravity that explain the logs as well among the rivals. The logs determine none where these go on from the
+/// best one; a direction elsewhere, as the opposite one, is an alternative.
 fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
     let others = tilt::along_the_valley(physics, &rows.whole(), &found.best.description);
     for other in others.into_iter().filter_map(|other| Tried::new(physics, rows, other)) {
-        let worse = compare(&other.evaluation, &found.best.evaluation, &rows.log).is_none_or(|c| c.is_distinct());
-        if !worse && !found.has_direction_of(&other) {
+        if compare(&other.evaluation, &found.best.evaluation, &rows.log).is_none_or(|worse| worse.is_distinct()) {
+            continue;
+        }
+        found.is_determined &= !tilt::is_next_to(&other.description, &found.best.description);
+        if !found.has_direction_of(&other) {
             found.rivals.push(other);
         }
     }
-    found.is_determined = !found.rivals.iter().any(|rival| tilt::is_another_direction(rival, &found.best));
     found
 }
 

@@ -152,6 +152,11 @@ pub(crate) fn along_the_valley(physics: &Physics, rows: &Rows, from: &Descriptio
     out.into_iter().map(|direction| from.with_gravity(direction * size)).collect()
 }
 
+/// Whether one direction of gravity is within the first of the circles around another.
+pub(crate) fn is_next_to(a: &Description, b: &Description) -> bool {
+    within(&a.gravity.normalize(), &b.gravity.normalize(), CIRCLES[0] + 1.0)
+}
+
 /// Whether two descriptions differ in nothing but the direction of gravity, and that by more than a little.
 pub(crate) fn is_another_direction(a: &Tried, b: &Tried) -> bool {
     let [a, b] = [a, b].map(|tried| &tried.description);

@@ -55,11 +55,21 @@ struct Hypotheses {
     unexplained: [f64; 2],
     /// The same of every torque column; null where it takes no part.
     unexplained_by_column: [Vec<Option<f64>>; 2],
+    /// How many times larger the torque of each joint is than the robot's bodies need, where that is the change; null where it is not known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    factors: Vec<Factor>,
     beyond_doubt: bool,
     /// Sets of changes that explain the logs as well.
     alternatives: Vec<Other>,
     /// The best set that is clearly worse.
     next: Option<Other>,
+}
+
+/// The scale of a joint's torque.
+#[derive(Debug, Serialize)]
+struct Factor {
+    joint: String,
+    times_too_large: Option<f64>,
 }
 
 /// Another set of changes.
@@ -77,11 +87,27 @@ impl Hypotheses {
             changes: said(&verdict.description.changes),
             unexplained: [verdict.before, verdict.after],
             unexplained_by_column: verdict.each.clone(),
+            factors: factors(verdict, joints),
             beyond_doubt: verdict.beyond_doubt,
             alternatives: verdict.alternatives.iter().map(other).collect(),
             next: verdict.next.as_ref().map(other),
         }
     }
+}
+
+/// The factors of a verdict on the scale of torques, joint by joint, and those of single joints.
+fn factors(verdict: &Verdict, joints: &[String]) -> Vec<Factor> {
+    let description = &verdict.description;
+    let of = |(place, joint): (usize, &String)| {
+        let known = match verdict.factors.as_slice() {
+            [] => Some(description.torque_scale[place].recip()),
+            [shared] => *shared,
+            each => each.get(place).copied().flatten(),
+        };
+        Factor { joint: joint.clone(), times_too_large: known.map(f64::abs) }
+    };
+    let is_scaled = description.scaled().next().is_some();
+    joints.iter().enumerate().filter(|_| is_scaled).map(of).collect()
 }
 
 /// What was found in several logs of one arm, the first in front.

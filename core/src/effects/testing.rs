@@ -25,6 +25,7 @@ pub(super) fn pendulum() -> Robot {
         tree: None,
         columns: vec!["joint_1".to_owned()],
         held: Vec::new(),
+        assumed: Vec::new(),
         notes: Vec::new(),
     }
 }

@@ -3,12 +3,14 @@
 use super::tests::{irb, log};
 use super::view::View;
 use super::*;
+use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::recording::lenient::{self, Cause, ColumnMap, Rejected, Sieved};
 use crate::recording::{self, Recording};
+use crate::robot::Robot;
 
 /// All kinds; the law below knows no way round the compiler for a new one.
-const ALL: [Kind; 38] = [
+const ALL: [Kind; 43] = [
     Kind::TooShort,
     Kind::CutOff,
     Kind::BadRows,
@@ -47,6 +49,11 @@ const ALL: [Kind; 38] = [
     Kind::ModelTorque,
     Kind::PositionZero,
     Kind::TorqueSpike,
+    Kind::HeldPosition,
+    Kind::OtherRobot,
+    Kind::PositionJump,
+    Kind::LostRows,
+    Kind::JointName,
 ];
 
 /// A fault put into a clean log.
@@ -205,6 +212,22 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "q2",
         ),
         Kind::Mounting => (Signals(|log| with_gravity(log, [9.81, 0.0, 0.0])), "gravity"),
+        Kind::HeldPosition => (Signals(|log| with_gravity(log, [6.9, 0.0, -6.9])), "torso"),
+        Kind::OtherRobot => (Signals(of_another_robot), "robot"),
+        Kind::PositionJump => {
+            (Signals(|log| log.q.channel_mut(2)[1500..].iter_mut().for_each(|q| *q += 0.1)), "q3 (joint_3) at 5.9960 s")
+        }
+        Kind::LostRows => (
+            Signals(|log| {
+                let without = |table: &Channels| table.map(|_, own| [&own[..1000], &own[1100..]].concat());
+                log.q = without(&log.q);
+                log.qd = log.qd.as_ref().map(without);
+                log.tau = without(&log.tau);
+                log.time.truncate(log.tau.samples());
+            }),
+            "rows at 3.9960 s",
+        ),
+        Kind::JointName => (Reading(|sieved| sieved.unknown_joints = vec!["tosro".into()]), "header (tosro)"),
         Kind::GravityCompensated => (Signals(|log| with_gravity(log, [0.0; 3])), "tau"),
         Kind::ClockFactor => (Signals(|log| log.time.iter_mut().for_each(|t| *t *= 0.625)), "t"),
         Kind::MotorOff => (Signals(|log| log.tau.channel_mut(2)[1000..1200].fill(0.0)), "tau3"),
@@ -217,6 +240,26 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             "tau",
         ),
     }
+}
+
+/// The arm, of which for some faults a joint below the others is held.
+fn robot_for(kind: Kind) -> Robot {
+    let mut robot = irb();
+    if matches!(kind, Kind::HeldPosition | Kind::JointName) {
+        (robot.held, robot.assumed) = (vec![("torso".into(), 0.0)], vec!["torso".into()]);
+    }
+    robot
+}
+
+/// The torques of an arm on the same joints, whose bodies have their centres of mass on the other side and further out.
+fn of_another_robot(log: &mut Recording) {
+    let mut robot = irb();
+    for joint in &mut robot.joints {
+        joint.inertia.0[1..4].iter_mut().for_each(|moment| *moment *= -3.0);
+    }
+    let view = View::new(log, None).unwrap();
+    let motion = Motion { q: view.q.clone(), qd: view.qd.clone(), qdd: view.qdd.clone() };
+    log.tau = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
 }
 
 /// The torque under another gravity.
@@ -276,7 +319,7 @@ fn every_kind_of_fault_is_found_where_it_is() {
             }
         }
         sieved.lines = sieved.lines[..sieved.recording.samples()].to_vec();
-        let report = examine(&sieved, Some(&robot)).unwrap();
+        let report = examine(&sieved, Some(&robot_for(kind))).unwrap();
         let found: Vec<_> = report.findings.iter().map(|finding| (finding.kind, finding.place.as_str())).collect();
         assert!(found.iter().any(|(k, p)| *k == kind && p.starts_with(expected)), "{kind:?} at {expected}: {found:?}");
         assert_eq!(
@@ -285,5 +328,5 @@ fn every_kind_of_fault_is_found_where_it_is() {
             "{kind:?}: {found:?}"
         );
     }
-    assert_eq!(ALL.len(), Kind::TorqueSpike as usize + 1);
+    assert_eq!(ALL.len(), Kind::JointName as usize + 1);
 }

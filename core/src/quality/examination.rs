@@ -1,13 +1,15 @@
 //! The examination of logs: all checks of each, and the judgement of their description together.
 
+use super::channels::Jumps;
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::PositionUnits;
+use super::reading::{clock, joint_names};
 use super::report::{Report, Together};
 use super::unit_changes::UnitChanges;
 use super::velocity::in_true_time;
 use super::view::View;
-use super::{channels, clock, motion, rates, torque, velocity};
+use super::{channels, motion, rates, torque, velocity};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
@@ -15,6 +17,21 @@ use crate::recording::resample::{self, Clock};
 use crate::robot::Robot;
 use std::borrow::Cow;
 use std::path::Path;
+
+/// Faults of the signals after which torques and motion do not belong together, whatever robot they are of.
+const SPOIL: [Kind; 11] = [
+    Kind::Jitter,
+    Kind::BackwardTime,
+    Kind::ClockFactor,
+    Kind::LostRows,
+    Kind::PositionJump,
+    Kind::VelocityMismatch,
+    Kind::Wrapped,
+    Kind::Spike,
+    Kind::Frozen,
+    Kind::UnsignedTorque,
+    Kind::TwoSources,
+];
 
 /// Reads a log leniently and examines it; with the arm's joints in order and their limits where `robot` is known.
 ///
@@ -80,6 +97,24 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].findings.push(Finding::new(Kind::ModelTorque, Severity::Note, "tau", text));
         }
     }
+    // Logs that contradict each other are judged one by one.
+    if let Some(robot) =
+        robot.filter(|_| verdict.is_some() || reports.iter().all(|report| report.description.is_none()))
+    {
+        let has_scale = verdict.as_ref().is_some_and(|verdict| !verdict.factors.is_empty());
+        let description = verdict.as_ref().map(|verdict| &verdict.description);
+        let finding = (!has_scale).then(|| descriptions::of_another_robot(&all, robot, description)).flatten();
+        // What spoils motion or torque is a cause by itself.
+        let spoils = |finding: &Finding| finding.severity > Severity::Note && SPOIL.contains(&finding.kind);
+        for &log in with_torque.iter() {
+            if reports[log].findings.iter().any(spoils) {
+                continue;
+            }
+            let known = std::mem::take(&mut reports[log].findings);
+            reports[log].findings = finding.clone().into_iter().chain(known).collect();
+            reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        }
+    }
     Ok(Together { reports, verdict })
 }
 
@@ -95,6 +130,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         units.time_factor = velocity::clock_factor(&View::new(&in_steps(&known), robot)?, robot);
     }
     let mut findings = clock::findings(sieved, &clock, units.time_factor.unwrap_or(1.0));
+    findings.extend(robot.map_or(Vec::new(), |robot| joint_names::findings(sieved, robot)));
     let mut summaries = Vec::new();
     let mut condition_number = None;
     let mut comparable = None;
@@ -115,6 +151,13 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         findings.extend(channels::findings(&view, &sieved.recording));
         let longest = longest.map(|log| units.positions_in_si(&log).unwrap_or(log));
         let whole = view;
+        let jumps = Jumps::of(&whole);
+        findings.extend(jumps.findings(&whole));
+        // Nor are those across a jump. On a part of the log its own jumps are asked.
+        let longest = match &longest {
+            Some(log) => Jumps::of(&View::new(log, robot)?).longest_without(log).or(longest),
+            None => jumps.longest_without(whole.log),
+        };
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
         units.time_factor = velocity::clock_factor(view, robot);

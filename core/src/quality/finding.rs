@@ -55,6 +55,11 @@ pub enum Kind {
     ModelTorque,
     PositionZero,
     TorqueSpike,
+    HeldPosition,
+    OtherRobot,
+    PositionJump,
+    LostRows,
+    JointName,
 }
 
 /// One finding.

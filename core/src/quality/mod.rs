@@ -4,13 +4,13 @@
 //! parameters that act there, without one gravity, rotor and friction of the joint alone.
 
 mod channels;
-mod clock;
 pub mod descriptions;
 mod examination;
 mod finding;
 mod motion;
 mod places;
 mod rates;
+mod reading;
 mod report;
 mod statistics;
 mod torque;

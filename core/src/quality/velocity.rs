@@ -65,6 +65,9 @@ const OF_TIME: f64 = 0.02;
 /// Relative deviation up to which the factors of several velocities are one.
 const SHARED: f64 = 0.02;
 
+/// A delay leaves less than this part of the mean square that the velocity without one leaves.
+const DELAY_EXPLAINS: f64 = 0.5;
+
 /// Part of the velocity that the derivative of position may leave unexplained.
 const UNEXPLAINED: f64 = 0.4;
 
@@ -279,7 +282,9 @@ fn delay(own: &[f64], column: &[f64], period: f64) -> Option<f64> {
         return None;
     }
     let lag = best as f64 - reach as f64 + vertex(&like, best);
-    (lag.abs() > 1.5).then_some(lag * period)
+    let unlike = |place: usize| 1.0 - like[place].powi(2);
+    // Noise and slow motion allow many lags.
+    (lag.abs() > 1.5 && unlike(best) < DELAY_EXPLAINS * unlike(reach)).then_some(lag * period)
 }
 
 /// Place of the extremum of a parabola through a value and its neighbours, in steps from it.

@@ -106,6 +106,7 @@ fn bodies(dof: usize, source: &mut ChaCha8Rng) -> Robot {
         flange,
         tree: None,
         held: Vec::new(),
+        assumed: Vec::new(),
         notes: Vec::new(),
     }
 }

@@ -244,6 +244,8 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::PositionSign
         | Kind::PositionZero
         | Kind::Mounting
+        | Kind::HeldPosition
+        | Kind::PositionJump
         | Kind::GravityCompensated
         | Kind::UnsignedTorque
         | Kind::TwoSources
@@ -264,6 +266,9 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
         Kind::Mended
+        | Kind::OtherRobot
+        | Kind::LostRows
+        | Kind::JointName
         | Kind::HeldSamples
         | Kind::HardlyMoves
         | Kind::OutsideLimits

@@ -196,6 +196,18 @@ impl Description {
         self.changes.iter().all(|change| matches!(change, Change::JointScale(..)))
     }
 
+    /// Whether nothing but factors of single torques and the sign of all is changed.
+    pub fn has_only_scales_and_signs(&self) -> bool {
+        self.changes.iter().all(|change| matches!(change, Change::JointScale(..) | Change::AllTorqueSigns))
+    }
+
+    /// The description without factors of torques.
+    pub fn without_scales(&self) -> Description {
+        let mut out = Description { torque_scale: vec![1.0; self.dof()], ..self.clone() };
+        out.changes.retain(|change| !matches!(change, Change::JointScale(..) | Change::TorqueScale(_)));
+        out
+    }
+
     /// Whether two descriptions differ in the size of factors of torques and of offsets of zeros only.
     pub fn same_but_for_sizes(&self, other: &Description) -> bool {
         let differs = |values: &[f64], usual: f64| values.iter().map(|v| f64::from(*v != usual)).collect();

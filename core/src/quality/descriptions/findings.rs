@@ -13,6 +13,10 @@ const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [moto
 /// Said where the described bodies do not explain the torques of a changed motion.
 const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is the log that of another robot?";
 
+/// Said where the joints feel too little of gravity.
+const BY_BODIES: &str =
+    "these joints feel only a part of gravity, so that its direction is one which the described bodies make likely";
+
 /// A change in words; `joints` are the names.
 pub fn words(change: Change, joints: &[String]) -> String {
     let name = |joint: usize| joints[joint].as_str();
@@ -153,9 +157,17 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     };
     let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
     let next = if verdict.unlike_bodies { format!("{next}; {ANOTHER}") } else { next };
+    let next = if verdict.by_bodies { format!("{next}; {BY_BODIES}") } else { next };
     let rivals: Vec<String> = verdict.alternatives.iter().take(NAMED).map(named).collect();
-    changes
+    // Positions that were assumed stand for the direction of gravity, and for a zero that would be as good as that.
+    let of_held = held_position(verdict, joints, &gain, &rivals);
+    let is_of_held = |change: &Change| {
+        let alone = changes.len() == 1 && matches!(change, Change::ZeroOffset(..));
+        of_held.is_some() && (alone || matches!(change, Change::Gravity(_)))
+    };
+    let of_changes = changes
         .iter()
+        .filter(|change| !is_of_held(change))
         .map(|&change| {
             let others: Vec<Change> = changes.iter().copied().filter(|other| *other != change).collect();
             let own = words(change, joints);
@@ -184,7 +196,24 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
             let (kind, place) = kind(change, joints);
             Finding::new(kind, Severity::Warning, place, text)
         })
-        .collect()
+        .collect::<Vec<Finding>>();
+    of_held.iter().cloned().chain(of_changes).collect()
+}
+
+/// What is said where joints that carry those under study stand at positions that nobody gave.
+fn held_position(verdict: &Verdict, joints: &[String], gain: &str, rivals: &[String]) -> Option<Finding> {
+    let first = verdict.assumed.first()?;
+    let assumed = crate::robot::shortened(&verdict.assumed);
+    let own = all_words(&verdict.description.changes, joints);
+    let or = if rivals.is_empty() { String::new() } else { format!("; or {}", rivals.join("; or ")) };
+    let text = format!(
+        "gravity does not come to these joints as described: the joints that carry them are not in the log, and their positions were assumed, which \
+         is the first candidate; log them, or give their positions in a dataset ([hold] {first} = ..). Only if they do stand as assumed: \
+         {own}{or}. {}{}",
+        gain[..1].to_uppercase(),
+        &gain[1..]
+    );
+    Some(Finding::new(Kind::HeldPosition, Severity::Warning, assumed, text))
 }
 
 /// Kind and place of a change.
@@ -212,6 +241,7 @@ pub fn is_description(kind: Kind) -> bool {
             | Kind::Swapped
             | Kind::PositionSign
             | Kind::PositionZero
+            | Kind::HeldPosition
             | Kind::Mounting
             | Kind::GravityCompensated
     )

@@ -83,6 +83,12 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         let gain = |next: &Tried| compare(&next.evaluation, &found.best.evaluation, &rows.log);
         found.next.as_ref().is_none_or(|next| gain(next).is_some_and(|gain| gain.is_large(1)))
     };
+    // Joints that nobody placed turn gravity against the arm that they carry, as another mounting does.
+    let assumed = |found: &Found| -> Vec<String> {
+        let turned = |tried: &Tried| tried.description.gravity != gravity && tried.description.gravity.norm() > 0.0;
+        let turns = std::iter::once(&found.best).chain(&found.rivals).any(turned);
+        robot.filter(|_| turns).map_or(Vec::new(), |robot| robot.assumed.clone())
+    };
     let confirmed = |found: &Found| {
         let description = &found.best.description;
         let moved = (0..dof).any(|joint| description.changes_position_of(joint));
@@ -92,8 +98,8 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
             1 => seconds >= LONG_ENOUGH_S,
             _ => found.gain.least_of_logs > 0.0,
         };
-        let replicated = agree && (!moved || (alike == Some(true) && separate(found)));
-        Confirmed { replicated, unlike_bodies: alike == Some(false) }
+        let replicated = agree && found.is_determined && (!moved || (alike == Some(true) && separate(found)));
+        Confirmed { replicated, unlike_bodies: alike == Some(false), assumed: assumed(found) }
     };
     let with_motion = jumps::with_motion(views);
     let Some(robot) = robot else {
@@ -128,14 +134,16 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     if let Some((after, factors)) = bodies.as_ref().and_then(of_each) {
         return Some(untraced_verdict(&outcome.start, after, factors));
     }
+    let described = || bodies.as_ref().and_then(|bodies| Tried::new(bodies, &rows, start.clone()));
+    tracing::debug!(free = ?outcome.start.evaluation.unexplained, share = outcome.start.share(), described = ?described().map(|d| (d.share(), d.evaluation.unexplained)), "shares");
     if outcome.found.is_some() {
-        return verdict(settled(bodies.as_ref(), &rows, outcome), confirmed);
+        return verdict(settled(known, bodies.as_ref(), &rows, outcome), confirmed);
     }
     let bodies = bodies.as_ref()?;
     let known = Known { physics: bodies, other: Some(&free) };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
     if outcome.found.is_some() {
-        return verdict(settled(None, &rows, outcome), confirmed);
+        return verdict(settled(known, Some(bodies), &rows, outcome), confirmed);
     }
     of_drives(bodies, &rows, &start)
 }
@@ -169,6 +177,8 @@ fn untraced_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> 
         shown: None,
         description: after.description,
         factors,
+        by_bodies: false,
+        assumed: Vec::new(),
         unlike_bodies: false,
         beyond_doubt: false,
     }
@@ -181,6 +191,8 @@ struct Confirmed {
     replicated: bool,
     /// The described bodies contradict it.
     unlike_bodies: bool,
+    /// Joints whose assumed positions are as good a cause.
+    assumed: Vec<String>,
 }
 
 fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<Verdict> {
@@ -188,8 +200,8 @@ fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<
     let found = found?;
     // From what a factor comes the logs cannot show.
     let scaled = found.best.description.scaled().next();
-    let Confirmed { replicated, unlike_bodies } = confirmed(&found);
-    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated;
+    let Confirmed { replicated, unlike_bodies, assumed } = confirmed(&found);
+    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated && assumed.is_empty();
     let alternative =
         |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {
@@ -201,6 +213,8 @@ fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<
         shown: None,
         description: found.best.description,
         factors: Vec::new(),
+        by_bodies: !found.is_determined,
+        assumed,
         unlike_bodies,
         beyond_doubt,
     })

@@ -22,7 +22,7 @@ const GOOD: f64 = 0.02;
 
 /// Under described bodies a torque of which less than this share is unexplained accuses nothing: masses that are wrong by a fifth
 /// leave as much, and what changes the model a little always makes up for some of that.
-const WRONG_MASSES: f64 = 0.15;
+pub(super) const WRONG_MASSES: f64 = 0.15;
 
 /// What is known of an arm.
 #[derive(Clone, Copy)]

@@ -13,34 +13,34 @@
 //! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
-//! | whether the clock is wrong | `clock` |
-//! | whether positions are in turns | `turns` |
+//! | whether the log is of another robot | `disagreement` |
+//! | whether the clock is wrong, or positions are in turns | `motion_units` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
 mod change;
-mod clock;
 mod compare;
+mod disagreement;
 mod findings;
 mod fitting;
 mod judgement;
 mod jumps;
 mod known;
+mod motion_units;
 mod search;
 mod settle;
 mod sizes;
 mod tried;
-mod turns;
 mod verdict;
 mod weights;
 
 pub use change::{Change, Description};
-pub(super) use clock::{clock_factor, clock_text};
+pub(super) use disagreement::finding as of_another_robot;
 pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};
-pub(super) use turns::are_turns;
+pub(super) use motion_units::{are_turns, clock_factor, clock_text};
 pub use verdict::{Alternative, Shown, Verdict};
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::jumps::contradicts;
 use super::known::Known;
 use super::sizes::ALIKE;
 use super::sizes::factors;
-use super::sizes::free_direction;
+use super::sizes::tilt;
 use super::sizes::zeros;
 use super::tried::Tried;
 use rayon::prelude::*;
@@ -44,6 +44,8 @@ pub(super) struct Found {
     pub next: Option<Tried>,
     /// Its gain over the logs as they are.
     pub gain: Comparison,
+    /// Whether the logs alone determine the direction of gravity, where that is changed.
+    pub is_determined: bool,
 }
 
 /// The outcome of a search.
@@ -92,8 +94,8 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             }
         }
         if size == 0 && matches!(physics, Physics::Free(_)) {
-            let tilted = free_direction(physics, &whole, &start.description);
-            candidates.extend(tilted.map(|change| start.description.with(change)));
+            let tilted = tilt::free_directions(physics, &whole, &start.description);
+            candidates.extend(tilted);
         }
         // A factor or an offset takes many fits: only the best is grown by one.
         let sized = |from: &Description| {
@@ -199,5 +201,5 @@ fn chosen(
             true => {}
         }
     }
-    Some(Found { best, rivals, next, gain }.simplest_first())
+    Some(Found { best, rivals, next, gain, is_determined: true }.simplest_first())
 }

@@ -1,22 +1,92 @@
 //! Sets of changes that the logs do not separate, compared by what else is known of the arm.
 
+use super::change::Description;
 use super::compare::compare;
 use super::fitting::{Physics, Rows};
+use super::known::{Known, WRONG_MASSES};
 use super::search::{Found, Outcome};
-use super::sizes::ALIKE;
+use super::sizes::{ALIKE, tilt};
 use super::tried::Tried;
+use super::weights;
 
 /// Positions leave the limits from this on, rad (m): zeros of calibrated joints are known better.
 const LEAVES: f64 = 0.1;
 
-/// An outcome whose rivals are compared by the limits of the joints, and under the described bodies where these explain the torques.
-pub(super) fn settled(bodies: Option<&Physics>, rows: &Rows, mut outcome: Outcome) -> Outcome {
-    outcome.found = outcome.found.take().map(|found| within_limits(rows, found));
-    outcome.found = match bodies {
-        Some(bodies) => outcome.found.map(|found| under_bodies(bodies, rows, found)),
-        None => outcome.found,
-    };
+/// A direction of gravity is replaced by one near it that the described bodies prefer where these leave less of the torques by this share.
+const ABOUT: f64 = 0.03;
+
+/// An outcome with all directions of gravity that the mechanism does not separate, whose rivals are compared by the limits of the joints, under
+/// the described bodies where these explain the torques, and by the weights that drives would carry. `known` is what the search knew.
+pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut outcome: Outcome) -> Outcome {
+    outcome.found = outcome.found.take().map(|found| {
+        let mut found = within_limits(rows, with_directions(known.physics, rows, found));
+        let Some(bodies) = bodies else { return found };
+        if !std::ptr::eq(bodies, known.physics) {
+            found = under_bodies(bodies, rows, with_directions_of(bodies, known.physics, rows, found));
+        }
+        by_weights(bodies, rows, found)
+    });
     outcome
+}
+
+/// The same with other directions of gravity that explain the logs as well among the rivals. The logs determine none where these go on from the
+/// best one; a direction elsewhere, as the opposite one, is an alternative.
+fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
+    let others = tilt::along_the_valley(physics, &rows.whole(), &found.best.description);
+    for other in others.into_iter().filter_map(|other| Tried::new(physics, rows, other)) {
+        if compare(&other.evaluation, &found.best.evaluation, &rows.log).is_none_or(|worse| worse.is_distinct()) {
+            continue;
+        }
+        found.is_determined &= !tilt::is_next_to(&other.description, &found.best.description);
+        if !found.has_direction_of(&other) {
+            found.rivals.push(other);
+        }
+    }
+    found
+}
+
+/// The same with the directions of gravity that the described bodies prefer, where free ones determine none.
+fn with_directions_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found) -> Found {
+    if found.is_determined {
+        return found;
+    }
+    let whole = rows.whole();
+    let lowest = tilt::lowest(bodies, &whole, &found.best.description);
+    let onward = lowest.iter().flat_map(|lowest| tilt::along_the_valley(bodies, &whole, lowest));
+    let preferred: Vec<Description> = lowest.iter().cloned().chain(onward).collect();
+    let share = |description: &Description| {
+        Tried::new(bodies, rows, description.clone()).map_or(f64::INFINITY, |tried| tried.share())
+    };
+    for other in preferred {
+        let Some(other) = Tried::new(free, rows, other) else { continue };
+        if compare(&other.evaluation, &found.best.evaluation, &rows.log).is_none_or(|worse| worse.is_distinct()) {
+            continue;
+        }
+        let is_near = |own: &&mut Tried| tilt::is_near(&own.description, &other.description);
+        match std::iter::once(&mut found.best).chain(&mut found.rivals).find(is_near) {
+            // What is along an axis stays where it is about as good.
+            Some(known) if share(&known.description) > share(&other.description) + ABOUT => *known = other,
+            Some(_) => {}
+            None => found.rivals.push(other),
+        }
+    }
+    found
+}
+
+/// Those of the rivals under which the drives of joints that slide need no constants beyond the weights on them, where others do; of those
+/// left the one with the least in front.
+fn by_weights(bodies: &Physics, rows: &Rows, found: Found) -> Found {
+    if found.rivals.is_empty() {
+        return found;
+    }
+    let each: Vec<Option<f64>> = std::iter::once(&found.best)
+        .chain(&found.rivals)
+        .map(|tried| weights::beyond_weight(bodies, rows, &tried.description))
+        .collect();
+    let Some(each) = each.into_iter().collect::<Option<Vec<f64>>>() else { return found };
+    let Some(least) = (0..each.len()).min_by(|&a, &b| each[a].total_cmp(&each[b])) else { return found };
+    let possible = each[least] < weights::OF_WEIGHT;
+    found.of(least, |place| possible && each[place] >= weights::OF_WEIGHT)
 }
 
 /// Those of the rivals under which the fewest joints leave their limits.
@@ -40,16 +110,30 @@ fn under_bodies(bodies: &Physics, rows: &Rows, found: Found) -> Found {
     let least = (0..each.len()).min_by(|&a, &b| each[a].share().total_cmp(&each[b].share()));
     let Some(least) = least.filter(|&least| each[least].share() < ALIKE) else { return found };
     let best = &each[least].evaluation;
-    let worse = |place: usize| {
-        compare(&each[place].evaluation, best, &rows.log).is_some_and(|comparison| comparison.is_distinct())
+    // Where free bodies determine no direction of gravity, its size on the joints is that of the described masses, which are wrong by a fifth.
+    let by_masses = |place: usize| {
+        let is_another = tilt::is_another_direction(&each[place], &each[least]);
+        !found.is_determined && is_another && each[place].share() < each[least].share() + WRONG_MASSES
     };
-    found.of(least, |place| place != least && worse(place))
+    let worse: Vec<bool> = (0..each.len())
+        .map(|place| {
+            let distinct = compare(&each[place].evaluation, best, &rows.log).is_some_and(|c| c.is_distinct());
+            place != least && distinct && !by_masses(place)
+        })
+        .collect();
+    found.of(least, |place| worse[place])
 }
 
 impl Found {
+    /// Whether the best or a rival is nearly another description.
+    fn has_direction_of(&self, other: &Tried) -> bool {
+        let is_near = |own: &Tried| tilt::is_near(&own.description, &other.description);
+        is_near(&self.best) || self.rivals.iter().any(is_near)
+    }
+
     /// The same with another best, counted from the present one on, without the rivals that are worse.
     fn of(self, best: usize, worse: impl Fn(usize) -> bool) -> Found {
-        let Found { best: first, rivals, mut next, gain } = self;
+        let Found { best: first, rivals, mut next, gain, is_determined } = self;
         let mut each: Vec<(usize, Tried)> = std::iter::once(first).chain(rivals).enumerate().collect();
         let (_, best) = each.remove(best);
         let mut rivals = Vec::new();
@@ -59,6 +143,6 @@ impl Found {
                 false => rivals.push(other),
             }
         }
-        Found { best, rivals, next, gain }.simplest_first()
+        Found { best, rivals, next, gain, is_determined }.simplest_first()
     }
 }

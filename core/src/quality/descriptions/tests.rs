@@ -248,6 +248,7 @@ fn the_mounting_is_found_and_applying_it_leaves_nothing() {
 }
 
 mod compensated;
+mod directions;
 mod loads;
 mod models;
 mod right_logs;

@@ -53,6 +53,10 @@ pub struct Verdict {
     pub shown: Option<Shown>,
     /// Factors of the torques to those of the described bodies, where their scale is wrong.
     pub factors: Vec<Option<f64>>,
+    /// Whether the direction of gravity is that which the described bodies prefer: the mechanism alone determines none.
+    pub by_bodies: bool,
+    /// Held joints below those under study whose assumed positions may be what a change of gravity found.
+    pub assumed: Vec<String>,
     /// Whether positions or gravity are changed, and the described bodies explain the torques no better for it: the log may be that of
     /// another arm.
     pub unlike_bodies: bool,

@@ -23,7 +23,7 @@ const HEAVY: f64 = 0.3;
 
 /// Share of the weight above which a constant, less what a balancer may take off, is none of a drive, and below which it is: described
 /// masses may be wrong by half.
-const OF_WEIGHT: f64 = 0.5;
+pub(super) const OF_WEIGHT: f64 = 0.5;
 
 /// A changed description may leave the limits of a joint by so much more than the given one, m.
 const LEAVES: f64 = 0.01;
@@ -38,52 +38,83 @@ pub(super) struct Weighed {
     pub shown: Shown,
 }
 
+/// The weights on the joints that slide, where nothing but a constant of their drives holds them.
+struct Slides<'a> {
+    bodies: &'a Physics,
+    robot: &'a Robot,
+    rows: &'a Rows,
+    /// What hangs on every joint at most, over the directions of gravity along the axes of the base; none where it does not count.
+    heaviest: Vec<Option<f64>>,
+}
+
+impl<'a> Slides<'a> {
+    fn new(bodies: &'a Physics, rows: &'a Rows, start: &Description) -> Option<Slides<'a>> {
+        let Physics::Bodies(robot) = bodies else { return None };
+        let each: Vec<Vec<Weight>> =
+            directions(start).map(|gravity| weights(robot, rows, &start.with(gravity))).collect();
+        let heaviest = |joint: usize| {
+            let size = each.iter().map(|of| of[joint].size.abs()).fold(0.0, f64::max);
+            let varies = each.iter().map(|of| of[joint].varies).fold(0.0, f64::max);
+            let torque = rows.size[start.torque_of[joint]];
+            let slides = !rows.turns[joint] && rows.measured[start.torque_of[joint]];
+            (slides && varies < VARIES * size && size > HEAVY * torque).then_some(size)
+        };
+        Some(Slides { bodies, robot, rows, heaviest: (0..start.dof()).map(heaviest).collect() })
+    }
+
+    /// The joints whose weights count, each with the constant of its drive in a fit and the heaviest weight on it.
+    fn constants(&self, description: &Description) -> Option<Vec<(usize, f64, f64)>> {
+        let whole = self.rows.whole();
+        let tables = self.bodies.tables(&whole, description);
+        let constants = Fit::new(&tables, &whole, description).constants()?;
+        let of = |(joint, constant): (usize, f64)| Some((joint, constant, self.heaviest[joint]?));
+        Some(constants.into_iter().filter_map(of).collect())
+    }
+
+    /// The constant that is most beyond what a balancer makes, with its joint, and its share of the heaviest weight beyond that.
+    fn worst(&self, description: &Description) -> Option<(usize, f64, f64)> {
+        let given = weights(self.robot, self.rows, description);
+        let excess = |(joint, constant, heaviest): (usize, f64, f64)| {
+            (joint, constant, beyond_balance(constant, given[joint].size) / heaviest)
+        };
+        self.constants(description)?.into_iter().map(excess).max_by(|a, b| a.2.total_cmp(&b.2))
+    }
+}
+
+/// Gravity along each axis of the base.
+fn directions(start: &Description) -> impl Iterator<Item = Change> {
+    let size = start.gravity.norm();
+    along_axes([size, -size]).map(Change::Gravity)
+}
+
+/// The part of a weight by which the drive of a joint that slides pushes beyond what a balancer could; zero where no such joint is. None where
+/// nothing can be fitted.
+pub(super) fn beyond_weight(bodies: &Physics, rows: &Rows, description: &Description) -> Option<f64> {
+    let slides = Slides::new(bodies, rows, description)?;
+    match slides.heaviest.iter().flatten().next() {
+        Some(_) => slides.worst(description).map(|(.., excess)| excess),
+        None => Some(0.0),
+    }
+}
+
 /// Other directions of gravity, or of an axis, under which the logs are explained as well and drives need no constants; none where those of
 /// the given description may be a drive's.
 pub(super) fn weighed(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Weighed> {
-    let Physics::Bodies(robot) = bodies else { return None };
-    let size = start.gravity.norm();
-    let directions: Vec<[f64; 3]> = along_axes([size, -size]).collect();
-    let each: Vec<Vec<Weight>> =
-        directions.iter().map(|&gravity| weights(robot, rows, &start.with(Change::Gravity(gravity)))).collect();
-    let heaviest: Vec<Weight> = (0..start.dof())
-        .map(|joint| Weight {
-            size: each.iter().map(|of| of[joint].size.abs()).fold(0.0, f64::max),
-            varies: each.iter().map(|of| of[joint].varies).fold(0.0, f64::max),
-        })
-        .collect();
-    let counts = |joint: usize| {
-        let Weight { size, varies } = heaviest[joint];
-        let torque = rows.size[start.torque_of[joint]];
-        let slides = !rows.turns[joint] && rows.measured[start.torque_of[joint]];
-        slides && varies < VARIES * size && size > HEAVY * torque
-    };
-    let constants = |description: &Description| -> Option<Vec<(usize, f64)>> {
-        let whole = rows.whole();
-        let tables = bodies.tables(&whole, description);
-        let constants = Fit::new(&tables, &whole, description).constants()?;
-        Some(constants.into_iter().filter(|(joint, _)| counts(*joint)).collect())
-    };
-    let given = weights(robot, rows, start);
-    let excess = |&(joint, constant): &(usize, f64)| beyond_balance(constant, given[joint].size) / heaviest[joint].size;
-    let needed = constants(start)?;
-    let worst = needed.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
-    if excess(worst) < OF_WEIGHT {
-        return None;
-    }
+    let slides = Slides::new(bodies, rows, start)?;
+    let worst = slides.worst(start).filter(|(.., excess)| *excess >= OF_WEIGHT)?;
     let before = Tried::new(bodies, rows, start.clone())?;
     let beyond = |description: &Description| -> f64 {
         let positions = description.positions(&rows.motion.q);
         let of = |joint: usize| rows.beyond_limits(joint, positions.channel(joint)).max(0.0);
         (0..description.dof()).map(of).fold(0.0, f64::max)
     };
-    let changes = directions.into_iter().map(Change::Gravity).chain([Change::AxisSign(worst.0)]);
+    let changes = directions(start).chain([Change::AxisSign(worst.0)]);
     let after: Vec<Tried> = changes
         .map(|change| start.with(change))
         .filter(|changed| !changed.same_as(start) && beyond(changed) < beyond(start) + LEAVES)
         .filter(|changed| {
-            let small = |(joint, constant): &(usize, f64)| constant.abs() < OF_WEIGHT * heaviest[*joint].size;
-            constants(changed).is_some_and(|constants| constants.iter().all(small))
+            let small = |(_, constant, heaviest): &(usize, f64, f64)| constant.abs() < OF_WEIGHT * heaviest;
+            slides.constants(changed).is_some_and(|constants| constants.iter().all(small))
         })
         .filter_map(|changed| Tried::new(bodies, rows, changed))
         .filter(|tried| {
@@ -91,8 +122,8 @@ pub(super) fn weighed(bodies: &Physics, rows: &Rows, start: &Description) -> Opt
             tried.share() < ALIKE && !worse
         })
         .collect();
-    let (joint, constant) = *worst;
-    let shown = Shown::Constant { joint, constant, weight: heaviest[joint].size };
+    let (joint, constant, _) = worst;
+    let shown = Shown::Constant { joint, constant, weight: slides.heaviest[joint]? };
     (!after.is_empty()).then_some(Weighed { before, after, shown })
 }
 

@@ -36,6 +36,8 @@ pub(crate) struct Layout {
     pub of_controller: Option<String>,
     /// What the file has and the recording will not.
     pub notes: Vec<String>,
+    /// Joints of columns that are not used, by their names.
+    pub unknown_joints: Vec<String>,
     /// How the columns were understood where that is not obvious.
     pub understood: Vec<String>,
 }

@@ -150,6 +150,7 @@ impl Layout {
                     if header[column].is_empty() { format!("(column {})", column + 1) } else { header[column].clone() }
                 })
                 .collect();
+        let unknown_joints = unknown_joints(&meanings, &used);
         if !unused.is_empty() {
             notes.push(format!("columns not used: {}", listed(&unused)));
         }
@@ -175,10 +176,25 @@ impl Layout {
             currents,
             of_controller: of_controller.then(|| first_torque.to_owned()),
             notes,
+            unknown_joints,
             understood,
             joints: if names.is_empty() { (1..=count).map(|joint| format!("joint_{joint}")).collect() } else { names },
         })
     }
+}
+
+/// Joints that columns without use name as those of a measured position or torque.
+fn unknown_joints(meanings: &[Vec<names::Meaning>], used: &BTreeSet<usize>) -> Vec<String> {
+    let of = |readings: &Vec<names::Meaning>| {
+        let measured = readings.iter().find(|meaning| !meaning.exact_only && !meaning.of_controller)?;
+        let signal = [names::POSITION, names::TORQUE].contains(&measured.quantity);
+        match &measured.joint {
+            names::Joint::Name(name) if signal => Some(name.clone()),
+            _ => None,
+        }
+    };
+    let unused = (0..meanings.len()).filter(|column| !used.contains(column));
+    unused.filter_map(|column| of(&meanings[column])).collect::<BTreeSet<String>>().into_iter().collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::source::{self, Source};
 use super::units;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::recording::cleaning::{Rejected, Rows, missing, unwrap};
+use crate::recording::cleaning::{Rejected, Rows, missing, sentinel, unwrap};
 use crate::recording::columns::{self, ABSENT, ColumnMap, Demand, JointNames, Layout};
 use crate::recording::sampling::{rates, stamps};
 use std::path::{Path, PathBuf};
@@ -22,6 +22,8 @@ pub struct Sieved {
     pub rejected: Vec<Rejected>,
     /// What the file has and the recording has not.
     pub notes: Vec<String>,
+    /// Joints that columns which are not used name.
+    pub unknown_joints: Vec<String>,
     /// How the file was understood and what was corrected.
     pub mended: Vec<String>,
     /// Joints whose position jumped by whole turns, which was undone, each with the turn in the unit of the file: they may lie
@@ -91,6 +93,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut layout = Layout::search(path, sources[0].line(), &header, joints.or(own.as_deref()), demand)?;
     let (mut columns, mut lines, unreadable) = join::rows(paths, &mut sources, &header, &layout.used(), &by_time)?;
 
+    layout.understood.extend(sentinel::removed(&layout, &header, &mut columns));
     let empty = missing::empty_columns(&layout, &columns);
     if let Err(joint) = layout.leave_out(&empty, joints.is_some()) {
         let name = &layout.joints()[joint];
@@ -113,6 +116,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let mut rows = Rows { header, lines, columns };
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
+    let unknown_joints = std::mem::take(&mut layout.unknown_joints);
     let (currents, of_controller) = (layout.currents, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
@@ -123,7 +127,18 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     mended.extend(note);
     mended.extend(missing::constant_velocities(&mut recording));
     let (lines, spoilt) = (rows.lines, clock.spoilt);
-    let sieved = Sieved { recording, lines, rejected, notes, mended, unwrapped, currents, of_controller, spoilt };
+    let sieved = Sieved {
+        recording,
+        lines,
+        rejected,
+        notes,
+        unknown_joints,
+        mended,
+        unwrapped,
+        currents,
+        of_controller,
+        spoilt,
+    };
     match sieved.rejected.first() {
         Some(first) if sieved.lines.is_empty() => {
             let problem = format!("none of the {} rows can be used: {}", sieved.rejected.len(), first.problem);

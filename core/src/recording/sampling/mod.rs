@@ -6,6 +6,7 @@
 mod interpolation;
 pub(super) mod rates;
 pub mod resample;
+mod set;
 pub(super) mod stamps;
 mod unit;
 mod wrapped;

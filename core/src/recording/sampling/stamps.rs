@@ -1,7 +1,7 @@
 //! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
-use super::{unit, wrapped};
+use super::{set, unit, wrapped};
 use crate::error::{Error, Result};
 use crate::recording::columns::{ColumnMap, Layout};
 use crate::recording::formats::text::Text;
@@ -100,6 +100,10 @@ pub(crate) fn clock(
     }
     let used = layout.used();
     let time = layout.time();
+    let mut stamps = std::mem::take(&mut columns[time]);
+    let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
+    clock.mended.extend(set::undo(&mut stamps, &signals));
+    columns[time] = stamps;
     clock.mended.extend(bursts(&mut columns[time]));
     let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);
     let stamps = &columns[time];

@@ -81,6 +81,30 @@ impl Description {
         choice.hold.get(&joint.name).copied().unwrap_or(if middle.is_finite() && moves(joint) { middle } else { zero })
     }
 
+    /// Whether someone said where a held joint stands.
+    fn is_given(&self, joint: &JointDescription, choice: &Choice) -> bool {
+        let said = |name: &String| choice.hold.contains_key(name);
+        said(&joint.name) || said(&self.leader(joint).0.name)
+    }
+
+    /// Held joints that turn what a joint under study stands on, where nobody said how they stand.
+    pub(super) fn assumed(&self, places: &[Place], choice: &Choice) -> Vec<String> {
+        let mut carries = vec![false; self.joints.len()];
+        for (joint, _) in self.joints.iter().zip(places).filter(|(_, place)| matches!(place, Place::Moves { .. })) {
+            let mut link = joint.parent;
+            while let Some(above) = self.joint_above(link) {
+                carries[above] = true;
+                link = self.joints[above].parent;
+            }
+        }
+        let assumed = |at: &usize| {
+            let joint = &self.joints[*at];
+            let turns = joint.motion == Motion::Revolute && matches!(places[*at], Place::Held(_));
+            turns && carries[*at] && !self.is_given(joint, choice)
+        };
+        (0..self.joints.len()).filter(assumed).map(|at| self.joints[at].name.clone()).collect()
+    }
+
     /// Moving joints that are held, with a note of where.
     pub(super) fn held(&self, places: &[Place], choice: &Choice, notes: &mut Vec<String>) -> Vec<(String, f64)> {
         let mut held = Vec::new();
@@ -99,9 +123,7 @@ impl Description {
             }
             held.push((joint.name.clone(), position));
             let unit = if joint.kind() == Some(JointKind::Prismatic) { "m" } else { "rad" };
-            let said = |name: &String| choice.hold.contains_key(name);
-            let is_given = said(&joint.name) || said(&self.leader(joint).0.name);
-            let list = if is_given { &mut given } else { &mut middle };
+            let list = if self.is_given(joint, choice) { &mut given } else { &mut middle };
             list.push(format!("{} {position:.4} {unit}", joint.name));
         }
         for (list, place) in [(given, "as given"), (middle, "in the middle of their range")] {

@@ -30,6 +30,8 @@ pub struct Robot {
     pub columns: Vec<String>,
     /// Moving joints of the file that stand still here, each at its position, rad or m.
     pub held: Vec<(String, f64)>,
+    /// Those of them that turn what the joints under study stand on, at a position that neither a log nor anyone gave.
+    pub assumed: Vec<String>,
     /// What was read otherwise than it is written, and which joints are held; a line each.
     pub notes: Vec<String>,
 }

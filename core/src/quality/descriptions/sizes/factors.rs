@@ -30,12 +30,12 @@ const ROUNDS: usize = 3;
 /// beyond what is reported.
 pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
-    // together with another change it explains too much.
-    if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_factors() {
+    // together with another change it explains too much, but for the sign of all, which takes no torque out.
+    if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_scales_and_signs() {
         return Vec::new();
     }
     let tables = physics.tables(rows, from);
-    let unscaled = Description { torque_scale: vec![1.0; from.dof()], changes: Vec::new(), ..from.clone() };
+    let unscaled = from.without_scales();
     let with = |scales: &[f64]| {
         let scaled = scales.iter().enumerate().filter(|(_, scale)| **scale != 1.0);
         scaled.fold(unscaled.clone(), |description, (joint, scale)| description.with(Change::JointScale(joint, *scale)))

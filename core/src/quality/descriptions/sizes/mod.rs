@@ -2,7 +2,7 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | a free direction of gravity | `tilt` |
+//! | free directions of gravity | `tilt` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
 //! | whether a torque is beyond its drive | `effort` |
@@ -13,8 +13,7 @@ pub(super) mod effort;
 pub(super) mod factors;
 mod golden;
 pub(super) mod scale;
-mod tilt;
+pub(super) mod tilt;
 pub(super) mod zeros;
 
 pub(super) use scale::ALIKE;
-pub(super) use tilt::free_direction;

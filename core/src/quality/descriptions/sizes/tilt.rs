@@ -1,46 +1,219 @@
 //! A free direction of gravity: the mounting of an arm on a slope or a rail.
+//!
+//! Not every mechanism determines it. Parallel axes do not feel on which side of their common plane gravity points, a joint that slides
+//! holds its part of it by a constant of the drive, and a single joint feels a projection. So the search starts all over the sphere and returns
+//! every valley, and a direction that was found is asked whether a valley goes on from it.
 
 use super::super::change::{Change, Description};
 use super::super::fitting::{Physics, Rows};
+use super::super::tried::Tried;
+use super::golden::golden;
 use super::scale::merit as merit_of;
 use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
 
-/// First and last step of the search over directions, degrees.
-const STEPS: [f64; 5] = [40.0, 20.0, 10.0, 5.0, 2.5];
+/// Directions from which the search starts, about 25 degrees apart.
+const STARTS: usize = 64;
+
+/// Starts within this angle belong to one valley, degrees.
+const VALLEY: f64 = 40.0;
+
+/// Valleys that are looked into, the deepest first.
+const VALLEYS: usize = 4;
+
+/// Rows of the search over the sphere: it places valleys, which all rows compare.
+const ROWS: usize = 400;
+
+/// Steps of the search within a valley, degrees: the first ones with few rows, the last ones with all.
+const FIRST_STEPS: [f64; 2] = [20.0, 10.0];
+const LAST_STEPS: [f64; 3] = [5.0, 2.5, 1.25];
 
 /// Directions nearer than this to one that is tried anyway, degrees, are that one: smaller tilts of a base are asked of the
 /// physics, not of the description.
 const NEAR: f64 = 15.0;
 
-/// The direction of gravity that fits all rows best, where it is neither along an axis nor the described one.
-pub(crate) fn free_direction(physics: &Physics, rows: &Rows, from: &Description) -> Option<Change> {
+/// Two directions nearer than this are one, degrees.
+const SAME: f64 = 7.5;
+
+/// A valley goes on where on a circle of this radius around what was found, degrees, a direction fits about as well: by no more than this in the
+/// sum of the logarithms of the mean squares. Held-out blocks decide between them.
+const CIRCLES: [f64; 2] = [25.0, 60.0];
+const ABOUT_AS_WELL: f64 = 1.0;
+
+/// Directions on a circle that are tried first, and golden sections between them.
+const ON_CIRCLE: usize = 24;
+const SECTIONS: usize = 8;
+
+/// How well rows are fitted by the direction of gravity, the rest as described.
+struct Merit<'a> {
+    physics: &'a Physics,
+    rows: &'a Rows,
+    from: &'a Description,
+    size: f64,
+}
+
+impl Merit<'_> {
+    fn of(&self, direction: &Vector3<f64>) -> f64 {
+        let description = self.from.with_gravity(direction * self.size);
+        let tables = self.physics.tables(self.rows, &description);
+        merit_of(&tables, self.rows, &description)
+    }
+
+    /// The direction downhill from a place, by steps that are each repeated while they help.
+    fn lowest_from(&self, start: Vector3<f64>, steps: &[f64]) -> (f64, Vector3<f64>) {
+        let (mut least, mut best) = (self.of(&start), start);
+        for step in steps.iter().map(|step| step.to_radians()) {
+            for _ in 0..4 {
+                let turned = (0..4).map(|side| turned(&best, step, 0.5 * PI * f64::from(side)));
+                let tried = turned.map(|direction| (self.of(&direction), direction));
+                match tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                    Some((merit, direction)) if merit < least => (least, best) = (merit, direction),
+                    _ => break,
+                }
+            }
+        }
+        (least, best)
+    }
+}
+
+/// The description with directions of gravity that fit the rows best, each the lowest of its valley, the best first: those that are neither
+/// along an axis nor the described one.
+pub(crate) fn free_directions(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+    let known: Vec<Vector3<f64>> = std::iter::once(from.gravity.normalize()).chain(axes()).collect();
+    let is_known = |found: &Description| known.iter().any(|other| within(other, &found.gravity.normalize(), NEAR));
+    lowest(physics, rows, from).into_iter().filter(|found| !is_known(found)).collect()
+}
+
+/// The same with all directions that are the lowest of a valley.
+pub(crate) fn lowest(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     let size = from.gravity.norm();
     if size == 0.0 {
-        return None;
+        return Vec::new();
     }
-    let merit = |direction: &Vector3<f64>| {
-        let description = from.with(Change::Gravity((direction * size).into()));
-        let tables = physics.tables(rows, &description);
-        merit_of(&tables, rows, &description)
+    let few = rows.thinned(ROWS);
+    let is_changed = from.changes.iter().any(|change| matches!(change, Change::Gravity(_)));
+    let from_gravity = if is_changed { from.clone() } else { from.with(Change::Gravity(from.gravity.into())) };
+    let [quick, whole] = [&few, rows].map(|rows| Merit { physics, rows, from: &from_gravity, size });
+    let own = std::iter::once(from.gravity / size).chain(axes());
+    let starts: Vec<Vector3<f64>> = own.chain(over_the_sphere(STARTS)).collect();
+    let merits: Vec<f64> = starts.par_iter().map(|direction| quick.of(direction)).collect();
+    let is_lowest = |place: &usize| {
+        let near = |other: usize| other != *place && within(&starts[other], &starts[*place], VALLEY);
+        !(0..starts.len()).any(|other| near(other) && merits[other] < merits[*place])
     };
-    let axes = (0..3).flat_map(|axis| [1.0, -1.0].map(|sign| sign * Vector3::ith(axis, 1.0)));
-    let known: Vec<Vector3<f64>> = std::iter::once(from.gravity / size).chain(axes).collect();
-    let start = known.iter().map(|direction| (merit(direction), *direction));
-    let (mut least, mut best) = start.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    for step in STEPS.map(f64::to_radians) {
-        // Each step is repeated while it helps, at most around the sphere.
-        for _ in 0..4 {
-            let across = if best.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
-            let side = best.cross(&across).normalize();
-            let other = best.cross(&side);
-            let turned = [side, -side, other, -other].map(|toward| best * step.cos() + toward * step.sin());
-            let tried = turned.into_iter().map(|direction| (merit(&direction), direction));
-            match tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((merit, direction)) if merit < least => (least, best) = (merit, direction),
-                _ => break,
+    let mut lowest: Vec<usize> = (0..starts.len()).filter(is_lowest).collect();
+    lowest.sort_by(|&a, &b| merits[a].total_cmp(&merits[b]));
+    lowest.truncate(VALLEYS);
+    let refined = |&place: &usize| {
+        let (_, direction) = quick.lowest_from(starts[place], &FIRST_STEPS);
+        whole.lowest_from(direction, &LAST_STEPS)
+    };
+    let mut found: Vec<(f64, Vector3<f64>)> = lowest.par_iter().map(refined).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept: Vec<Vector3<f64>> = Vec::new();
+    for (_, direction) in found {
+        if !kept.iter().any(|other| within(other, &direction, SAME)) {
+            kept.push(direction);
+        }
+    }
+    kept.into_iter().map(|direction| from_gravity.with_gravity(direction * size)).collect()
+}
+
+/// The description with other directions of the gravity that it changes, to which the valley goes on from there; none where the mechanism
+/// determines it.
+pub(crate) fn along_the_valley(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+    let size = from.gravity.norm();
+    if size == 0.0 || !from.changes.iter().any(|change| matches!(change, Change::Gravity(_))) {
+        return Vec::new();
+    }
+    let few = rows.thinned(ROWS);
+    let merit = Merit { physics, rows: &few, from, size };
+    let center = from.gravity / size;
+    let least = merit.of(&center);
+    let mut out: Vec<Vector3<f64>> = Vec::new();
+    for radius in CIRCLES.map(f64::to_radians) {
+        let step = TAU / ON_CIRCLE as f64;
+        let at = |angle: f64| turned(&center, radius, angle);
+        let merits: Vec<f64> = (0..ON_CIRCLE).into_par_iter().map(|place| merit.of(&at(step * place as f64))).collect();
+        let is_lowest = |&place: &usize| {
+            let neighbours = [place + 1, place + ON_CIRCLE - 1].map(|other| merits[other % ON_CIRCLE]);
+            neighbours.iter().all(|other| merits[place] <= *other)
+        };
+        for place in (0..ON_CIRCLE).filter(is_lowest) {
+            let angle = step * place as f64;
+            let angle = golden(angle - step, angle + step, SECTIONS, |angle| merit.of(&at(angle)));
+            let (own, direction) = (merit.of(&at(angle)), at(angle));
+            if own < least + ABOUT_AS_WELL && !out.iter().any(|other| within(other, &direction, NEAR)) {
+                out.push(direction);
             }
         }
     }
-    let near = |direction: &Vector3<f64>| best.dot(direction) > NEAR.to_radians().cos();
-    (!known.iter().any(near)).then(|| Change::Gravity((best * size).into()))
+    out.into_iter().map(|direction| from.with_gravity(direction * size)).collect()
+}
+
+/// Whether one direction of gravity is within the first of the circles around another.
+pub(crate) fn is_next_to(a: &Description, b: &Description) -> bool {
+    within(&a.gravity.normalize(), &b.gravity.normalize(), CIRCLES[0] + 1.0)
+}
+
+/// Whether two descriptions differ in nothing but the direction of gravity, and that by more than a little.
+pub(crate) fn is_another_direction(a: &Tried, b: &Tried) -> bool {
+    let [a, b] = [a, b].map(|tried| &tried.description);
+    a.gravity.norm() > 0.0 && a.with_gravity(b.gravity).same_as(b) && !is_near(a, b)
+}
+
+/// Whether two descriptions differ in nothing but the direction of gravity, and that a little.
+pub(crate) fn is_near(a: &Description, b: &Description) -> bool {
+    let (of_a, of_b) = (a.gravity.normalize(), b.gravity.normalize());
+    a.gravity.norm() > 0.0 && within(&of_a, &of_b, NEAR) && a.with_gravity(b.gravity).same_as(b)
+}
+
+/// A direction turned by an angle, toward a side given by another.
+fn turned(direction: &Vector3<f64>, by: f64, side: f64) -> Vector3<f64> {
+    let across = if direction.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
+    let first = direction.cross(&across).normalize();
+    let second = direction.cross(&first);
+    direction * by.cos() + (first * side.cos() + second * side.sin()) * by.sin()
+}
+
+/// Whether two directions are within so many degrees of each other.
+fn within(a: &Vector3<f64>, b: &Vector3<f64>, degrees: f64) -> bool {
+    a.dot(b) > degrees.to_radians().cos()
+}
+
+fn axes() -> impl Iterator<Item = Vector3<f64>> {
+    (0..3).flat_map(|axis| [1.0, -1.0].map(|sign| sign * Vector3::ith(axis, 1.0)))
+}
+
+/// Directions spread evenly over the sphere, on a spiral of golden angles.
+fn over_the_sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
+    let golden_angle = PI * (3.0 - 5f64.sqrt());
+    (0..count).map(move |place| {
+        let z = 1.0 - (2 * place + 1) as f64 / count as f64;
+        let (sin, cos) = (golden_angle * place as f64).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        Vector3::new(radius * cos, radius * sin, z)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_direction_is_far_from_a_start() {
+        let starts: Vec<Vector3<f64>> = over_the_sphere(STARTS).collect();
+        for direction in over_the_sphere(1000) {
+            assert!(starts.iter().any(|start| within(start, &direction, 20.0)), "{direction}");
+        }
+    }
+
+    #[test]
+    fn a_direction_is_turned_by_an_angle() {
+        for direction in over_the_sphere(20) {
+            let sides = [0.0, 1.0, 4.0].map(|side| turned(&direction, 0.3, side));
+            assert!(sides.iter().all(|side| (side.dot(&direction) - 0.3f64.cos()).abs() < 1e-12));
+        }
+    }
 }

@@ -3,10 +3,10 @@
 use super::*;
 
 /// Kind, axis, limits and mass of a joint with its link.
-type Link = (&'static str, &'static str, &'static str, f64);
+pub(super) type Link = (&'static str, &'static str, &'static str, f64);
 
 /// Two joints that turn about vertical axes, one that slides up and down, and a level one that carries them all.
-const STACKER: [Link; 4] = [
+pub(super) const STACKER: [Link; 4] = [
     ("prismatic", "1 0 0", "lower=\"0\" upper=\"1.6\" effort=\"400\"", 30.0),
     ("revolute", "0 0 1", "lower=\"-2\" upper=\"2\" effort=\"90\"", 7.0),
     ("revolute", "0 0 1", "lower=\"-2.2\" upper=\"2.2\" effort=\"60\"", 5.0),
@@ -21,7 +21,7 @@ const GANTRY: [Link; 3] = [
 ];
 
 /// Runs a test with the robot of some links.
-fn with_robot(links: &[Link], test: impl Fn(&Robot)) {
+pub(super) fn with_robot(links: &[Link], test: impl Fn(&Robot)) {
     let folder = tempfile::tempdir().unwrap();
     let mut text = "<robot name=\"slides\"><link name=\"l0\"/>".to_owned();
     for (place, (kind, axis, limits, mass)) in links.iter().enumerate() {

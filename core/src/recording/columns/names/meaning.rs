@@ -1,7 +1,7 @@
 //! Which quantity of which joint a column holds, from its name.
 
 use super::quantity::{QUANTITIES, Quantity, TORQUE, TRUE};
-use super::unit::Unit;
+use super::unit::{Unit, is_unit};
 use super::words::{SEPARATORS, without_unit, words};
 
 /// Words for the current of a motor, which stands in for its torque.
@@ -50,7 +50,7 @@ const MEASURED: [&str; 18] = [
 const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
 
 /// Words that mean a value was wanted, computed or is that of another thing, and not measured at a joint.
-const WANTED: [&str; 19] = [
+const WANTED: [&str; 20] = [
     "target",
     "desired",
     "des",
@@ -61,6 +61,7 @@ const WANTED: [&str; 19] = [
     "commanded",
     "goal",
     "setpoint",
+    "disturbance",
     "error",
     "err",
     "tcp",
@@ -73,8 +74,20 @@ const WANTED: [&str; 19] = [
 ];
 
 /// Those of them that mean that a controller wanted or computed the value: a torque of this kind is taken where none was measured.
-const OF_CONTROLLER: [&str; 11] =
-    ["target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "goal", "setpoint", "d"];
+const OF_CONTROLLER: [&str; 12] = [
+    "target",
+    "desired",
+    "des",
+    "ref",
+    "reference",
+    "cmd",
+    "command",
+    "commanded",
+    "goal",
+    "setpoint",
+    "disturbance",
+    "d",
+];
 
 /// The same of names with a number at their end, as `tau_J_d_0` and `tau_ext_hat_filtered_0` of a Panda.
 const WANTED_NUMBERED: [&str; 4] = ["d", "ext", "hat", "filtered"];
@@ -166,7 +179,7 @@ pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
 }
 
 fn is_unit_word(word: &str) -> bool {
-    UNIT_WORDS.contains(&word.to_lowercase().as_str())
+    UNIT_WORDS.contains(&word.to_lowercase().as_str()) || (word.contains('/') && is_unit(word))
 }
 
 /// Readings of a name with the unit that stands behind it.
@@ -203,9 +216,9 @@ fn readings(column: &str) -> Vec<Meaning> {
 
 /// `target_moment_0`, `tau_J_d_0`, `elbow_effort_cmd`: torques that a controller wanted or computed.
 fn of_controller(name: &str) -> Vec<Meaning> {
-    let measured: Vec<&str> =
-        name.split('_').filter(|word| !OF_CONTROLLER.contains(&word.to_lowercase().as_str())).collect();
-    if measured.len() == name.split('_').count() {
+    let parts = || name.split(['_', ' ']);
+    let measured: Vec<&str> = parts().filter(|word| !OF_CONTROLLER.contains(&word.to_lowercase().as_str())).collect();
+    if measured.len() == parts().count() {
         return Vec::new();
     }
     let mut readings = readings(&measured.join("_"));

@@ -47,6 +47,7 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "posicion",
             "posizione",
             "theta",
+            "θ",
             "axis_pos",
             "axis_position",
             "axis_act",
@@ -87,6 +88,7 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "angular_velocity",
             "ang_vel",
             "omega",
+            "ω",
         ],
     },
     Quantity {
@@ -121,6 +123,11 @@ pub(crate) const QUANTITIES: [Quantity; 4] = [
             "torque_axis",
             "motor_torque",
             "drive_torque",
+            "current_as_torque",
+            "m_actual",
+            "qfrc",
+            "u",
+            "τ",
         ],
     },
 ];

@@ -86,7 +86,7 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         | "time_from_start" | "ts" | "tick" | "ticks" | "epoch" | "epoch_time" | "unix_time" | "timestamp_utc"
         | "time_utc" => STAMP,
         "ros_time" | "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time"
-        | "datetime" | "date_time" | "date" => OF_LOGGER,
+        | "datetime" | "date_time" | "date" | "duration" => OF_LOGGER,
         _ => return None,
     };
     time(rank, factor, Part::Whole)

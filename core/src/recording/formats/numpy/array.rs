@@ -116,7 +116,7 @@ impl Kind {
         let size: usize = bare.get(1..)?.trim_end_matches(|letter: char| !letter.is_ascii_digit()).parse().ok()?;
         let bytes = if letter == 'U' { 4 * size } else { size };
         let known = match letter {
-            'f' => matches!(size, 4 | 8),
+            'f' => matches!(size, 2 | 4 | 8),
             'i' | 'u' => matches!(size, 1 | 2 | 4 | 8),
             'b' => size == 1,
             'U' => size > 0,
@@ -134,6 +134,7 @@ impl Kind {
         let unused = 64 - 8 * bytes.len() as u32;
         match (self.letter, self.bytes) {
             ('f', 8) => f64::from_bits(all),
+            ('f', 2) => half(all as u16),
             ('f', _) => f64::from(f32::from_bits(all as u32)),
             ('i', _) => (((all << unused) as i64) >> unused) as f64,
             _ => all as f64,
@@ -146,5 +147,30 @@ impl Kind {
             char::from_u32(if self.big { u32::from_be_bytes(word) } else { u32::from_le_bytes(word) })
         };
         bytes.chunks_exact(4).filter_map(letter).filter(|letter| *letter != '\0').collect()
+    }
+}
+
+/// The value of a number of half precision: a sign, five bits of exponent, ten of fraction.
+fn half(bits: u16) -> f64 {
+    let (sign, exponent, fraction) = (bits >> 15, (bits >> 10) & 0x1F, f64::from(bits & 0x3FF) / 1024.0);
+    let size = match exponent {
+        0 => fraction * 2f64.powi(-14),
+        0x1F if fraction == 0.0 => f64::INFINITY,
+        0x1F => f64::NAN,
+        _ => (1.0 + fraction) * 2f64.powi(i32::from(exponent) - 15),
+    };
+    if sign == 0 { size } else { -size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half;
+
+    #[test]
+    fn numbers_of_half_precision() {
+        let known =
+            [(0x3C00, 1.0), (0xC000, -2.0), (0x7BFF, 65504.0), (0x0001, 5.960_464_477_539_063e-8), (0x8000, 0.0)];
+        assert!(known.into_iter().all(|(bits, value)| half(bits) == value));
+        assert!(half(0x3555) - 1.0 / 3.0 < 1e-4 && half(0x7C00) == f64::INFINITY && half(0x7C01).is_nan());
     }
 }

@@ -68,7 +68,7 @@ fn step_of(name: &str) -> Option<fn(f64) -> f64> {
     match name.to_ascii_lowercase().as_str() {
         "dt" | "ts" | "period" | "timestep" | "time_step" | "sample_time" | "dt_s" => Some(|seconds| seconds),
         "dt_ms" | "period_ms" => Some(|milliseconds| 1e-3 * milliseconds),
-        "rate" | "rate_hz" | "fs" | "freq" | "frequency" | "hz" | "sampling_rate" | "sample_rate" => {
+        "rate" | "rate_hz" | "fs" | "freq" | "frequency" | "hz" | "sampling_rate" | "sample_rate" | "fps" => {
             Some(|rate| 1.0 / rate)
         }
         _ => None,

@@ -5,7 +5,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// Bytes of the beginning that show what they are.
 const SHOWS: usize = 1000;
 
-/// The text of a file: without a byte order mark, from UTF-16 (as Windows writes "Unicode text"), and with a line feed behind each line
+/// The text of a file: without a byte order mark, from UTF-16 (as Windows writes "Unicode text") or Latin-1, and with a line feed behind each line
 /// where there are carriage returns alone. None of what is no text.
 pub(super) fn utf8_lines(mut bytes: Vec<u8>) -> Option<Vec<u8>> {
     if bytes.starts_with(BYTE_ORDER_MARK) {
@@ -17,10 +17,21 @@ pub(super) fn utf8_lines(mut bytes: Vec<u8>) -> Option<Vec<u8>> {
     if bytes.iter().take(SHOWS).any(|byte| *byte == 0) {
         return None;
     }
+    if !begins_in_utf8(&bytes) {
+        bytes = bytes.into_iter().map(char::from).collect::<String>().into_bytes();
+    }
     if !bytes.contains(&b'\n') {
         bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
     }
     Some(bytes)
+}
+
+/// Whether the beginning, where the names stand, is UTF-8; a letter that its end cuts off does not count.
+fn begins_in_utf8(bytes: &[u8]) -> bool {
+    match std::str::from_utf8(&bytes[..bytes.len().min(SHOWS)]) {
+        Ok(_) => true,
+        Err(error) => error.error_len().is_none(),
+    }
 }
 
 /// Whether the bytes are UTF-16, and then whether the larger byte comes first.
@@ -62,6 +73,11 @@ mod tests {
         }
         assert_eq!(utf8_lines(b"\xEF\xBB\xBFt,q1\r0,1\r".to_vec()).unwrap(), b"t,q1\n0,1\n");
         assert_eq!(utf8_lines(b"t,q1\r\n0,1".to_vec()).unwrap(), b"t,q1\r\n0,1");
+        assert_eq!(utf8_lines(b"t,q1 [\xB0]\n".to_vec()).unwrap(), "t,q1 [°]\n".as_bytes());
+        // What is broken further down does not change the names.
+        let mut broken = format!("t,q1 [°]\n{}", "0,1\n".repeat(SHOWS)).into_bytes();
+        broken.push(0xB0);
+        assert_eq!(utf8_lines(broken.clone()).unwrap(), broken);
         assert_eq!(utf8_lines(vec![1, 0, 0, 0, 7, 0, 0, 0, 9, 9, 0, 0]), None);
     }
 }

@@ -1,6 +1,6 @@
 //! Rows that were left out, and the clock.
 
-use super::finding::{Finding, Kind, Severity};
+use crate::quality::finding::{Finding, Kind, Severity};
 use crate::recording::Recording;
 use crate::recording::lenient::{Cause, Rejected, Sieved};
 use crate::recording::resample::{Clock, IRREGULAR};
@@ -31,12 +31,12 @@ fn cause_of_backward_time(rows: &[&Rejected]) -> &'static str {
 }
 
 /// Whether there are rows enough for a log, but over too short a time: its clock may run wrong.
-pub(super) fn seems_short(recording: &Recording) -> bool {
+pub(crate) fn seems_short(recording: &Recording) -> bool {
     recording.samples() >= FEWEST && recording.duration() < SHORTEST_S
 }
 
 /// Findings about rows and clock; a second of the clock lasts `factor` true ones.
-pub(super) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Finding> {
+pub(crate) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Finding> {
     let recording = &sieved.recording;
     let all = sieved.rejected.len() + recording.samples();
     let mut out = Vec::new();

@@ -8,6 +8,13 @@ use crate::recording::Recording;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+mod clipped;
+mod jumps;
+
+use clipped::clipped;
+pub use clipped::clipping;
+pub(super) use jumps::Jumps;
+
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
 
@@ -23,10 +30,6 @@ const STICKS: f64 = 0.1;
 
 /// Path that a joint or its neighbours must go meanwhile, rad or m.
 const PATH: f64 = 0.02;
-
-/// Consecutive samples at one extreme value, and samples there in all, that make a channel clipped.
-const CLIPPED_RUN: usize = 4;
-const CLIPPED: usize = 12;
 
 /// A channel most of whose changes are smaller than this many of its last digit is coarse.
 const COARSE: f64 = 3.5;
@@ -195,7 +198,8 @@ pub fn torque_spikes(tau: &Channels, joint: usize) -> Vec<usize> {
         change.max(resolution(signal))
     };
     let own = tau.channel(joint);
-    let limit = STANDS_OUT * usual(own);
+    // Friction of a joint that hardly moves goes from one side to the other and back: by no more than where it turns for good.
+    let limit = (STANDS_OUT * usual(own)).max(lasting_step(own));
     let there_and_back = |x: &[f64], least: f64| {
         let (to, from) = (x[1] - x[0], x[2] - x[1]);
         to * from < 0.0 && to.abs().min(from.abs()) > least
@@ -220,6 +224,16 @@ pub fn torque_spikes(tau: &Channels, joint: usize) -> Vec<usize> {
     spikes.into_iter().filter(|&at| !is_impact(at)).collect()
 }
 
+/// The largest step of a signal that lasts: that between the medians of some samples before and behind.
+fn lasting_step(signal: &[f64]) -> f64 {
+    let median = |part: &[f64]| {
+        let mut sorted = [part[0], part[1], part[2]];
+        sorted.sort_by(f64::total_cmp);
+        sorted[1]
+    };
+    signal.windows(6).map(|part| (median(&part[3..]) - median(&part[..3])).abs()).fold(0.0, f64::max)
+}
+
 /// Joints whose position is frozen for a while, as found.
 pub(super) fn with_frozen_position(view: &View, found: &[Finding]) -> Vec<usize> {
     let of = |joint: &usize| {
@@ -236,7 +250,7 @@ pub(super) fn spoilt(view: &View, joint: usize) -> Vec<Range<usize>> {
     let mut out = motor_off(q, tau, 1.0 / view.period);
     if !coarse(tau) {
         let levels: Vec<f64> = clipping(tau).into_iter().map(|(level, ..)| level).collect();
-        let clipped = |&(start, length): &(usize, usize)| length >= CLIPPED_RUN && levels.contains(&tau[start]);
+        let clipped = |&(start, length): &(usize, usize)| length >= clipped::RUN && levels.contains(&tau[start]);
         let clipped: Vec<(usize, usize)> = runs(tau).filter(clipped).collect();
         out.extend(
             clipped.into_iter().chain(frozen_torques(view, joint, tau)).map(|(start, length)| start..start + length),
@@ -320,35 +334,6 @@ fn off(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
 
 fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
-}
-
-/// Levels at which a torque is cut off, each with the number of samples there and the first of them; none for a torque of
-/// few digits.
-pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
-    if coarse(tau) {
-        return Vec::new();
-    }
-    let (low, high) = extremes(tau);
-    let at = |level: f64| {
-        let long = runs(tau).filter(|&(start, length)| tau[start] == level && length >= CLIPPED_RUN);
-        let (count, first) = long
-            .fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
-        (level, count, first)
-    };
-    // A sensor that never reads zero does not rest at its extreme unless it is cut off there.
-    let levels = if low == high { vec![] } else { vec![low, high] };
-    levels.into_iter().filter(|level| *level != 0.0).map(at).filter(|(_, count, _)| *count >= CLIPPED).collect()
-}
-
-fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
-    let (level, count, first) = clipping(tau).into_iter().max_by_key(|(_, count, _)| *count)?;
-    let text = format!(
-        "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; leave these samples out or \
-         use a slower motion",
-        100.0 * count as f64 / tau.len() as f64
-    );
-    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first]);
-    Some(Finding::new(Kind::Clipped, Severity::Warning, place, text))
 }
 
 /// A torque that changes less often than the log has rows.

@@ -3,11 +3,11 @@
 //! Masses and their places act in gravity and in inertia, so that the torque of gravity gives the size of that of inertia, and with it the
 //! square of time. Bodies are free here: wrong masses, and inertias that are placeholders, change nothing about it.
 
-use super::change::Description;
-use super::compare::{DISTINCT, EXPLAINED, compare};
-use super::fitting::{Physics, Rows};
-use super::judgement::judge;
-use super::tried::Tried;
+use super::super::change::Description;
+use super::super::compare::{DISTINCT, EXPLAINED, compare};
+use super::super::fitting::{Physics, Rows};
+use super::super::judgement::judge;
+use super::super::tried::Tried;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::Result;

@@ -1,9 +1,9 @@
 //! Whether positions are in turns, from the torques of gravity: they look like those of an arm that hardly moves.
 
-use super::change::Description;
-use super::compare::{EXPLAINED, compare};
-use super::fitting::{Physics, Rows};
-use super::tried::Tried;
+use super::super::change::Description;
+use super::super::compare::{EXPLAINED, compare};
+use super::super::fitting::{Physics, Rows};
+use super::super::tried::Tried;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::Result;

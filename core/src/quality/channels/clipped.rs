@@ -1,0 +1,83 @@
+//! Torques that are cut off at a level.
+
+use super::{coarse, extremes, resolution, runs};
+use crate::quality::finding::{Finding, Kind, Severity};
+use crate::quality::view::View;
+
+/// Consecutive samples at one extreme value, and samples there in all, that make a channel clipped.
+pub(super) const RUN: usize = 4;
+const FEWEST: usize = 12;
+
+/// A torque whose range has fewer digits than this shows no noise while its joint rests.
+const FEW_DIGITS: f64 = 1000.0;
+
+/// Samples at the extreme over those that are one digit from it, above which it is a limit: a torque of few digits that turns round there is at
+/// its last digit two to three times as often as at the one before.
+const TURNS_ROUND: usize = 5;
+
+/// Levels at which a torque is cut off, each with the number of samples there and the first of them; none for a torque of
+/// few digits.
+pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
+    if coarse(tau) {
+        return Vec::new();
+    }
+    let (low, high) = extremes(tau);
+    let at = |level: f64| {
+        let long = runs(tau).filter(|&(start, length)| tau[start] == level && length >= RUN);
+        let (count, first) = long
+            .fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
+        (level, count, first)
+    };
+    let digit = 1.5 * resolution(tau);
+    let is_limit = |&(level, count, _): &(f64, usize, usize)| {
+        let near = tau.iter().filter(|value| **value != level && (**value - level).abs() < digit).count();
+        count >= FEWEST && count > TURNS_ROUND * near
+    };
+    // A sensor that never reads zero does not rest at its extreme unless it is cut off there.
+    let levels = if low == high { vec![] } else { vec![low, high] };
+    levels.into_iter().filter(|level| *level != 0.0).map(at).filter(is_limit).collect()
+}
+
+pub(super) fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
+    // A torque without noise rests where the arm does, at its extreme too; one of few digits does where its own joint rests.
+    let (low, high) = extremes(tau);
+    let few_digits = high - low < FEW_DIGITS * resolution(tau);
+    let moves = |sample: usize| {
+        let of = |own: usize| view.qd.channel(own)[sample].abs() > view.band[own];
+        if few_digits { of(joint) } else { (0..view.dof()).any(of) }
+    };
+    let is_cut_off = |&(level, count, _): &(f64, usize, usize)| {
+        2 * (0..tau.len()).filter(|&sample| tau[sample] == level && moves(sample)).count() >= count
+    };
+    let (level, count, first) = clipping(tau).into_iter().filter(is_cut_off).max_by_key(|(_, count, _)| *count)?;
+    let text = format!(
+        "{count} samples ({:.1} %) stand at {level}: the drive or its log is at a limit there; leave these samples out or \
+         use a slower motion",
+        100.0 * count as f64 / tau.len() as f64
+    );
+    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first]);
+    Some(Finding::new(Kind::Clipped, Severity::Warning, place, text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(size: f64) -> Vec<f64> {
+        (0..4000).map(|row| size * (0.01 * f64::from(row)).sin() + 0.3 * (0.37 * f64::from(row)).sin()).collect()
+    }
+
+    #[test]
+    fn a_torque_of_few_digits_that_turns_round_is_not_cut_off() {
+        let cut: Vec<f64> = wave(5.0).iter().map(|torque| torque.min(4.0)).collect();
+        assert_eq!(clipping(&cut).iter().map(|level| level.0).collect::<Vec<_>>(), [4.0]);
+        let slow: Vec<f64> = (0..4000).map(|row| 5.0 * (0.01 * f64::from(row)).sin()).collect();
+        for digit in [0.01, 0.1, 0.4] {
+            let few: Vec<f64> = slow.iter().map(|torque| (torque / digit).round() * digit).collect();
+            assert_eq!(clipping(&few), [], "{digit}");
+        }
+        // Cut off in few digits.
+        let few: Vec<f64> = wave(5.0).iter().map(|torque| (torque.min(4.0) / 0.02).round() * 0.02).collect();
+        assert_eq!(clipping(&few).len(), 1);
+    }
+}

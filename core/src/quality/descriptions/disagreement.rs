@@ -1,0 +1,91 @@
+//! Torques that are not those of the described arm, whatever is changed: those of another robot, or bodies that are placeholders.
+
+use super::change::Description;
+use super::compare::EXPLAINED_ALONE;
+use super::fitting::{Evaluation, Fit, Physics, Rows};
+use super::known::WRONG_MASSES;
+use super::tried::Tried;
+use crate::quality::finding::{Finding, Kind, Severity};
+use crate::quality::view::View;
+use crate::robot::Robot;
+
+/// Share of a torque from which the described bodies, with any load, friction and rotor, do not explain it: masses that are wrong by a fifth leave
+/// half of that ..
+const UNLIKE: f64 = 0.3;
+
+/// .. where free bodies leave so many times less: what neither explains is friction, or noise.
+const LESS: f64 = 3.0;
+
+/// One torque may have a cause of its own, as a spring or a factor.
+const FEWEST: usize = 2;
+
+/// A finding where no bodies explain half of the torques, or only others than those described.
+pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Description>) -> Option<Finding> {
+    let rows = Rows::new(views, Some(robot))?;
+    let as_given = Description::as_given(robot.dof(), robot.gravity);
+    let description = description.unwrap_or(&as_given);
+    let under = |physics: &Physics| Tried::new(physics, &rows, description.clone());
+    let physics = Physics::free(robot);
+    // What little motion does not determine, free bodies predict badly: nothing explains a torque that all rows together leave.
+    let whole = rows.whole();
+    let residuals = Fit::new(&physics.tables(&whole, description), &whole, description).residuals()?;
+    let free = under(&physics)?;
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let changed = if description.changes.is_empty() { "" } else { ", with what is named besides" };
+    let text = if nothing_explains(&residuals) {
+        format!(
+            "no bodies on these joints explain the torques{changed}: more than half of the torque of most joints stays unexplained. The log may be that of \
+             another robot or of other joints, or its torques are not these joints'"
+        )
+    } else {
+        let bodies = under(&Physics::bodies(robot)?)?;
+        if bodies.share() < WRONG_MASSES || !others_explain(&bodies.evaluation, &free.evaluation) {
+            return None;
+        }
+        format!(
+            "the robot's bodies do not explain the torques{changed}, whatever they carry: {} stay unexplained on parts held out, {} with other bodies on \
+             these joints. The log may be that of another robot; else the file's masses are placeholders",
+            percent(bodies.share()),
+            percent(free.share())
+        )
+    };
+    Some(Finding::new(Kind::OtherRobot, Severity::Warning, "robot", text))
+}
+
+/// Whether most torques stay unexplained.
+fn nothing_explains(shares: &[f64]) -> bool {
+    2 * shares.iter().filter(|share| **share > EXPLAINED_ALONE).count() > shares.len()
+}
+
+/// Whether other bodies explain half of the torques, at least, that those described do not.
+fn others_explain(bodies: &Evaluation, free: &Evaluation) -> bool {
+    let both: Vec<(f64, f64)> =
+        bodies.unexplained.iter().zip(&free.unexplained).filter_map(|(own, free)| (*own).zip(*free)).collect();
+    let unlike = both.iter().filter(|(own, free)| *own > UNLIKE && *own > LESS * free).count();
+    unlike >= FEWEST && 2 * unlike >= both.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn leaving(shares: &[f64]) -> Evaluation {
+        Evaluation { held_out: Vec::new(), unexplained: shares.iter().copied().map(Some).collect() }
+    }
+
+    #[test]
+    fn bodies_disagree_where_half_of_the_torques_are_others() {
+        let others = |bodies: &[f64], free: &[f64]| others_explain(&leaving(bodies), &leaving(free));
+        assert!(others(&[0.31, 0.31, 0.02, 0.02], &[0.1, 0.1, 0.02, 0.02]));
+        assert!(!others(&[0.31, 0.02, 0.02], &[0.1, 0.02, 0.02]) && !others(&[0.29, 0.29], &[0.02, 0.02]));
+        // What no body explains.
+        assert!(!others(&[0.6, 0.6], &[0.21, 0.21]));
+    }
+
+    #[test]
+    fn nothing_explains_where_most_torques_are_left() {
+        assert!(
+            nothing_explains(&[0.51, 0.51, 0.1]) && !nothing_explains(&[0.51, 0.1]) && !nothing_explains(&[0.49, 0.49])
+        );
+    }
+}

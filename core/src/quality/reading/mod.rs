@@ -1,0 +1,6 @@
+//! What reading a log shows: rows that were left out, its clock, and the names of its joints.
+//!
+//! In: the log as it was read. Out: findings.
+
+pub(super) mod clock;
+pub(super) mod joint_names;

@@ -16,6 +16,9 @@ const UNLIKE: f64 = 0.3;
 /// .. where free bodies leave so many times less: what neither explains is friction, or noise.
 const LESS: f64 = 3.0;
 
+/// Share of the torques, as a geometric mean, from which masses of the described arm that are wrong do not explain it: less is a note.
+const NOT_MASSES: f64 = 0.3;
+
 /// One torque may have a cause of its own, as a spring or a factor.
 const FEWEST: usize = 2;
 
@@ -32,24 +35,26 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
     let free = under(&physics)?;
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let changed = if description.changes.is_empty() { "" } else { ", with what is named besides" };
-    let text = if nothing_explains(&residuals) {
-        format!(
+    let (severity, text) = if nothing_explains(&residuals) {
+        let text = format!(
             "no bodies on these joints explain the torques{changed}: more than half of the torque of most joints stays unexplained. The log may be that of \
              another robot or of other joints, or its torques are not these joints'"
-        )
+        );
+        (Severity::Warning, text)
     } else {
         let bodies = under(&Physics::bodies(robot)?)?;
         if bodies.share() < WRONG_MASSES || !others_explain(&bodies.evaluation, &free.evaluation) {
             return None;
         }
-        format!(
+        let text = format!(
             "the robot's bodies do not explain the torques{changed}, whatever they carry: {} stay unexplained on parts held out, {} with other bodies on \
-             these joints. The log may be that of another robot; else the file's masses are placeholders",
+             these joints. Either the file's masses are wrong, as placeholders are, or the log is that of another robot",
             percent(bodies.share()),
             percent(free.share())
-        )
+        );
+        (if bodies.share() < NOT_MASSES { Severity::Note } else { Severity::Warning }, text)
     };
-    Some(Finding::new(Kind::OtherRobot, Severity::Warning, "robot", text))
+    Some(Finding::new(Kind::OtherRobot, severity, "robot", text))
 }
 
 /// Whether most torques stay unexplained.

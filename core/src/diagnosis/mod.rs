@@ -5,6 +5,7 @@
 //! | `answer` | arm, logs, options | the diagnosis and the extended model |
 //! | `relevance` | effects found | those that matter, smaller ones |
 //! | `lack_of_fit` | residual | structure that no effect explains |
+//! | `variance` | residual | sizes of the kinds of functions that it follows |
 //! | `search` | fits, candidates | effects found, by forward selection |
 //! | `preparation` | logs, arm | filters and widths |
 //! | `evidence` | a candidate | p-values and held-out gains |
@@ -13,6 +14,7 @@
 //! | `noise` | residual | whiteners |
 //! | `logs` | recordings | rows |
 //! | `regression` | columns | solutions, score tests |
+//! | `criteria` | a number and its threshold | a judgement |
 //!
 //! Each room imports only from rooms below it.
 

@@ -1,4 +1,6 @@
 //! Thresholds that decide what is reported, each with its reason, and the judgement of a gate.
+//!
+//! In: the name of a gate, a number and its threshold. Out: whether it passes, and by how much.
 
 mod comparison;
 mod impacts;

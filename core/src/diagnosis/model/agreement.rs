@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use crate::channels::Channels;
 use crate::diagnosis::logs::{FEWEST_ROWS, ORDER, Rows};
-use crate::effects::{LIBRARY, Nature, Placed, Scope};
+use crate::effects::{LIBRARY, Nature, Placed, Scope, Site};
 use crate::identification::effect_model::{EffectModel, Preparation, Trust};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
@@ -55,22 +55,30 @@ fn identify_and_diagnose_have_the_same_torque_of_every_effect() {
     let log = motion(robot.dof());
     let rows = Rows::new(&[&log], CUTOFF_HZ, FEWEST_ROWS).unwrap();
     let arm = Arm::new(&robot, Trust::Nominal);
-    let without = predicted(&robot, &log, Vec::new());
+    // The same motion for both: the smooth one of the diagnosis, as if it had been measured.
+    let motion = &rows.logs[0].motion;
+    let smooth =
+        Recording { q: motion.q.clone(), qd: Some(motion.qd.clone()), qdd: Some(motion.qdd.clone()), ..log.clone() };
+    let [of_log, of_smooth] = [&log, &smooth].map(|log| predicted(&robot, log, Vec::new()));
     for effect in LIBRARY {
         let about = effect.about();
         let joint = if about.scope == Scope::Arm { 0 } else { 1 };
+        // The twist of a gear with play passes the low-pass of the positions, which `identify` does without here.
+        let strikes = about.nature == Nature::Play;
+        let (log, without, tolerance) = match about.site {
+            // What sensors or gears do to positions is differentiated again, by central differences in `identify`.
+            Site::Sensor | Site::Gear => (&log, &of_log, if strikes { 0.05 } else { 2e-3 }),
+            _ => (&smooth, &of_smooth, 1e-9),
+        };
         let mut placed = Placed::typical(*effect, joint);
         if about.nature == Nature::Level {
             placed.parameters[0] = 0.5 * without[joint].iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
         }
         let added = &arm.added(std::slice::from_ref(&placed), &rows).unwrap()[0];
-        let with = predicted(&robot, &log, vec![placed]);
-        // The twist of a gear with play passes the low-pass of the positions, which `identify` does without here.
-        let strikes = about.nature == Nature::Play;
+        let with = predicted(&robot, log, vec![placed]);
         let low_pass = ZeroPhaseLowPass::new(ORDER, CUTOFF_HZ, RATE_HZ).unwrap();
-        let tolerance = if strikes { 0.05 } else { 2e-3 };
         let (mut apart, mut size) = (0.0, 0.0);
-        for (joint, (with, without)) in with.iter().zip(&without).enumerate() {
+        for (joint, (with, without)) in with.iter().zip(without).enumerate() {
             let mut identified: Vec<f64> = with.iter().zip(without).map(|(with, without)| with - without).collect();
             if strikes {
                 low_pass.apply_in_place(&mut identified).unwrap();

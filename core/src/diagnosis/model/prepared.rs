@@ -3,7 +3,8 @@
 use super::data_set::DataSet;
 use crate::diagnosis::logs::LowPass;
 
-/// Logs that every model is fitted to and judged by. No fit changes them.
+/// Logs that every model is fitted to and judged by. No fit changes them; a gear whose play impacts show adds columns to their baselines and
+/// leaves out the rows of its impacts.
 #[derive(Debug, Clone)]
 pub struct PreparedLogs {
     /// Logs that are identified from.

@@ -219,7 +219,7 @@ mod tests {
     fn too_few_blocks_are_no_test() {
         let mut design = one_kind_of_two(1.0, 0);
         design.time.iter_mut().for_each(|time| *time /= 50);
-        assert_eq!(blocks(&design).len(), 3);
+        assert_eq!(blocks(&design).len(), 2);
         assert_eq!(p_values(&design, &fit(&design), 0, 0), [None, None]);
     }
 }

@@ -46,7 +46,8 @@ mod tests {
 
     /// Of 300 rows the first so many are near reversals, with a residual of so much times that of the others.
     fn keeps(near: usize, times: f64) -> bool {
-        let residual = |row: usize| if row < near { times } else { 1.0 } * if row % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |row: usize| if row.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let residual = |row: usize| sign(row) * if row < near { times } else { 1.0 };
         let joint = JointRegression {
             joint: "a".into(),
             parameters: vec![0],

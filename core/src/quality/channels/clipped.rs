@@ -1,6 +1,6 @@
 //! Torques that are cut off at a level.
 
-use super::{coarse, extremes, resolution, runs};
+use super::digits::{coarse, extremes, resolution, runs};
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
 

@@ -9,10 +9,12 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 mod clipped;
+mod digits;
 mod jumps;
 
 use clipped::clipped;
 pub use clipped::clipping;
+use digits::{coarse, extremes, resolution, runs};
 pub(super) use jumps::Jumps;
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
@@ -30,9 +32,6 @@ const STICKS: f64 = 0.1;
 
 /// Path that a joint or its neighbours must go meanwhile, rad or m.
 const PATH: f64 = 0.02;
-
-/// A channel most of whose changes are smaller than this many of its last digit is coarse.
-const COARSE: f64 = 3.5;
 
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
@@ -92,31 +91,6 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", text));
     }
     out
-}
-
-/// Whether a channel has so few digits that most of its changes are by the last one: it then rests between them, and at
-/// its extremes, without anything being wrong.
-fn coarse(values: &[f64]) -> bool {
-    size_quantile(changes(values), 0.5) < COARSE * resolution(values)
-}
-
-/// The smallest change of a channel.
-fn resolution(values: &[f64]) -> f64 {
-    changes(values).fold(f64::INFINITY, f64::min)
-}
-
-/// Sizes of the changes of a channel from one sample to the next, where there are any.
-fn changes(values: &[f64]) -> impl Iterator<Item = f64> {
-    values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0)
-}
-
-/// Runs of equal values: start and length.
-fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
-    values.chunk_by(|a, b| a == b).scan(0, |start, run| {
-        let own = *start;
-        *start += run.len();
-        Some((own, run.len()))
-    })
 }
 
 fn path(signal: &[f64]) -> f64 {
@@ -330,10 +304,6 @@ fn off(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     let text = format!("the torque is exactly zero for {seconds:.3} s: the motor is off; these samples are left out");
     let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first.start]);
     Some(Finding::new(Kind::MotorOff, Severity::Note, place, text))
-}
-
-fn extremes(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }
 
 /// A torque that changes less often than the log has rows.

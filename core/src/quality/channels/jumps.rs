@@ -3,6 +3,7 @@
 //! Before and behind a jump a joint has the same speed, and between two samples it goes much further than it ever does. One joint by itself
 //! slipped; where most of those that move jump at once, time is missing.
 
+use super::digits::resolution;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::statistics::size_quantile;
 use crate::quality::view::View;
@@ -102,7 +103,7 @@ impl Jumps {
 fn jumps(q: &[f64]) -> Vec<(usize, f64)> {
     let steps: Vec<f64> = q.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let excess = |x: &[f64]| x[1] - 0.5 * (x[0] + x[2]);
-    let digit = steps.iter().map(|step| step.abs()).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let digit = resolution(q);
     let usual = size_quantile(steps.windows(3).map(excess), USUAL);
     let longest = size_quantile(steps.iter().copied(), USUAL);
     let least = (STANDS_OUT * usual).max(LONGER * longest).max(DIGITS * digit).max(LEAST);

@@ -1,19 +1,18 @@
 //! The `tauscope` command from outside: what it prints and writes, and how it refuses bad input.
 
-mod arms;
 mod cases;
 mod console;
 mod diagnose;
 mod disk;
 mod effects;
 mod files;
-mod grippers;
 mod inputs;
 mod inspect;
 mod library;
 mod options;
 mod payload;
 mod reports;
+mod robots;
 #[path = "../schema/mod.rs"]
 mod schema;
 mod studies;

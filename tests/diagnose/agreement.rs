@@ -41,14 +41,17 @@ fn identify_and_diagnose_estimate_the_same() {
         let mut truth = Placed::typical(find(name).unwrap(), joint);
         truth.parameters[..parameters.len()].copy_from_slice(&parameters);
         let [of_fit, of_diagnosis] = estimates(&truth, seed);
+        let mut compared = 0;
         for (k, ((fit, fit_std), (diagnosis, std))) in of_fit.into_iter().zip(of_diagnosis).enumerate() {
             if std == 0.0 || fit_std == 0.0 {
                 continue;
             }
+            compared += 1;
             let text = format!("{name} {k}: {fit} +- {fit_std}, {diagnosis} +- {std}, truth {}", truth.parameters[k]);
             assert!((fit - diagnosis).abs() < SAME * fit_std.hypot(std), "{text}");
             assert!((fit - truth.parameters[k]).abs() < SAME * fit_std, "{text}");
             assert!((diagnosis - truth.parameters[k]).abs() < SAME * std, "{text}");
         }
+        assert!(compared > 0, "{name}: no parameter was estimated by both");
     }
 }

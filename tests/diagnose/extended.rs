@@ -2,7 +2,7 @@
 
 use super::{SETUP, logs, with};
 use tauscope::channels::Channels;
-use tauscope::diagnosis::{Diagnosis, torque};
+use tauscope::diagnosis::Diagnosis;
 use tauscope::dynamics::Motion;
 use tauscope::effects::{Placed, Site, find};
 use tauscope::identification::effect_model::Trust;
@@ -10,6 +10,7 @@ use tauscope::random;
 use tauscope::robot::with_parameters;
 use tauscope::scenario::{Scenario, Setup};
 use tauscope::simulation::engine::EngineKind;
+use tauscope_core::internal::diagnosis::torque;
 
 fn random_motion(dof: usize, samples: usize) -> Motion {
     use rand::RngExt;

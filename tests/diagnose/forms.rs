@@ -74,16 +74,16 @@ fn friction_that_turns_over_some_speed_is_no_finding() {
     assert_eq!(families(&diagnosis), []);
     let close = |found: &f64| (found / width - 1.0).abs() < 0.4;
     assert!(
-        diagnosis.logs.sign_widths.iter().filter(|found| close(found)).count() >= 4,
+        diagnosis.logs.coulomb_widths.iter().filter(|found| close(found)).count() >= 4,
         "{:?}",
-        diagnosis.logs.sign_widths
+        diagnosis.logs.coulomb_widths
     );
     // A law of one joint is not taken for the friction of all.
     let concave =
         Placed { effect: find("nonlinear_viscous_friction").unwrap(), joint: 1, parameters: vec![60.0, 0.3, 0.01] };
     let diagnosis = diagnosed(&super::logs(&with(&[concave]), 25, 3), &speed_laws);
     assert_eq!(families(&diagnosis), [("nonlinear_viscous_friction", 1)]);
-    assert_eq!(diagnosis.logs.sign_widths, [0.0; 6]);
+    assert_eq!(diagnosis.logs.coulomb_widths, [0.0; 6]);
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Positions are smoothed as each encoder and the torque ask for.
 
 use super::{SETUP, logs};
-use tauscope::diagnosis::Session;
 use tauscope::identification::effect_model::Trust;
 use tauscope::identification::model::Model;
 use tauscope::recording::Recording;
+use tauscope_core::internal::diagnosis::Session;
 
 /// Cut-offs of the joints from logs of which the encoder of joint 1 has steps of `step`, rad; zero for that of the scenario.
 fn cutoffs(step: f64) -> Vec<f64> {

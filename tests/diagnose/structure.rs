@@ -1,4 +1,4 @@
-//! Laws that the library does not have, near ones that it has: no firm name, and the structure is told.
+//! Laws that the library does not have, near ones that it has: none is named, and the structure is reported.
 
 use super::{SETUP, logs, with};
 use tauscope::diagnosis::{Diagnosis, Verdict};

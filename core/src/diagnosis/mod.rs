@@ -8,8 +8,7 @@
 //! | `variance` | residual | sizes of the kinds of functions that it follows |
 //! | `search` | fits, candidates | effects found, by forward selection |
 //! | `preparation` | logs, arm | filters and widths |
-//! | `evidence` | a candidate | p-values and held-out gains |
-//! | `backlash` | positions, torque | gears with play |
+//! | `evidence` | a candidate; torque at the rate of the log | p-values and held-out gains; impacts in gears with play |
 //! | `model` | rows, arm, effects | regressor, fits |
 //! | `noise` | residual | whiteners |
 //! | `logs` | recordings | rows |
@@ -19,15 +18,14 @@
 //! Each room imports only from rooms below it.
 
 pub(crate) mod answer;
-mod backlash;
 mod criteria;
 mod evidence;
 mod lack_of_fit;
 mod logs;
-mod model;
-mod noise;
+pub(crate) mod model;
+pub(crate) mod noise;
 mod preparation;
-mod regression;
+pub(crate) mod regression;
 mod relevance;
 mod search;
 mod variance;
@@ -36,16 +34,16 @@ mod watch;
 pub use answer::{
     Answer, Conclusion, DIAGNOSIS_SCHEMA, Derived, Diagnosis, DiagnosisBuilder, EXTENDED_MJCF, EXTENDED_SCENARIO,
     EXTENDED_URDF, Engine, Errors, ExtendedModel, Finding, Followed, Gain, LogSummary, Measured, NamedAlternative,
-    NamedParameter, Outcome, ResidualStructure, Resimulation, Scope, Share, Simulator, torque,
+    NamedParameter, Outcome, ResidualStructure, Resimulation, Scope, Share, Simulator,
 };
-pub use backlash::Play;
-pub use criteria::{Criteria, Gate, Judgement, SearchCriteria};
-pub use evidence::Ranked;
+pub use criteria::{
+    ComparisonCriteria, Criteria, EstimateCriteria, Gate, ImpactCriteria, Judgement, Levels, SearchCriteria,
+    StructureCriteria, VerdictCriteria,
+};
+pub use evidence::{Play, Ranked};
 pub use lack_of_fit::LOGS_DISAGREE;
 pub use logs::{CleanLogs, Consequence, DataFault, GivenLog, Screened, screen};
-pub use model::{DataSet, Family, Session, is_candidate, is_level, places};
-pub use noise::Whitener;
-pub use regression::{Column, Projection, rms};
+pub use model::Family;
 pub use relevance::Minor;
 pub use search::{Found, Verdict};
 pub use variance::{JointMap, Kind, Line, Part, ResidualMap};
@@ -54,6 +52,9 @@ pub use watch::Progress;
 use crate::effects;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
+
+/// Error of a sum of shares that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// What to look for, and with which false-alarm rate.
 #[derive(Debug, Clone)]
@@ -89,11 +90,35 @@ impl Options {
     /// Refuses values out of range.
     ///
     /// # Errors
-    /// If alpha is no probability between 0 and 1, or a candidate is no effect of the library.
+    /// If alpha is no probability between 0 and 1, the shares of it that the criteria spend exceed it, or a candidate is no effect of the
+    /// library.
     pub fn check(&self) -> Result<()> {
         if !(self.alpha > 0.0 && self.alpha < 1.0) {
             return Err(Error::request("alpha", format!("is {}; give a probability between 0 and 1", self.alpha)));
         }
+        let spent = self.criteria.search.spent();
+        if spent.is_nan() || spent > 1.0 + ROUNDING {
+            let problem = format!("spend {spent} of alpha; give shares whose sum is at most one");
+            return Err(Error::request("criteria.search", problem));
+        }
         self.candidates.iter().try_for_each(|name| effects::find(name).map(|_| ()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_than_alpha_can_be_spent() {
+        let with = |training: f64| {
+            let mut options = Options::default();
+            options.criteria.search.training += training;
+            options.check()
+        };
+        assert!(with(0.0).is_ok() && with(-0.1).is_ok());
+        let message = with(1e-3).unwrap_err().to_string();
+        assert!(message.contains("criteria.search") && message.contains("at most one"), "{message}");
+        assert!(with(f64::NAN).is_err());
     }
 }

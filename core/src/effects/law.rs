@@ -134,6 +134,17 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Quantities derived from its parameters by which practitioners call its size, the first that there is; its first parameter where there
+    /// is none.
+    fn headline(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether users ask about it first: a summary mentions the least size that would have been found.
+    fn is_asked_about(&self) -> bool {
+        false
+    }
+
     /// The parameter of a drive that it adds to, where it is one that every drive has.
     fn of_drive(&self) -> Option<DriveParameter> {
         None

@@ -317,7 +317,7 @@ fn uncertainty(estimate: &Estimate, after: &[LogRows]) -> f64 {
     ((gram * &estimate.covariance).trace() / rows.max(1) as f64).max(0.0).sqrt()
 }
 
-/// Root mean square of each joint's torque in the rows that count.
+/// Root mean square of each joint's torque in the valid rows.
 fn torques(model: &Model, before: &[LogRows], after: &[LogRows]) -> Vec<f64> {
     let of = |joint: usize| {
         let logs = before.iter().chain(after).map(|log| &log.arm[joint]);

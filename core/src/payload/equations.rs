@@ -143,7 +143,7 @@ pub(super) fn differences(
     Equations { layout, joints: joints.collect() }
 }
 
-/// Rows that count.
+/// Valid rows.
 fn valid(log: &LogRows, joint: usize) -> impl Iterator<Item = usize> + '_ {
     log.arm[joint].valid.iter().enumerate().filter_map(|(row, &ok)| ok.then_some(row))
 }

@@ -18,7 +18,7 @@ pub(super) struct LogRows {
     pub time: Vec<f64>,
     /// Positions and velocities.
     pub states: States,
-    /// Columns of the base parameters, with torque and the rows that count.
+    /// Columns of the base parameters, with torque and the valid rows.
     pub arm: Vec<JointRegression>,
     /// Columns of the load, `[parameter][row]` per joint.
     pub load: Vec<Channels>,

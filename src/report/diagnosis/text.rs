@@ -1,12 +1,11 @@
 //! The answer in a few lines.
 
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Found, LOGS_DISAGREE, Minor, NamedParameter, Part,
-    Play, ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, EstimateCriteria, Family, Finding, Found, LOGS_DISAGREE,
+    Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
 };
-use crate::internal::diagnosis::{
-    NOT_SIZED, effort, finding, findings, joints, predicts_worse, remedy, shown, with_unit,
-};
+use crate::effects;
+use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, remedy, shown, with_unit};
 use crate::quality::with_logs;
 use crate::report::console::{by_joint, significant, table};
 use crate::report::payload;
@@ -43,14 +42,17 @@ pub(crate) fn lines(
     lines.extend(shown(robot, diagnosis).into_iter().map(|text| format!("Note: {text}.")));
     for found in &diagnosis.before {
         let place = place(robot, found.member.candidate.family());
-        lines.push(format!("Present before the change: {place}: {}", values(&finding(robot, found, &[]).parameters)));
+        lines.push(format!(
+            "Present before the change: {place}: {}",
+            values(&finding(robot, found, &[], &diagnosis.scope.criteria.estimate))
+        ));
     }
     let all = findings(robot, diagnosis);
     let ahead = all.len() - diagnosis.found.len();
     lines.extend(all[..ahead].iter().map(|finding| format!("- {}", finding.explanation)));
     for (found, finding) in diagnosis.found.iter().zip(&all[ahead..]) {
         lines.push(format!("- {}", missed(robot, diagnosis, found)));
-        let change = if finding.parameters.is_empty() { String::new() } else { values(&finding.parameters) };
+        let change = if finding.parameters.is_empty() { String::new() } else { values(finding) };
         let verb = if diagnosis.scope.against_reference { "Changed by" } else { "Add to the model:" };
         let open = if finding.size_told { String::new() } else { format!(" Note: {NOT_SIZED}.") };
         lines.push(format!("  {verb} {change} ({EXTENDED_SCENARIO} has it). {}{open}", finding.explanation));
@@ -62,7 +64,7 @@ pub(crate) fn lines(
         let percent = 100.0 * left.share;
         let why = match diagnosis.nearest(left.joint) {
             _ if left.structure == LOGS_DISAGREE => ": these do not agree with the training logs".to_owned(),
-            Some(minor) => nearest(robot, minor),
+            Some(minor) => nearest(robot, minor, &diagnosis.scope.criteria.estimate),
             None => format!(", and {} explains it", none(diagnosis)),
         };
         lines.push(format!("- {joint}: {percent:.0} % of the residual {}{why}", left.structure));
@@ -154,11 +156,8 @@ fn missed(robot: &Robot, diagnosis: &Diagnosis, found: &Found) -> String {
         names += &format!(" or {}", place(robot, other.family));
     }
     if found.verdict == Verdict::Unexplained {
-        let why = match predicts_worse(found, &diagnosis.errors.noise_floor, &diagnosis.scope.criteria.verdict) {
-            true => "it fits the training logs and not the held-out logs",
-            false => "much stays unexplained there",
-        };
-        names = format!("similar to {names} ({why})");
+        let why = found.withdrawn.map_or("is not all there is", |failed| failed.gate.reason());
+        names = format!("similar to {names} (which {why})");
     }
     let chance =
         if found.family_wise_p < SURE { "below 1e-12".to_owned() } else { format!("{:.0e}", found.family_wise_p) };
@@ -204,8 +203,8 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// "; of the laws load_dependent_friction on joint_2 (coefficient 0.05) comes nearest, no better than any smooth function". Its standard
 /// deviations do not hold the scatter between blocks, as those of findings do: none is printed.
-fn nearest(robot: &Robot, minor: &Minor) -> String {
-    let found = finding(robot, &minor.found, &[]);
+fn nearest(robot: &Robot, minor: &Minor, criteria: &EstimateCriteria) -> String {
+    let found = finding(robot, &minor.found, &[], criteria);
     let parameters = found.parameters.iter().filter(|p| p.std.is_finite()).take(MENTIONED);
     let values: Vec<String> =
         parameters.map(|p| format!("{} {}", p.name, with_unit(significant(p.value), p.unit))).collect();
@@ -227,11 +226,11 @@ pub(crate) fn impacts(play: &Play) -> String {
     )
 }
 
-/// The parameters that are printed: those with the names that practitioners use, else the first few.
-fn values(parameters: &[NamedParameter]) -> String {
-    // By what practitioners call it, where there is such a quantity.
-    let known = ["mass", "first_moment_x", "tilt"];
-    let named = parameters.iter().position(|parameter| known.contains(&parameter.name)).unwrap_or(0);
+/// The parameters that are printed: from the one on by which practitioners call the effect's size, else the first few.
+fn values(finding: &Finding) -> String {
+    let parameters: &[NamedParameter] = &finding.parameters;
+    let headline = effects::find(finding.effect).map_or(&[][..], |effect| effect.headline());
+    let named = parameters.iter().position(|parameter| headline.contains(&parameter.name)).unwrap_or(0);
     let shown = parameters[named..].iter().take(MENTIONED);
     let each = shown.map(|p| match p.std.is_finite() {
         true => format!("{} {} +- {}", p.name, significant(p.value), with_unit(significant(p.std), p.unit)),
@@ -316,10 +315,10 @@ fn unseen(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     if !diagnosis.found.is_empty() {
         return None;
     }
-    let wanted = ["payload", "stribeck_friction", "backlash", "time_delay", "torque_gain"];
+    let is_asked_about = |name: &str| effects::find(name).is_ok_and(|effect| effect.is_asked_about());
     let seen = diagnosis.not_found.iter().filter_map(|missed| Some((missed, missed.minimum_detectable?)));
     let shown: Vec<String> = seen
-        .filter(|(missed, _)| wanted.contains(&missed.family.effect))
+        .filter(|(missed, _)| is_asked_about(missed.family.effect))
         .scan(Vec::new(), |shown: &mut Vec<&str>, (missed, size)| {
             let new = !shown.contains(&missed.family.effect);
             shown.push(missed.family.effect);

@@ -38,7 +38,7 @@ pub(crate) struct Joint {
     pub qd: Vec<f64>,
     /// Measured torque less every contender's, all rows.
     pub residuals: Vec<Vec<f64>>,
-    /// Rows that count.
+    /// Valid rows.
     pub valid: Vec<bool>,
     /// Noise floor of the rows.
     pub noise: f64,

@@ -80,7 +80,7 @@ fn verdict(robot: &Robot, fitted: &Fitted, rows: &[Joint]) -> (Tone, String) {
     }
 }
 
-/// Torque of the rows that count.
+/// Torque of the valid rows.
 fn counted(joint: &Joint) -> Vec<f64> {
     joint.torque.iter().zip(&joint.valid).filter(|(_, ok)| **ok).map(|(&torque, _)| torque).collect()
 }

@@ -1,9 +1,9 @@
 //! One blind run as it is drawn, before anything is simulated.
 
 use super::fault::Fault;
-use crate::diagnosis::{is_candidate, places};
 use crate::effects::{Effect, LIBRARY, Placed, Role};
 use crate::identification::effect_model::Trust;
+use crate::internal::diagnosis::{is_candidate, places};
 use crate::random;
 use crate::scenario::Setup;
 use chacha20::ChaCha8Rng;

@@ -199,9 +199,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_law_of_the_library_is_among_them() {
+    fn every_law_has_a_size() {
         for effect in OUTSIDE {
-            assert!(crate::effects::find(effect.about().name).is_err());
             assert!(effect.parameters().iter().any(|parameter| parameter.role != Role::Shape));
         }
     }

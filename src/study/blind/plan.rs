@@ -3,9 +3,9 @@
 use super::case::{ArmKind, Case, Class, MotionKind, drawn, visible};
 use super::fault::Fault;
 use super::outside::OUTSIDE;
-use crate::diagnosis::is_candidate;
 use crate::effects::Effect;
 use crate::identification::effect_model::Trust;
+use crate::internal::diagnosis::is_candidate;
 use crate::random;
 use chacha20::ChaCha8Rng;
 use rand::RngExt;

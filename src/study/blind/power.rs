@@ -6,11 +6,11 @@
 
 use super::case::{Case, visible};
 use super::sizing::{references, session};
-use crate::diagnosis::{Column, DataSet, Session, Whitener, places};
 use crate::effects::Placed;
 use crate::error::Result;
 use crate::excitation::Motion;
 use crate::identification::model::Model;
+use crate::internal::diagnosis::{Column, DataSet, Session, Whitener, places};
 use crate::internal::identification::AutoregressiveNoise;
 use crate::recording::Recording;
 use crate::scenario::Setup;

@@ -41,7 +41,7 @@ pub(crate) struct Row {
     pub each: Vec<Outcome>,
     /// What was answered.
     pub answers: Vec<Answer>,
-    /// Firm names of what was not hidden.
+    /// Named effects that were not hidden.
     pub wrong: Vec<String>,
     /// Joints of which something is left unexplained, counted from 1, and what it follows.
     pub unexplained: Vec<(usize, String)>,

@@ -2,11 +2,11 @@
 
 use super::case::Case;
 use super::motion::{TRAIN, reference_log};
-use crate::diagnosis::{Column, Projection, Session, is_level, rms};
 use crate::effects::{Nature, Placed, Role, Site};
 use crate::error::{Error, Result};
 use crate::excitation::Motion;
 use crate::identification::model::Model;
+use crate::internal::diagnosis::{Column, Projection, Session, is_level, rms};
 use crate::recording::Recording;
 use crate::scenario::Setup;
 

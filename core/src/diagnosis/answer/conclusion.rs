@@ -11,7 +11,7 @@ use crate::channels::Channels;
 use crate::diagnosis::Options;
 use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped};
 use crate::diagnosis::logs::{Input, split};
-use crate::diagnosis::model::{Arm, DataSet, Known, Member, Session};
+use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined, rms};
 use crate::diagnosis::search::{Found, Selection};
@@ -19,7 +19,7 @@ use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
 use crate::error::{Error, Result};
-use crate::identification::effect_model::Trust;
+use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
 use crate::payload::Payload;
 use crate::recording::Recording;
@@ -84,7 +84,7 @@ pub(super) fn conclude<'a>(
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
     let held_out = input.test.is_empty();
     let (train, test) = if held_out { (&early, &late) } else { (&input.train, &input.test) };
-    let mut session = Session::knowing(model, options.trust, known.clone(), train, test)?;
+    let mut session = Session::knowing(model, options.trust, known.clone(), train, test, options.criteria)?;
     let simulation = as_described(&session, &input.present)?;
     let map = residual_map(&session, options)?;
     watch.tell(Progress::Map(map.clone()));
@@ -135,11 +135,11 @@ fn identified<'a>(
     let (early, late) = split(reference);
     let (early, late): (Vec<&Recording>, Vec<&Recording>) = (early.iter().collect(), late.iter().collect());
     let mut effects = described.effects.clone();
-    let session = Session::knowing(model, options.trust, described.clone(), &early, &late);
+    let session = Session::knowing(model, options.trust, described.clone(), &early, &late, options.criteria);
     // Short logs have too little in their last parts: then nothing is held out, and the level of the tests alone decides.
     let mut session = match session {
         Ok(session) => session,
-        Err(_) => Session::knowing(model, options.trust, described, reference, reference)?,
+        Err(_) => Session::knowing(model, options.trust, described, reference, reference, options.criteria)?,
     };
     let found = found_that_matter(&mut session, options, watch)?.0.found;
     effects.extend(found.iter().map(|found| found.member.placed.clone()));
@@ -157,7 +157,7 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
 /// What the residual of the model with `members` follows in the logs of a data set, to which all columns of the model are fitted.
 fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
     let columns = session.model.columns(data, members)?;
-    Ok(ResidualMap::new(data, &columns, &session.model.arm, options.alpha, options.seed))
+    Ok(ResidualMap::new(data, &columns, &session.model.arm, &options.criteria.structure, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
@@ -165,7 +165,7 @@ fn as_described(session: &Session, present: &[Placed]) -> Result<Column> {
     let (rows, robot) = (&session.logs.test.rows, session.model.base.robot());
     let mut residual = Column::new(rows.torque.iter().cloned());
     let described = Arm::new(robot, Trust::Nominal);
-    residual.add(-1.0, &described.believed(rows));
+    residual.add(-1.0, &described.described_torque(rows));
     let baseline = described.baseline(session.model.base, rows);
     residual.add(-1.0, &combined(&baseline, &drives(session.model.base, robot)));
     for torque in described.added_throughout(present, rows)? {
@@ -254,7 +254,7 @@ fn answer<'a>(
     let baseline_test_rms = rms(&test.valid, &baseline);
     let simulation_test_rms = rms(&test.valid, &simulation);
     let criteria = &options.criteria.verdict;
-    withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, criteria);
+    withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, &options.criteria);
     let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.base.robot());
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
@@ -294,7 +294,7 @@ fn answer<'a>(
         rates_hz: rates_hz(&session),
         cutoffs_hz: session.logs.cutoffs_hz.clone(),
         passband: session.logs.passband,
-        sign_widths: session.model.arm.sign_widths.clone(),
+        coulomb_widths: session.model.arm.coulomb_widths.clone(),
         equations: (0..session.model.base.dof()).map(|joint| session.model.base.has_equation(joint)).collect(),
         held_out_from_training,
     };

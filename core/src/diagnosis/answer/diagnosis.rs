@@ -3,7 +3,7 @@
 use super::inertias::Gain;
 use super::quantities::{Derived, Evidence, ResidualStructure, Share};
 use crate::diagnosis::Options;
-use crate::diagnosis::criteria::{Criteria, VerdictCriteria};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, VerdictCriteria};
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
 use crate::diagnosis::logs::LowPass;
@@ -70,7 +70,7 @@ pub struct LogSummary {
     /// The low-pass that torque went through before it was logged, if any.
     pub passband: Option<LowPass>,
     /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width of tanh(v / width); zero for a plain sign.
-    pub sign_widths: Vec<f64>,
+    pub coulomb_widths: Vec<f64>,
     /// Whether each joint has an equation: its torque is logged, and it moves. The numbers of a joint without one
     /// mean nothing.
     pub equations: Vec<bool>,
@@ -160,8 +160,8 @@ pub(super) fn verdict(found: &[Found], inertias: bool, unexplained: &[Unexplaine
     }
 }
 
-/// Withdraws the findings on joints of which much stays unexplained with certainty, those that unexplained structure replaces, and those with
-/// which the held-out logs are predicted worse.
+/// Withdraws the findings that unexplained structure replaces, those on joints of which much stays unexplained with certainty, and those
+/// with which the held-out logs are predicted worse.
 /// `residuals` are the root mean squares that baseline and extended model leave of the held-out logs, `noise` the floor's,
 /// `[joint]`. What impacts show does not rest on residuals and stays.
 pub(super) fn withdraw(
@@ -169,40 +169,41 @@ pub(super) fn withdraw(
     unexplained: &[Unexplained],
     residuals: [&[f64]; 2],
     noise: &[f64],
-    criteria: &VerdictCriteria,
+    criteria: &Criteria,
 ) {
-    for &place in unexplained.iter().flat_map(|left| &left.instead_of) {
-        found[place].verdict = Verdict::Unexplained;
+    for replaced in unexplained.iter().flat_map(|left| &left.instead_of) {
+        let clearly = criteria.comparison.clearly_better;
+        found[replaced.place].withdraw(Judgement::at_most(Gate::Replaced, replaced.beyond, clearly));
     }
     let [before, after] = residuals;
-    let open: Vec<usize> = unexplained
-        .iter()
-        .filter(|left| left.certain)
-        .map(|left| left.joint)
-        .filter(|&joint| {
-            let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
-            let share =
-                if excess(after) > noise[joint].powi(2) { criteria.explained_above_noise } else { criteria.explained };
-            excess(after) > (1.0 - share) * excess(before)
-        })
-        .collect();
+    let certain: Vec<usize> = unexplained.iter().filter(|left| left.certain).map(|left| left.joint).collect();
+    let explained = |joint: usize| {
+        let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
+        let VerdictCriteria { explained, explained_above_noise, .. } = criteria.verdict;
+        let least = if excess(after) > noise[joint].powi(2) { explained_above_noise } else { explained };
+        Judgement::at_least(Gate::Explained, 1.0 - excess(after) / excess(before), least)
+    };
     for one in found.iter_mut().filter(|one| one.impacts.is_none()) {
         let joints = one.member.candidate.joints();
         // An effect on many joints does not fall with one of them, and what happened in one log is not in the others.
-        let is_open = one.member.candidate.log.is_none() && joints.iter().all(|joint| open.contains(joint));
-        if is_open || predicts_worse(one, noise, criteria) {
-            one.verdict = Verdict::Unexplained;
+        let on_joints = joints.iter().map(|joint| certain.contains(joint).then(|| explained(*joint)));
+        let on_joints: Option<Vec<Judgement>> = on_joints.collect();
+        let open = on_joints.filter(|_| one.member.candidate.log.is_none()).unwrap_or_default();
+        let is_open = !open.is_empty() && open.iter().all(|judgement| !judgement.passed);
+        let failed = open.into_iter().filter(|_| is_open).chain([predicts(one, noise, criteria)]);
+        if let Some(failed) = Judgement::first_failed(failed) {
+            one.withdraw(failed);
         }
     }
 }
 
-/// Whether the held-out logs are predicted worse with a finding than without it, on the joints that it acts on together: it fits the
-/// training logs, and is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
-pub fn predicts_worse(found: &Found, noise: &[f64], criteria: &VerdictCriteria) -> bool {
+/// Held-out residual with a finding over that without it, on the joints that it acts on together, in squares over the noise: one that fits the
+/// training logs alone is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
+fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     let joints = found.member.candidate.joints();
     let [before, after] =
         found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
-    found.impacts.is_none() && after > criteria.worse * before
+    Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2))
 }
 
 /// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
@@ -336,7 +337,6 @@ pub(super) fn next_experiment(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::criteria::{Gate, Judgement};
     use crate::diagnosis::model::Candidate;
     use crate::diagnosis::search::Accepted;
     use crate::effects::{Placed, find};
@@ -360,13 +360,7 @@ mod tests {
         let left = |excess: f64, left: f64, unexplained: &[Unexplained]| {
             let [before, after] = [excess, left].map(|excess| (1.0 + excess).sqrt());
             let mut found = [spring([before, 1.0], [after, 1.0])];
-            withdraw(
-                &mut found,
-                unexplained,
-                [&[before, 1.0], &[after, 1.0]],
-                &[1.0, 1.0],
-                &VerdictCriteria::default(),
-            );
+            withdraw(&mut found, unexplained, [&[before, 1.0], &[after, 1.0]], &[1.0, 1.0], &Criteria::default());
             found[0].verdict
         };
         assert_eq!(left(15.0, 1.6, &[structure(true)]), Verdict::Unexplained);
@@ -393,11 +387,12 @@ mod tests {
 
     #[test]
     fn a_name_that_predicts_its_joint_worse_is_taken_back() {
-        // Squares of 1.44 and 1.21 times as much are worse, of 1.0816 are not; nor is what happens on another joint.
-        let after = [[1.2, 1.0], [1.1, 1.0], [1.04, 1.0], [0.5, 3.0]];
+        // 1.2 and 1.11 times as much is worse, 1.09 is not; nor is what happens on another joint.
+        let after = [[1.2, 1.0], [1.11, 1.0], [1.09, 1.0], [0.5, 3.0]];
         let mut found: Vec<Found> = after.into_iter().map(|after| spring([1.0, 1.0], after)).collect();
-        withdraw(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5], &VerdictCriteria::default());
+        withdraw(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5], &Criteria::default());
         let stay: Vec<bool> = found.iter().map(|one| one.verdict == Verdict::Named).collect();
         assert_eq!(stay, [false, false, true, true]);
+        assert_eq!(found[0].withdrawn.map(|failed| failed.gate), Some(Gate::Predicts));
     }
 }

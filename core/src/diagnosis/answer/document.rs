@@ -4,7 +4,7 @@ use super::findings::{Finding, NamedParameter, finding, findings, joints};
 use super::notices;
 use super::outcome::{Answer, Conclusion};
 use super::quantities::{ResidualStructure, Share};
-use crate::diagnosis::criteria::{Criteria, Judgement};
+use crate::diagnosis::criteria::{Criteria, EstimateCriteria, Judgement};
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Rejected, Verdict};
@@ -88,8 +88,8 @@ struct SmallerFinding {
 }
 
 impl SmallerFinding {
-    fn new(robot: &Robot, minor: &Minor) -> Self {
-        let Finding { effect, joints, parameters, .. } = finding(robot, &minor.found, &[]);
+    fn new(robot: &Robot, minor: &Minor, criteria: &EstimateCriteria) -> Self {
+        let Finding { effect, joints, parameters, .. } = finding(robot, &minor.found, &[], criteria);
         SmallerFinding { effect, joints, parameters, size_nm: minor.size.clone(), failed: minor.failed }
     }
 }
@@ -321,10 +321,18 @@ impl Document {
                 structure: structure(&diagnosis.errors.structure[0]),
             },
             baseline: Baseline { train_rms_nm: train, test_rms_nm: test },
-            reference: diagnosis.before.iter().map(|found| finding(robot, found, &[])).collect(),
+            reference: diagnosis
+                .before
+                .iter()
+                .map(|found| finding(robot, found, &[], &diagnosis.scope.criteria.estimate))
+                .collect(),
             findings: findings(robot, diagnosis),
             load: diagnosis.load.as_ref().map(Load::of),
-            smaller_findings: diagnosis.minor.iter().map(|minor| SmallerFinding::new(robot, minor)).collect(),
+            smaller_findings: diagnosis
+                .minor
+                .iter()
+                .map(|minor| SmallerFinding::new(robot, minor, &diagnosis.scope.criteria.estimate))
+                .collect(),
             rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
             criteria: diagnosis.scope.criteria,
             residual_map: diagnosis.map.joints.iter().map(|map| MapOfJoint::new(robot, map)).collect(),

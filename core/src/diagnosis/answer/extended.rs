@@ -2,14 +2,14 @@
 //! these, in a form that the simulator takes.
 
 use crate::channels::Channels;
-use crate::diagnosis::model::{Arm, Member, Session, linear};
+use crate::diagnosis::model::{Member, Session, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::gram;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::effects::{Along, DriveParameter, Placed, Role, Site, contributions};
 use crate::error::Result;
 use crate::identification::consistent;
-use crate::identification::effect_model::Trust;
+use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
 use crate::robot::{Drive, Robot};
 use nalgebra::DMatrix;
@@ -132,8 +132,8 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
 
 /// Inner products of the base parameters' columns on whitened training rows.
 fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
-    let arm =
-        Arm::new(session.model.base.robot(), Trust::Structure).with_sign_widths(session.model.arm.sign_widths.clone());
+    let arm = Arm::new(session.model.base.robot(), Trust::Structure)
+        .with_coulomb_widths(session.model.arm.coulomb_widths.clone());
     let base = arm.baseline(session.model.base, &session.logs.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
     // What these rows do not determine stays where it is.

@@ -3,9 +3,10 @@
 use super::diagnosis::Diagnosis;
 use super::inertias::Gain;
 use super::quantities::Derived;
+use crate::diagnosis::criteria::{EstimateCriteria, Judgement};
 use crate::diagnosis::model::Family;
 use crate::diagnosis::search::{Found, Verdict};
-use crate::effects::{self, Placed, Role, Scope};
+use crate::effects::{self, Effect, LinkInertiaError, Placed, Role, Scope};
 use crate::robot::Robot;
 use serde::Serialize;
 
@@ -30,6 +31,9 @@ pub struct Finding {
     pub alternatives: Vec<NamedAlternative>,
     /// Its parameters, and what derives from them.
     pub parameters: Vec<NamedParameter>,
+    /// The gate that it failed once all was known, where its verdict is unexplained for that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub withdrawn: Option<Judgement>,
     /// Whether any of its amplitudes differs significantly from zero.
     pub size_told: bool,
     /// Family-wise p-value; None where none was worked out.
@@ -75,18 +79,20 @@ pub struct NamedParameter {
 pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
     let found = diagnosis.found.iter().zip(&diagnosis.derived);
-    inertias.chain(found.map(|(found, derived)| finding(robot, found, derived))).collect()
+    let criteria = &diagnosis.scope.criteria.estimate;
+    inertias.chain(found.map(|(found, derived)| finding(robot, found, derived, criteria))).collect()
 }
 
 /// The inertias of the description are wrong as a whole.
 fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     let [before, after] = gain.rms.clone();
     Finding {
-        effect: "link_inertia_error",
+        effect: LinkInertiaError.about().name,
         joints: robot.joint_names(),
         verdict: Verdict::Named,
         alternatives: Vec::new(),
         parameters: Vec::new(),
+        withdrawn: None,
         size_told: false,
         family_wise_p: None,
         test_rms_before_nm: before,
@@ -96,8 +102,8 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     }
 }
 
-/// An effect found, with what follows from its parameters.
-pub fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Finding {
+/// An effect found, with what follows from its parameters; `criteria` decide whether its size is significant.
+pub fn finding(robot: &Robot, found: &Found, derived: &[Derived], criteria: &EstimateCriteria) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
     let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
@@ -120,7 +126,8 @@ pub fn finding(robot: &Robot, found: &Found, derived: &[Derived]) -> Finding {
             .chain(derived)
             .map(|(name, value, std, unit)| NamedParameter { name, joint: joint.clone(), value, std, unit })
             .collect(),
-        size_told: found.member.is_sized(),
+        withdrawn: found.withdrawn,
+        size_told: found.member.is_sized(criteria),
         joints: own,
         family_wise_p: Some(found.family_wise_p),
         test_rms_before_nm: before,

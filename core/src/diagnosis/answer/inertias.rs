@@ -59,7 +59,7 @@ pub(super) fn all_inertias<'a>(
     if (bodies <= criteria.wrong_bodies && left <= criteria.doubtful_joints) || watch.is_over() {
         return Ok(None);
     }
-    let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test)?;
+    let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
     let searched = Searched::new(&mut session, options, watch)?;
     let free = &searched.selection;
     let left_free = certain(&searched.unexplained);
@@ -70,14 +70,15 @@ pub(super) fn all_inertias<'a>(
     if left_free > left || (left_free == left && free.found.len() >= selection.found.len()) {
         return Ok(None);
     }
-    // Both are seen on rows that count for both, in the noise of the better one.
+    // Both are compared on rows valid for both, in the noise of the better one.
     let mut rows = session.logs.test.rows.clone();
     for (valid, other) in rows.valid.iter_mut().zip(&trusted.logs.test.rows.valid) {
         valid.iter_mut().zip(other).for_each(|(ok, other)| *ok &= *other);
     }
     let (before, after) = (&selection.held_out, &free.held_out);
     let joints: Vec<usize> = (0..rows.dof()).collect();
-    let lower_bound = Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound();
+    let lower_bound =
+        Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound(&options.criteria.levels);
     let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
     let gain = Gain { lower_bound, rms };
     Ok((lower_bound > criteria.inertias_gain).then_some(Free { session, searched, gain }))

@@ -87,7 +87,7 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// What is said of friction that does not change its direction at once.
 pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = robot.joints.iter().zip(&diagnosis.logs.sign_widths).filter(|(_, width)| **width > 0.0);
+    let each = robot.joints.iter().zip(&diagnosis.logs.coulomb_widths).filter(|(_, width)| **width > 0.0);
     let each: Vec<String> = each
         .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
         .collect();

@@ -131,7 +131,7 @@ pub(super) fn joints_of(unexplained: &[Unexplained]) -> Vec<usize> {
 struct Resimulated {
     /// Measured less simulated torque.
     residual: Column,
-    /// Rows that count, `[joint][row]`.
+    /// Valid rows, `[joint][row]`.
     pub valid: Vec<Vec<bool>>,
     /// Positions of the simulated arm along every log, `[joint][time]`, rad.
     pub positions: Vec<Channels>,

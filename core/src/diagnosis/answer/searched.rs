@@ -32,7 +32,7 @@ pub(super) fn found_that_matter(
     let mut minor = Vec::new();
     // What is out changes the estimates of what stays, which must pass with these.
     loop {
-        let more = eliminate(session, &mut selection.found, &selection.whitener, &options.criteria)?;
+        let more = eliminate(session, &mut selection.found, &selection.whitener)?;
         if more.is_empty() {
             break;
         }
@@ -55,7 +55,7 @@ impl Searched {
         let (selection, minor) = found_that_matter(session, options, watch)?;
         let unexplained = match watch.is_over() {
             true => Vec::new(),
-            false => unexplained(session, &selection, &options.criteria, options.alpha)?,
+            false => unexplained(session, &selection, options.alpha)?,
         };
         Ok(Searched { selection, minor, unexplained })
     }

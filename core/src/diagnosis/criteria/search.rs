@@ -16,10 +16,9 @@ pub struct SearchCriteria {
     pub pooled: f64,
     /// Share of alpha for gears with play that impacts show.
     pub impacts: f64,
-    /// Factor on alpha for an event in one log: no other log can confirm it.
-    pub event: f64,
-    /// Factor on alpha for gears: they act where smoothed positions err most, around reversals and jerks.
-    pub gear: f64,
+    /// Factor on alpha for what held-out logs cannot confirm: an event in one log, and gears, which act where smoothed positions err most,
+    /// around reversals and jerks.
+    pub unconfirmable: f64,
     /// Factor on alpha for torque saturation: rows in which the model's torque is extreme are also those in which its error is.
     pub saturation: f64,
     /// Factor on alpha for friction that builds up after reversals, near which smoothed positions err most.
@@ -33,18 +32,24 @@ pub struct SearchCriteria {
     /// Largest share of alpha after an earlier finding (delays, which sampling brings, do not count): what is not quite right with that
     /// one remains in the residual.
     pub later: f64,
-    /// Most that the statistic may lose where a shape at a bound of its law is moved inside: chi-square of one degree of freedom at 1 %. A
-    /// law that is better at its bound than inside is not the law that acts; one that the logs do not determine loses nothing.
-    pub at_bound: f64,
-    /// Highest p-value without the blocks that show a candidate best; on the training logs alone, and where held-out logs confirm it.
-    pub influence_p: [f64; 2],
     /// Family-wise p-value of the training logs below which the held-out logs need only not contradict it.
     pub beyond_chance: f64,
     /// Highest family-wise p-value of the training logs that held-out logs can confirm: above it one log alone would decide.
     pub confirmable_p: f64,
     /// Least share of the residual that a candidate must explain where the residual is well above the noise: there all that is small
-    /// fits a little. Twice as much in the presence of constants.
+    /// fits a little.
     pub share_of_misfit: f64,
+    /// The same in the presence of a constant torque on each joint, which takes a part of the residual itself.
+    pub share_with_constants: f64,
+    /// Factor by which the level of a second attempt at held-out logs is below that of the only one. The first has the rest of the level, so
+    /// that a second one is possible and the first hardly pays for it.
+    pub second_attempt: f64,
+    /// Slope of measured torque against the model's beyond a saturation limit up to which it is flat: half way between torque that is cut off
+    /// (0) and torque that is not (1).
+    pub flat: f64,
+    /// Candidates that may be refused one after the other before the search ends; and in the search over all logs, which adds to that over
+    /// the training logs.
+    pub refusals: [usize; 2],
 }
 
 impl Default for SearchCriteria {
@@ -54,18 +59,19 @@ impl Default for SearchCriteria {
             confirmed: 0.4,
             pooled: 0.38,
             impacts: 0.02,
-            event: 1e-7,
-            gear: 1e-7,
+            unconfirmable: 1e-7,
             saturation: 1e-9,
             after_reversals: 1e-4,
             second_form: 1e-5,
             hidden: 1e-3,
             later: 0.02,
-            at_bound: 6.63,
-            influence_p: [0.01, 0.05],
             beyond_chance: 1e-6,
             confirmable_p: 0.3,
             share_of_misfit: 0.05,
+            share_with_constants: 0.1,
+            second_attempt: 5.0,
+            flat: 0.5,
+            refusals: [12, 3],
         }
     }
 }
@@ -74,6 +80,11 @@ impl SearchCriteria {
     /// Share of alpha that all ways of passing spend together.
     pub fn spent(&self) -> f64 {
         self.training + self.confirmed + self.pooled + self.impacts
+    }
+
+    /// Factors on the held-out p-value by attempt, under which the attempts share one level.
+    pub(crate) fn attempts(&self) -> [f64; 2] {
+        [1.0 / (1.0 - 1.0 / self.second_attempt), self.second_attempt]
     }
 }
 
@@ -85,8 +96,16 @@ mod tests {
     fn no_more_than_alpha_is_spent() {
         let criteria = SearchCriteria::default();
         assert!(criteria.spent() <= 1.0 + 1e-12, "{}", criteria.spent());
-        let stricter =
-            [criteria.event, criteria.gear, criteria.saturation, criteria.after_reversals, criteria.second_form];
-        assert!(stricter.iter().chain([&criteria.hidden]).all(|factor| *factor < criteria.training));
+        let SearchCriteria { unconfirmable, saturation, after_reversals, second_form, hidden, training, .. } = criteria;
+        assert!(
+            [unconfirmable, saturation, after_reversals, second_form, hidden].iter().all(|factor| *factor < training)
+        );
+    }
+
+    #[test]
+    fn attempts_share_the_level() {
+        let attempts = SearchCriteria::default().attempts();
+        assert!((attempts.iter().map(|factor| 1.0 / factor).sum::<f64>() - 1.0).abs() < 1e-12, "{attempts:?}");
+        assert_eq!(attempts[1], 5.0);
     }
 }

@@ -10,17 +10,9 @@ pub struct StructureCriteria {
     pub together: f64,
     /// Share of alpha at which the training logs by themselves show structure with certainty.
     pub certain: f64,
-    /// Highest p-value of a block in the noise that does not know it at which the noise is estimated anew with it.
-    pub suggested_p: f64,
     /// Least share of the residual of a joint that structure must have to be reported: with many rows that of any simplification of a
     /// simulator or a sensor is significant.
     pub share_of_residual: f64,
-    /// Share of what a finding explains by itself that structure must explain beyond it to replace it: less may be any simplification of
-    /// its law.
-    pub beyond_finding: f64,
-    /// Highest p-value, over all kinds of structure of a joint with a finding, of training and held-out logs together at which the finding
-    /// is not all: that something is there is known, and the question is only whether the finding is it.
-    pub not_all_p: f64,
     /// Share of the cut-off of a joint's positions up to which a spectral line counts: nearer to it, what the differences make of encoder
     /// noise is a peak, too.
     pub below_cutoff: f64,
@@ -29,13 +21,19 @@ pub struct StructureCriteria {
     /// Factor by which the held-out residual of other logs must exceed that of the training logs and the standard deviation of the
     /// prediction, averages over half a second.
     pub foreign: f64,
-    /// Factor by which it must exceed the noise of a single row.
-    pub foreign_noise: f64,
     /// Share of the baseline's held-out residual up to which what was found explains the held-out logs too.
     pub carried_on: f64,
-    /// Factor on the noise from which the held-out residual of a search that was ended is reported: noise that is estimated without the
-    /// structure is up to 1.7 times too small on quiet logs.
+    /// Factor on the noise from which the held-out residual counts where no test says what it is: of other logs, of a search that was
+    /// ended, of logs too short to separate what it follows. Noise that is estimated without the structure is up to 1.7 times too small on
+    /// quiet logs.
     pub above_noise: f64,
+    /// Share of the noise of a joint from which a part of its residual is reported.
+    pub clear: f64,
+    /// Ratio to the background from which the model's own torque has a spectral line at the same frequency: then it is the motion's.
+    pub of_the_motion: f64,
+    /// Least share of a law's square that must remain in the means over rows in which it is compared with generic functions, for these to
+    /// judge it.
+    pub resolved: f64,
 }
 
 impl Default for StructureCriteria {
@@ -43,16 +41,15 @@ impl Default for StructureCriteria {
         StructureCriteria {
             together: 0.2,
             certain: 0.02,
-            suggested_p: 0.1,
             share_of_residual: 0.03,
-            beyond_finding: 0.02,
-            not_all_p: 0.01,
             below_cutoff: 0.5,
             same_line_hz: 0.1,
             foreign: 3.0,
-            foreign_noise: 2.0,
             carried_on: 0.5,
             above_noise: 2.0,
+            clear: 0.25,
+            of_the_motion: 6.0,
+            resolved: 0.5,
         }
     }
 }

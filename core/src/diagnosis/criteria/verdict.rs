@@ -10,9 +10,6 @@ pub struct VerdictCriteria {
     pub explained: f64,
     /// The same where as much as the noise itself is unexplained: a finding that only comes near the law leaves a tenth of a strong one.
     pub explained_above_noise: f64,
-    /// Factor on the held-out residual, in squares over the noise, from which a finding predicts worse than none: the estimation error of
-    /// what is there makes less.
-    pub worse: f64,
     /// Wrong bodies beyond which it is simpler to call the inertias of the description wrong as a whole.
     pub wrong_bodies: usize,
     /// Joints with unexplained structure that is certain beyond which trusted inertias are doubted.
@@ -30,7 +27,6 @@ impl Default for VerdictCriteria {
         VerdictCriteria {
             explained: 0.7,
             explained_above_noise: 0.9,
-            worse: 1.1,
             wrong_bodies: 2,
             doubtful_joints: 1,
             inertias_gain: 0.1,

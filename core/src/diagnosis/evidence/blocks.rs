@@ -30,7 +30,7 @@ pub(super) fn most_influential_block(of_rows: &[f64], width: usize) -> Range<usi
     best.1..best.1 + width
 }
 
-/// Row of the logs and whitened residual before and after, of every row that counts on every joint of both.
+/// Row of the logs and whitened residual before and after, of every valid row on every joint of both.
 pub(super) fn row_by_row<'a>(
     whitener: &'a Whitener,
     before: &'a Column,

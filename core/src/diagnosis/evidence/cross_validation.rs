@@ -34,8 +34,8 @@ pub(crate) fn cross_validated_residual(session: &Session, members: &[Member], wh
 mod tests {
     use super::*;
     use crate::channels::Channels;
-    use crate::diagnosis::model::Arm;
     use crate::dynamics::Motion;
+    use crate::identification::effect_model::Arm;
     use crate::identification::effect_model::Trust;
     use crate::identification::model::Model;
     use crate::random;

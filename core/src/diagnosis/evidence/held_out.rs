@@ -2,18 +2,12 @@
 
 use super::blocks::{BLOCK, most_influential_block, row_by_row};
 use super::generic::slow_cosines;
+use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::Nuisances;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, fisher};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
-
-/// Standard deviations by which a held-out gain must exceed zero: the level of false alarms is that of the test on the
-/// training logs, and the held-out logs, often fewer, must not contradict it.
-const SURELY: f64 = 1.0;
-
-/// Factor on the chance that noise alone makes up to which nothing else need be in the residual.
-const CALM: f64 = 1.5;
 
 /// What is gained of the whitened sum of squares on the joints that an effect acts on.
 ///
@@ -105,14 +99,14 @@ impl Gains {
         self.of_rows.iter().sum::<f64>() / self.before
     }
 
-    /// Lower bound, by one standard deviation (84 %), of the share of the sum of squares that is gained.
-    pub(crate) fn lower_bound(&self) -> f64 {
-        self.share() - SURELY * self.std / self.before
+    /// Lower bound of the share of the sum of squares that is gained.
+    pub(crate) fn lower_bound(&self, levels: &Levels) -> f64 {
+        self.share() - levels.bound_std * self.std / self.before
     }
 
-    /// Whether the rows speak against it: by one standard deviation (84 %) nothing is gained.
-    pub(crate) fn is_contradicted(&self) -> bool {
-        self.share() + SURELY * self.std / self.before < 0.0
+    /// Whether the rows contradict it: the upper bound of the gain is below zero.
+    pub(crate) fn is_contradicted(&self, levels: &Levels) -> bool {
+        self.share() + levels.bound_std * self.std / self.before < 0.0
     }
 
     /// Standard deviations by which the sum of squares grows, by its scatter between blocks (paired t); negative where it falls, zero
@@ -137,9 +131,9 @@ impl Gains {
         (statistic, count - 1.0)
     }
 
-    /// Whether the chance in the gain is that of the noise: the residual holds little else.
-    pub(crate) fn is_calm(&self) -> bool {
-        self.std < CALM * self.expected_std
+    /// Whether the scatter of the gain between blocks is that of the noise: the residual holds little else.
+    pub(crate) fn is_of_noise(&self, levels: &Levels) -> bool {
+        self.std < levels.misfit * self.expected_std
     }
 
     /// The share that is gained outside the block that gains most.
@@ -207,15 +201,16 @@ mod tests {
         before.add(1.0, &effect);
         let plain = Gains::new(&on_held_out, &before, &after, &[0], rows.len());
         let adjusted = Gains::adjusted_for_constants(&on_held_out, &before, &after, &[0], &rows);
-        assert!(plain.lower_bound() < 0.0, "{plain:?}");
-        assert!(adjusted.lower_bound() > 0.5, "{}", adjusted.lower_bound());
-        assert!(!adjusted.is_contradicted());
+        let levels = Levels::default();
+        assert!(plain.lower_bound(&levels) < 0.0, "{plain:?}");
+        assert!(adjusted.lower_bound(&levels) > 0.5, "{}", adjusted.lower_bound(&levels));
+        assert!(!adjusted.is_contradicted(&levels));
         // What predicts what is not there is contradicted, what predicts nothing is not.
         let noise = Column::new(rows.torque.iter().cloned());
         let mut wrong = noise.clone();
         wrong.add(1.0, &effect);
-        assert!(Gains::new(&on_held_out, &noise, &wrong, &[0], rows.len()).is_contradicted());
-        assert!(!Gains::new(&on_held_out, &noise, &noise, &[0], rows.len()).is_contradicted());
+        assert!(Gains::new(&on_held_out, &noise, &wrong, &[0], rows.len()).is_contradicted(&levels));
+        assert!(!Gains::new(&on_held_out, &noise, &noise, &[0], rows.len()).is_contradicted(&levels));
         // The same in standard deviations of the blocks.
         assert!(Gains::new(&on_held_out, &noise, &wrong, &[0], rows.len()).growth() > 3.0);
         assert!(Gains::new(&on_held_out, &wrong, &noise, &[0], rows.len()).growth() < -3.0);

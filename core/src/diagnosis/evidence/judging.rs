@@ -16,21 +16,6 @@ const HALVINGS: usize = 6;
 /// Times the size at which a departure's column is taken is moved to its estimate.
 const SECANTS: usize = 3;
 
-/// Share of a level within which its column's factor must lie: it is cut off wholly or not at all.
-const LEVEL_FACTOR: std::ops::Range<f64> = 0.5..2.0;
-
-/// Factor within which the estimate of a departure must agree with the size at which its column was taken.
-const SIZE_FACTOR: f64 = 2.0;
-
-/// Standard deviations by which an estimate may lie beyond a bound.
-const BEYOND_BOUND: f64 = 3.0;
-
-/// Share of a drive's effort limit that every joint is taken to work with: what can be of its torque is no less where it idles.
-const SHARE_OF_DRIVE: f64 = 0.1;
-
-/// By how much the logarithm of the p-value of a form of a law that is not the usual one must be lower.
-const UNUSUAL: f64 = 3.0;
-
 /// A candidate with its test in some whitening.
 #[derive(Debug, Clone)]
 pub struct Judged {
@@ -48,13 +33,14 @@ impl Judged {
         Member::new(&self.candidate, &self.test.values)
     }
 
-    /// Logarithm of the probability by chance, by which shapes and forms of one family compare.
-    pub fn likeliness(&self) -> f64 {
+    /// Logarithm of the probability by chance, by which shapes and forms of one family compare; that of a form that is not the usual one must
+    /// be lower by `log_odds`.
+    pub fn likeliness(&self, log_odds: f64) -> f64 {
         let placed = &self.candidate.placed;
         let unusual =
             |(parameter, value): (&Parameter, &f64)| parameter.role == Role::Held && *value != parameter.typical;
         let is_unusual = placed.effect.parameters().iter().zip(&placed.parameters).any(unusual);
-        self.test.log_p() + if is_unusual { UNUSUAL } else { 0.0 }
+        self.test.log_p() + if is_unusual { log_odds } else { 0.0 }
     }
 }
 
@@ -110,8 +96,8 @@ impl Session<'_> {
         Ok(judged.collect())
     }
 
-    /// Whether the torque of an estimate is not more than what can be of its joint's: on the rows that count, and for friction
-    /// in all others too, to which a law that hardly reaches the rows that count is carried on.
+    /// Whether the torque of an estimate is not more than what can be of its joint's: on the valid rows, and for friction
+    /// in all others too, to which a law that hardly reaches the valid rows is carried on.
     fn is_in_proportion(&self, candidate: &Candidate, test: &Test) -> bool {
         if candidate.placed.effect.about().dry {
             let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, value| most.max(value.abs()));
@@ -131,7 +117,7 @@ impl Session<'_> {
         let all = Column::on(joint, self.logs.train.rows.torque[joint].clone());
         // A wrist that carries next to nothing has the offset and the hoses of a drive that could carry more.
         let limit = self.model.base.robot().joints[joint].limits.effort;
-        let of_drive = if limit.is_finite() { SHARE_OF_DRIVE * limit } else { 0.0 };
+        let of_drive = if limit.is_finite() { self.criteria.estimate.share_of_drive * limit } else { 0.0 };
         of_effect <= share * rms(valid, &all)[joint].max(of_drive)
     }
 
@@ -139,9 +125,10 @@ impl Session<'_> {
     fn is_physical(&self, candidate: &Candidate, test: &Test) -> bool {
         let change = self.logs.train.rows.of_change();
         let effect = candidate.placed.effect;
+        let criteria = &self.criteria.estimate;
         if is_level(effect) {
             let sizes = linear(effect).into_iter().map(|index| candidate.placed.parameters[index]);
-            return test.values.iter().zip(sizes).all(|(value, size)| LEVEL_FACTOR.contains(&(value / size)));
+            return test.values.iter().zip(sizes).all(|(value, size)| criteria.is_same_size(*value, size));
         }
         if candidate.one_sided() && !change && test.values[0] <= 0.0 {
             return false;
@@ -154,8 +141,8 @@ impl Session<'_> {
             let sizes = sizes(effect, only, candidate.placed.joint, &self.logs.train.rows);
             let smallest = sizes.first().copied().unwrap_or_default();
             let size = candidate.placed.parameters[only];
-            let share = test.values[0] / size;
-            if !(share.abs() < SIZE_FACTOR && (share > 1.0 / SIZE_FACTOR || size.abs() <= smallest)) {
+            let is_straight = size.abs() <= smallest && test.values[0].abs() < criteria.same_size * size.abs();
+            if !(is_straight || criteria.is_same_size(test.values[0], size)) {
                 return false;
             }
         }
@@ -163,7 +150,7 @@ impl Session<'_> {
         linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
             let Parameter { lower, upper, role, .. } = effect.parameters()[index];
             (change && role == Role::Amplitude)
-                || (value + BEYOND_BOUND * std >= lower && value - BEYOND_BOUND * std <= upper)
+                || (value + criteria.beyond_bound * std >= lower && value - criteria.beyond_bound * std <= upper)
         })
     }
 
@@ -181,7 +168,8 @@ impl Session<'_> {
                 let start = self.judged_at(&[other], log, whitener, fit)?;
                 let Some(start) = start.into_iter().next().flatten() else { continue };
                 let refined = self.refined_in_form(start, whitener, fit)?;
-                if refined.likeliness() < best.likeliness() {
+                let log_odds = self.criteria.levels.log_odds;
+                if refined.likeliness(log_odds) < best.likeliness(log_odds) {
                     best = refined;
                 }
             }

@@ -1,7 +1,8 @@
 //! How sure one candidate effect is.
 //!
 //! In: a fit and a candidate. Out: score tests over the grid of shapes, p-values corrected for all tests made, the gain on
-//! held-out rows and between blocks, and tests adjusted for slow noise and errors in variables.
+//! held-out rows and between blocks, and tests adjusted for slow noise and errors in variables. From the torque at the rate of the
+//! logs: gears with play, by their impacts.
 
 mod adjusted;
 mod blocks;
@@ -9,6 +10,7 @@ mod bounds;
 mod cross_validation;
 mod generic;
 mod held_out;
+mod impacts;
 mod judging;
 mod multiplicity;
 mod scan;
@@ -18,6 +20,8 @@ pub(crate) use blocks::without_influential_blocks;
 pub(crate) use cross_validation::cross_validated_residual;
 pub(crate) use generic::{Block, DELAYS_S, Reach, blocks, modulated, slow_cosines};
 pub(crate) use held_out::Gains;
+pub use impacts::Play;
+pub(crate) use impacts::Traces;
 pub(crate) use judging::Judged;
 pub(crate) use multiplicity::{Multiplicity, family_wise};
 pub use scan::Ranked;

@@ -9,9 +9,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// p-value, adjusted for errors in variables, above which a shift of torque in time is not significant.
-const MIMICKED: f64 = 1e-3;
-
 /// The tests of all candidates against one fit.
 #[derive(Debug)]
 pub(crate) struct Scan {
@@ -21,6 +18,8 @@ pub(crate) struct Scan {
     stand: Vec<bool>,
     /// Whether a change is looked for, which may go either way.
     change: bool,
+    /// Least difference of the logarithms of two likelihoods at which an unusual form is preferred.
+    log_odds: f64,
 }
 
 impl Scan {
@@ -37,10 +36,10 @@ impl Scan {
             // The errors are the same for all of them.
             let fit: &Projection = adjusted_for_errors
                 .get_or_init(|| session.errors_with(&session.logs.train, placed).adjust(fit, whitener));
-            fit.test(&judged.whitened).is_some_and(|test| test.log_p() < MIMICKED.ln())
+            fit.test(&judged.whitened).is_some_and(|test| test.log_p() < session.criteria.levels.sure_p.ln())
         };
         let stand = judged.iter().map(stands).collect();
-        Scan { judged, stand, change: session.logs.train.rows.of_change() }
+        Scan { judged, stand, change: session.logs.train.rows.of_change(), log_odds: session.criteria.levels.log_odds }
     }
 
     /// How many independent tests the scan is worth.
@@ -63,7 +62,7 @@ impl Scan {
         let mut best: BTreeMap<Slot, &Judged> = BTreeMap::new();
         for (judged, _) in self.judged.iter().zip(&self.stand).filter(|(_, stands)| **stands) {
             let place = best.entry(judged.candidate.slot()).or_insert(judged);
-            if judged.likeliness() < place.likeliness() {
+            if judged.likeliness(self.log_odds) < place.likeliness(self.log_odds) {
                 *place = judged;
             }
         }

@@ -28,7 +28,7 @@ pub(crate) fn disagreement(
     let on_joint = |joint: usize| {
         let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
         let expected = (criteria.foreign * trained)
-            .max(criteria.foreign_noise * noise[joint])
+            .max(criteria.above_noise * noise[joint])
             .max(criteria.foreign * prediction_std[joint]);
         let expected = expected.max(criteria.carried_on * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
@@ -44,7 +44,7 @@ pub(crate) fn disagreement(
     (0..train.0.dof()).filter_map(on_joint).collect()
 }
 
-/// Root mean square of the residual of a joint, averaged over the rows that count of each half second.
+/// Root mean square of the residual of a joint, averaged over the valid rows of each half second.
 fn averages(rows: &Rows, left: &Column, joint: usize) -> f64 {
     let Some(values) = left.part(joint) else { return 0.0 };
     let (mut sum, mut count) = (0.0, 0usize);

@@ -82,11 +82,11 @@ impl Follows {
         }
     }
 
-    /// Whether a map of other logs does not speak against it: it is significant there, or the logs are too short to be asked.
+    /// Whether a map of other logs does not contradict it: it is significant there, or the logs are too short to be asked.
     fn is_seen_again(self, map: &ResidualMap, joint: usize, criteria: &Criteria) -> bool {
         let Some(own) = map.joints.iter().find(|own| own.joint == joint) else { return false };
         match self {
-            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < criteria.replication.again_p),
+            Follows::Kind(kind) => own.p(kind).is_none_or(|p| p < criteria.levels.usual_p),
             Follows::Line(line) => {
                 own.lines.iter().any(|other| (other.hz - line.hz).abs() <= criteria.structure.same_line_hz)
             }
@@ -125,6 +125,8 @@ mod tests {
             noise: 1.0,
             correlation: 0.0,
             sensor_noise: 1.0,
+            reported_from: 0.25,
+            misfit: false,
             parts: vec![part],
             lines,
         };
@@ -163,7 +165,7 @@ mod tests {
         assert_eq!(reported(&slow, [map(0.6, 0.049, None), map(0.1, 0.049, None)]).len(), 1);
         assert!(reported(&slow, [map(0.6, 0.051, None), slow.clone()]).is_empty());
         assert!(reported(&slow, [slow.clone(), map(0.6, 0.051, None)]).is_empty());
-        // Logs that are too short for the test do not speak against it.
+        // Logs that are too short for the test do not contradict it.
         let mut short = slow.clone();
         (short.joints[0].parts[0].p, short.joints[0].parts[0].family_wise_p) = (None, None);
         assert_eq!(reported(&slow, [slow.clone(), short]).len(), 1);

@@ -2,7 +2,6 @@
 //! the joint they replace.
 
 use super::condensed::Condensed;
-use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
@@ -24,8 +23,17 @@ pub struct Unexplained {
     pub family_wise_p: Option<f64>,
     /// Whether training and held-out logs each show it with certainty: findings on the joint are compared with it.
     pub certain: bool,
-    /// Members of the model that add nothing to the structure, by their place: it explains what they were named for.
-    pub instead_of: Vec<usize>,
+    /// Members of the model that add nothing to the structure: it explains what they were named for.
+    pub instead_of: Vec<Replaced>,
+}
+
+/// A member of the model that structure replaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Replaced {
+    /// Its place in the model.
+    pub place: usize,
+    /// Share of what it explains by itself that the structure explains beyond it.
+    pub beyond: f64,
 }
 
 /// Whether a member may turn out to be structure of `joint`: it sits there alone, and is not shown by its impacts, which the rows do not
@@ -90,8 +98,6 @@ struct Again {
 pub(super) struct Fitted<'a> {
     /// Logs and arm.
     pub session: &'a Session<'a>,
-    /// Thresholds.
-    pub criteria: &'a Criteria,
     /// The effects in it.
     pub members: Vec<Member>,
     /// Which of them have no rivals.
@@ -134,12 +140,7 @@ impl<'a> Fitted<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn new(
-        session: &'a Session,
-        selection: &'a Selection,
-        criteria: &'a Criteria,
-        alpha: f64,
-    ) -> Result<Self> {
+    pub(super) fn new(session: &'a Session, selection: &'a Selection, alpha: f64) -> Result<Self> {
         let members = members(&selection.found);
         let columns = session.model.columns(&session.logs.train, &members)?;
         let errors = |data: &DataSet| {
@@ -158,9 +159,8 @@ impl<'a> Fitted<'a> {
             held_out_columns: session.model.columns(&session.logs.test, &members)?,
             held_out_errors: errors(&session.logs.test),
             before: &selection.held_out,
-            criteria,
-            together: criteria.structure.together * alpha,
-            certain: criteria.structure.certain * alpha,
+            together: session.criteria.structure.together * alpha,
+            certain: session.criteria.structure.certain * alpha,
             session,
             named: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
@@ -208,7 +208,7 @@ impl<'a> Fitted<'a> {
     pub(super) fn seen<'s>(&self, place: &'s Place, block: &Block) -> Option<Seen<'s>> {
         let rows = &self.session.logs.train.rows;
         let plain = place.under.test(&block.columns)?;
-        if plain.1.log_p() > self.criteria.structure.suggested_p.ln() {
+        if plain.1.log_p() > self.session.criteria.levels.open_p.ln() {
             return None;
         }
         let mut all = vec![(Cow::Borrowed(&place.under), plain)];
@@ -221,12 +221,18 @@ impl<'a> Fitted<'a> {
         let seen = all.into_iter().filter_map(|(under, (whitened, test))| {
             // On a joint with a finding only the kinds of this joint count. Slow noise only adds to what chance alone brings.
             let tries = if place.has_names { place.kinds } else { place.tests };
-            let p = (tries * test.log_p().exp() <= self.criteria.replication.asked_p).then(|| {
+            let p = (tries * test.log_p().exp() <= self.session.criteria.levels.even_p).then(|| {
                 against_slow_noise(rows, &under.whitener, &under.adjusted_for_errors, &whitened, &test).exp()
             })?;
             tracing::debug!(place.joint, block.structure, p, plain = test.log_p(), "structure");
             let family_wise_p = (place.tests * p).min(1.0);
-            (tries * p <= self.criteria.replication.asked_p).then_some(Seen { under, whitened, test, p, family_wise_p })
+            (tries * p <= self.session.criteria.levels.even_p).then_some(Seen {
+                under,
+                whitened,
+                test,
+                p,
+                family_wise_p,
+            })
         });
         seen.min_by(|a, b| a.p.total_cmp(&b.p))
     }
@@ -246,19 +252,19 @@ impl<'a> Fitted<'a> {
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
         tracing::debug!(joint, structure, chance, gained, significant, "structure on held-out rows");
         // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
-        let goes_along = family_wise_p < self.certain && chance < self.criteria.replication.alone_p;
+        let goes_along = family_wise_p < self.certain && chance < self.session.criteria.levels.strict_p;
         let certain = gained && family_wise_p < self.certain && significant;
         let shown = certain
             || goes_along
-            || (gained && with(family_wise_p) < self.together && chance < self.criteria.replication.again_p);
+            || (gained && with(family_wise_p) < self.together && chance < self.session.criteria.levels.usual_p);
         let is_not_all = place.has_names
-            && chance < self.criteria.replication.leans_p
-            && with(place.kinds * p) < self.criteria.structure.not_all_p;
+            && chance < self.session.criteria.levels.leaning_p
+            && with(place.kinds * p) < self.session.criteria.levels.strict_p;
         let share = under.share(joint, test.statistic);
         let weighs = certain || is_not_all;
         let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
-        let counts = (shown && share > self.criteria.structure.share_of_residual) || !instead_of.is_empty();
+        let counts = (shown && share > self.session.criteria.structure.share_of_residual) || !instead_of.is_empty();
         counts.then_some(Unexplained {
             joint,
             share,
@@ -269,7 +275,7 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// What the held-out rows say of a block that goes with time: fitted to them by themselves, as far as the model leaves it.
+    /// Evidence of the held-out rows for a block that goes with time: fitted to them by themselves, as far as the model leaves it.
     fn seen_again(&self, under: &Under, again: &Block) -> Option<Again> {
         let PreparedLogs { test, .. } = &self.session.logs;
         let model = [self.held_out_columns.as_slice(), self.held_out_errors.columns()].concat();
@@ -277,15 +283,15 @@ impl<'a> Fitted<'a> {
         let whitened = under.on_held_out.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
         let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
-        let significant = chance < self.criteria.replication.alone_p;
+        let significant = chance < self.session.criteria.levels.strict_p;
         Some(Again { chance, gained: significant, significant })
     }
 
-    /// What the held-out rows say of a block that follows from the motion, as fitted to the training rows.
+    /// Evidence of the held-out rows for a block that follows from the motion, as fitted to the training rows.
     fn gained(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Again {
         let gains = self.gains(under, joint, block, again);
         let gained = gains.share() > 0.0 && gains.without_most_influential_block() > 0.0;
-        Again { chance: gains.chance(), gained, significant: gains.lower_bound() > 0.0 }
+        Again { chance: gains.chance(), gained, significant: gains.lower_bound(&self.session.criteria.levels) > 0.0 }
     }
 
     /// How much better the held-out rows are predicted with a block.
@@ -301,7 +307,7 @@ impl<'a> Fitted<'a> {
     }
 
     /// Members on this joint alone that add nothing to a block, on any joint, which itself adds `more` than little to them.
-    fn made_superfluous(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<usize> {
+    fn made_superfluous(&self, under: &Under, joint: usize, block: &[Column], more: &Test) -> Vec<Replaced> {
         let more = more.statistic - more.freedom as f64;
         let blocks = self.session.blocks(&self.members).members;
         let mut empty = Vec::new();
@@ -317,10 +323,11 @@ impl<'a> Fitted<'a> {
             let alone = fit.test(&own).map_or(0.0, |test| test.statistic);
             let with_block = fit.with(block).test(&own).map_or(0.0, |test| test.log_p());
             tracing::debug!(joint, family = ?member.candidate.family(), alone, with_block, "name in the presence of structure");
-            if with_block > self.criteria.comparison.encompassed_p.ln()
-                && more > self.criteria.structure.beyond_finding * alone
+            let beyond = more / alone;
+            if with_block > self.session.criteria.levels.sure_p.ln()
+                && beyond > self.session.criteria.comparison.clearly_better
             {
-                empty.push(place);
+                empty.push(Replaced { place, beyond });
             }
         }
         empty

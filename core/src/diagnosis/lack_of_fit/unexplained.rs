@@ -2,8 +2,7 @@
 //! structure, and whether a finding is only a part of that.
 
 use super::harmonics::Spectrum;
-use super::structure::{Fitted, Place, Under, Unexplained, is_weighed};
-use crate::diagnosis::criteria::Criteria;
+use super::structure::{Fitted, Place, Replaced, Under, Unexplained, is_weighed};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
 use crate::diagnosis::search::Selection;
@@ -22,13 +21,8 @@ const OTHER_KINDS: usize = 2;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(crate) fn unexplained(
-    session: &Session,
-    selection: &Selection,
-    criteria: &Criteria,
-    alpha: f64,
-) -> Result<Vec<Unexplained>> {
-    let model = Fitted::new(session, selection, criteria, alpha)?;
+pub(crate) fn unexplained(session: &Session, selection: &Selection, alpha: f64) -> Result<Vec<Unexplained>> {
+    let model = Fitted::new(session, selection, alpha)?;
     let each: Vec<Option<Unexplained>> =
         (0..session.logs.train.rows.dof()).into_par_iter().map(|joint| model.left_on(joint)).collect();
     Ok(each.into_iter().flatten().collect())
@@ -65,7 +59,8 @@ impl Fitted<'_> {
                 continue;
             }
             let others = best.into_iter().flat_map(|best| best.instead_of);
-            let others: Vec<usize> = others.filter(|place| !weighed.instead_of.contains(place)).collect();
+            let is_new = |other: &Replaced| weighed.instead_of.iter().all(|own| own.place != other.place);
+            let others: Vec<Replaced> = others.filter(is_new).collect();
             weighed.instead_of.extend(others);
             best = Some(weighed);
         }
@@ -106,12 +101,12 @@ impl Fitted<'_> {
             .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
-        (again.log_p < self.criteria.replication.again_p.ln()).then_some(Unexplained {
+        (again.log_p < self.session.criteria.levels.usual_p.ln()).then_some(Unexplained {
             joint,
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p: Some(family_wise_p),
-            certain: again.log_p < self.criteria.replication.alone_p.ln(),
+            certain: again.log_p < self.session.criteria.levels.strict_p.ln(),
             instead_of: Vec::new(),
         })
     }

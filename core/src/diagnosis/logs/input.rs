@@ -3,7 +3,7 @@
 use crate::effects::Placed;
 use crate::recording::Recording;
 
-/// Share of a log that is held out where there is no other to judge by.
+/// Share of a log that is held out where no other is held out.
 const HELD_OUT: f64 = 0.3;
 
 /// What a diagnosis is given.
@@ -11,7 +11,7 @@ const HELD_OUT: f64 = 0.3;
 pub struct Input<'a> {
     /// Logs to find from.
     pub train: Vec<&'a Recording>,
-    /// Logs of other motions to judge by; the last part of every training log where there are none.
+    /// Held-out logs of other motions; the last part of every training log where there are none.
     pub test: Vec<&'a Recording>,
     /// Logs from before a change: the question is then what changed since.
     pub reference: Vec<&'a Recording>,

@@ -33,9 +33,9 @@ const HARDLY_SMOOTHED: f64 = 0.5;
 /// Share of a joint's motion that reversals may not take.
 const KEPT_SHARE: f64 = 0.85;
 
-/// Fewest rows that count on every joint, to identify from.
+/// Fewest valid rows of every joint in training logs.
 pub(crate) const FEWEST_ROWS: usize = 100;
-/// Fewest rows that count on every joint, to judge by.
+/// Fewest valid rows of every joint in held-out logs.
 pub(crate) const FEWEST_TEST_ROWS: usize = 30;
 
 /// All logs of one kind, their blocks one after the other. Signals over the rows have one value per block of every log.
@@ -45,7 +45,7 @@ pub struct Rows {
     pub logs: Vec<Log>,
     /// First row of every log, and the number of all rows at the end.
     pub starts: Vec<usize>,
-    /// Rows that count, `[joint][row]`.
+    /// Valid rows, `[joint][row]`.
     pub valid: Vec<Vec<bool>>,
     /// Measured torque, `[joint][row]`.
     pub torque: Vec<Vec<f64>>,

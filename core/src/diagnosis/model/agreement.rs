@@ -1,13 +1,14 @@
 //! A law over all effects: what an effect adds to the torque is the same for `identify` and `diagnose`.
 
-use super::arm::Arm;
 use crate::channels::Channels;
 use crate::diagnosis::logs::{FEWEST_ROWS, ORDER, Rows};
 use crate::effects::{LIBRARY, Nature, Placed, Scope, Site};
+use crate::identification::effect_model::Arm;
 use crate::identification::effect_model::{EffectModel, Preparation, Trust};
 use crate::identification::model::Model;
 use crate::identification::prepare::Smoothing;
 use crate::identification::reversals::Band;
+use crate::identification::standard::{ROTOR, STANDARD};
 use crate::recording::Recording;
 use crate::robot::{InertiaCheck, Robot, load};
 use crate::signal::{ZeroPhaseLowPass, block_means};
@@ -37,11 +38,13 @@ fn motion(joints: usize) -> Recording {
     }
 }
 
-/// Torque that `identify` predicts with some effects, `[joint][time]`.
-fn predicted(robot: &Robot, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64>> {
-    let model = Model::new(robot);
+/// Torque that `identify` predicts with some effects, `[joint][time]`, by an arm that is described as `described` and identified as `real`.
+fn predicted([real, described]: [&Robot; 2], trust: Trust, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64>> {
     let preparation = Preparation { smoothing: Smoothing::None, band: Band::Given(0.0) };
-    let model = EffectModel::new(&model, Trust::Nominal, &[log], preparation, placed).unwrap();
+    let [true_model, model] = [real, described].map(Model::new);
+    let [true_model, mut model] =
+        [&true_model, &model].map(|model| EffectModel::new(model, trust, &[log], preparation, placed.clone()).unwrap());
+    model.set_baseline(true_model.baseline());
     let linear = [model.baseline().to_vec(), model.get(&model.amplitudes())].concat();
     let rows = model.regression().unwrap();
     // The log's torque is zero: what is known is taken off it.
@@ -51,15 +54,28 @@ fn predicted(robot: &Robot, log: &Recording, placed: Vec<Placed>) -> Vec<Vec<f64
 #[test]
 fn identify_and_diagnose_have_the_same_torque_of_every_effect() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
-    let robot = load(path, InertiaCheck::Required).unwrap();
-    let log = motion(robot.dof());
+    let real = load(path, InertiaCheck::Required).unwrap();
+    agree([&real, &real], Trust::Nominal);
+    // What gears carry, and friction under load, follow the bodies as identified.
+    let mut standard = Model::standard_values(&real);
+    standard.chunks_mut(STANDARD).for_each(|body| body[..ROTOR].iter_mut().for_each(|moment| *moment *= 1.5));
+    agree([&real, &Model::with_standard_values(&real, &standard)], Trust::Structure);
+}
+
+fn agree([real, described]: [&Robot; 2], trust: Trust) {
+    let log = motion(real.dof());
     let rows = Rows::new(&[&log], CUTOFF_HZ, FEWEST_ROWS).unwrap();
-    let arm = Arm::new(&robot, Trust::Nominal);
+    let mut arm = Arm::new(described, trust);
+    if trust == Trust::Structure {
+        let model = Model::new(described);
+        arm.take(&model, &model.base().values(&Model::standard_values(real)));
+    }
     // The same motion for both: the smooth one of the diagnosis, as if it had been measured.
     let motion = &rows.logs[0].motion;
     let smooth =
         Recording { q: motion.q.clone(), qd: Some(motion.qd.clone()), qdd: Some(motion.qdd.clone()), ..log.clone() };
-    let [of_log, of_smooth] = [&log, &smooth].map(|log| predicted(&robot, log, Vec::new()));
+    let robots = [real, described];
+    let [of_log, of_smooth] = [&log, &smooth].map(|log| predicted(robots, trust, log, Vec::new()));
     for effect in LIBRARY {
         let about = effect.about();
         let joint = if about.scope == Scope::Arm { 0 } else { 1 };
@@ -75,7 +91,7 @@ fn identify_and_diagnose_have_the_same_torque_of_every_effect() {
             placed.parameters[0] = 0.5 * without[joint].iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
         }
         let added = &arm.added(std::slice::from_ref(&placed), &rows).unwrap()[0];
-        let with = predicted(&robot, log, vec![placed]);
+        let with = predicted(robots, trust, log, vec![placed]);
         let low_pass = ZeroPhaseLowPass::new(ORDER, CUTOFF_HZ, RATE_HZ).unwrap();
         let (mut apart, mut size) = (0.0, 0.0);
         for (joint, (with, without)) in with.iter().zip(without).enumerate() {
@@ -93,6 +109,6 @@ fn identify_and_diagnose_have_the_same_torque_of_every_effect() {
         }
         let (apart, size) = (f64::sqrt(apart), f64::sqrt(size));
         assert!(size > 0.0, "{} adds nothing", about.name);
-        assert!(apart < tolerance * size, "{}: {apart} of {size}", about.name);
+        assert!(apart < tolerance * size, "{} {trust:?}: {apart} of {size}", about.name);
     }
 }

@@ -1,6 +1,6 @@
 //! The model of an arm with effects: its regressor along a data set, and the places of its parameters.
 
-use super::arm::{Arm, Moved};
+use super::arm_columns::Moved;
 use super::blocks::ParameterBlocks;
 use super::candidates::Candidate;
 use super::data_set::DataSet;
@@ -11,7 +11,7 @@ use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, combined};
 use crate::effects::Parameter;
 use crate::error::Result;
-use crate::identification::effect_model::Trust;
+use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
 use crate::robot::Robot;
 
@@ -36,7 +36,7 @@ pub struct ArmModel<'a> {
 impl ArmModel<'_> {
     /// Takes the arm's parameters from `robot` instead of from a fit.
     pub fn take_parameters_of(&mut self, robot: &Robot) {
-        self.arm = Arm::new(robot, self.trust).with_sign_widths(self.arm.sign_widths.clone());
+        self.arm = Arm::new(robot, self.trust).with_coulomb_widths(self.arm.coulomb_widths.clone());
     }
 
     /// Largest torque of a joint of the arm as found, N m.

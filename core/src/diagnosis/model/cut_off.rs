@@ -1,17 +1,14 @@
 //! Saturation: whether torque is flat at a limit, and at which: where the model is beyond the limit, the measured
 //! torque of a joint that is cut off does not move with the model's, however wrong that is and however slow the noise.
 
-use super::arm::Arm;
 use crate::diagnosis::logs::{Log, Rows};
+use crate::identification::effect_model::Arm;
 
 /// Fewest samples of an excursion that count.
 const FEWEST: usize = 3;
 
-/// Slope of measured torque against the model's, half way between torque that is cut off (0) and torque that is not (1).
-pub(crate) const FLAT: f64 = 0.5;
-
-/// Slope of the measured torque of `joint` over the model's wherever the arm as found has more than `level`, N m: [`FLAT`] lies between torque
-/// that is cut off and torque that is not. NaN where the model nowhere has.
+/// Slope of the measured torque of `joint` over the model's wherever the arm as found has more than `level`, N m: zero for torque that is cut off, one for
+/// torque that is not. NaN where the model nowhere has.
 pub(crate) fn slope_beyond(arm: &Arm, rows: &Rows, joint: usize, level: f64) -> f64 {
     let [mut together, mut model_alone] = [0.0; 2];
     for log in &rows.logs[rows.before..] {

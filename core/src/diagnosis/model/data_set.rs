@@ -1,12 +1,13 @@
 //! The training or the held-out logs with what every fit needs of them.
 
-use super::arm::{Arm, Moved};
+use super::arm_columns::Moved;
 use super::effect_columns::EffectColumns;
 use super::known::Known;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use crate::effects::Placed;
 use crate::error::Result;
+use crate::identification::effect_model::Arm;
 use crate::identification::model::Model;
 use std::sync::Arc;
 
@@ -36,7 +37,7 @@ impl DataSet {
     /// If a log is too short to differentiate.
     pub fn new(model: &Model, known: &Known, rows: Rows, training: bool) -> Result<Self> {
         let mut torque = Column::new(rows.torque.iter().cloned());
-        torque.add(-1.0, &known.arm.believed(&rows));
+        torque.add(-1.0, &known.arm.described_torque(&rows));
         torque.add(-1.0, &known.torque(&rows)?);
         let mut baseline = known.arm.baseline(model, &rows);
         let derivatives = known.derivatives(&rows)?;

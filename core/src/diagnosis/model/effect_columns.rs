@@ -1,13 +1,14 @@
 //! Columns of effects along a data set that were worked out before: a search comes back to the same shapes, and every fit with an effect
 //! takes its columns and their derivatives again.
 
-use super::arm::{Arm, Moved};
+use super::arm_columns::Moved;
 use super::candidates::columns_in;
 use super::roles::acts_upon_arm;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use crate::effects::Placed;
 use crate::error::Result;
+use crate::identification::effect_model::Arm;
 use quick_cache::sync::Cache;
 use quick_cache::{DefaultHashBuilder, Weighter};
 use std::sync::Arc;
@@ -61,7 +62,7 @@ impl EffectColumns {
         moved: Moved,
     ) -> Result<Vec<Arc<Vec<Column>>>> {
         let key = |one: &Placed| -> Key {
-            let bits = one.parameters.iter().chain(&arm.sign_widths).map(|value| value.to_bits());
+            let bits = one.parameters.iter().chain(&arm.coulomb_widths).map(|value| value.to_bits());
             (one.effect.about().name, one.joint, log, moved, bits.collect())
         };
         let keys: Vec<Option<Key>> = placed.iter().map(|one| (!acts_upon_arm(one.effect)).then(|| key(one))).collect();

@@ -1,12 +1,12 @@
 //! Errors in variables: the torque that errors of the positions give every joint, as nuisance regressors of the tests.
 
-use super::arm::Arm;
 use super::roles::{is_level, is_shift};
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
 use crate::effects::{Nature, Placed};
 use crate::error::Result;
+use crate::identification::effect_model::Arm;
 use crate::signal::ZeroPhaseLowPass;
 use std::f64::consts::TAU;
 

@@ -4,12 +4,11 @@
 //! stay free, so that an effect that is known but not exactly is not taken for another. Logs from before a change share the
 //! baseline, and the candidates are zero there: the error with which the arm was identified is then no change.
 
-use super::arm::Arm;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use crate::effects::{Effect, Placed, Role};
 use crate::error::Result;
-use crate::identification::effect_model::Trust;
+use crate::identification::effect_model::{Arm, Trust};
 use crate::recording::Recording;
 use crate::robot::Robot;
 
@@ -34,8 +33,8 @@ impl Known<'_> {
     }
 
     /// The same with an arm whose friction changes its direction over some speed on each joint, rad/s or m/s.
-    pub fn with_sign_widths(&self, widths: Vec<f64>) -> Self {
-        Known { arm: self.arm.clone().with_sign_widths(widths), ..self.clone() }
+    pub fn with_coulomb_widths(&self, widths: Vec<f64>) -> Self {
+        Known { arm: self.arm.clone().with_coulomb_widths(widths), ..self.clone() }
     }
 
     /// Torque of the effects over all rows.

@@ -2,10 +2,8 @@
 
 use super::candidates::Candidate;
 use super::roles::{linear, shapes};
+use crate::diagnosis::criteria::EstimateCriteria;
 use crate::effects::Placed;
-
-/// Standard deviations from zero at which a parameter is significant.
-const SIZED: f64 = 2.0;
 
 /// An effect in the model, with what it takes there.
 #[derive(Debug, Clone)]
@@ -30,11 +28,11 @@ impl Member {
         linear(self.placed.effect).into_iter().chain(shapes(self.placed.effect))
     }
 
-    /// Whether the logs determine its size: some amplitude lies two standard deviations from zero.
-    pub fn is_sized(&self) -> bool {
+    /// Whether the logs determine its size: some amplitude differs significantly from zero.
+    pub fn is_sized(&self, criteria: &EstimateCriteria) -> bool {
         linear(self.placed.effect)
             .into_iter()
-            .any(|index| self.placed.parameters[index].abs() > SIZED * self.std[index])
+            .any(|index| self.placed.parameters[index].abs() > criteria.significant * self.std[index])
     }
 
     /// A candidate with the factors of its columns as part of the model.
@@ -62,12 +60,13 @@ mod tests {
         let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
         let candidate = Candidate { placed, log: None, columns: Default::default() };
         let mut member = Member::new(&candidate, &[]);
+        let criteria = EstimateCriteria::default();
         let sizes = member.placed.parameters.clone();
         member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();
-        assert!(!member.is_sized());
+        assert!(!member.is_sized(&criteria));
         member.std[0] = 0.4 * sizes[0].abs();
-        assert!(member.is_sized());
+        assert!(member.is_sized(&criteria));
         member.std.fill(f64::INFINITY);
-        assert!(!member.is_sized());
+        assert!(!member.is_sized(&criteria));
     }
 }

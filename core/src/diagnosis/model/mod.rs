@@ -5,7 +5,7 @@
 
 #[cfg(test)]
 mod agreement;
-mod arm;
+mod arm_columns;
 mod arm_model;
 mod blocks;
 mod candidates;
@@ -13,24 +13,24 @@ mod cut_off;
 mod data_set;
 mod effect_columns;
 mod errors_in_variables;
-mod grid;
 mod known;
 mod member;
 mod prepared;
 mod roles;
 mod session;
 
-pub(crate) use arm::{Arm, Moved};
+pub(crate) use arm_columns::Moved;
 pub(crate) use arm_model::ArmModel;
 pub(crate) use arm_model::bounded;
 pub(crate) use blocks::{MemberBlock, ParameterBlocks};
 pub(crate) use candidates::Candidate;
 pub use candidates::{Family, is_candidate, places};
-pub(crate) use candidates::{Slot, all_candidates, carried_on, columns, columns_in, is_wanted, renewed};
-pub(crate) use cut_off::{FLAT, slope_beyond};
+pub(crate) use candidates::{
+    Slot, all_candidates, carried_on, columns, columns_in, is_wanted, renewed, sizes, within_bounds,
+};
+pub(crate) use cut_off::slope_beyond;
 pub use data_set::DataSet;
 pub(crate) use errors_in_variables::Nuisances;
-pub(crate) use grid::{sizes, within_bounds};
 pub(crate) use known::Known;
 pub(crate) use member::Member;
 pub(crate) use prepared::PreparedLogs;

@@ -7,9 +7,9 @@ use crate::diagnosis::logs::LowPass;
 /// leaves out the rows of its impacts.
 #[derive(Debug, Clone)]
 pub struct PreparedLogs {
-    /// Logs that are identified from.
+    /// Training logs.
     pub train: DataSet,
-    /// Logs to judge by.
+    /// Held-out logs.
     pub test: DataSet,
     /// Whether these are others than those identified from.
     pub apart: bool,

@@ -1,6 +1,6 @@
 //! The logs and the arm under diagnosis, and fits of the baseline with a few effects on top.
 
-use super::arm::{Arm, Moved};
+use super::arm_columns::Moved;
 use super::arm_model::ArmModel;
 use super::blocks::ParameterBlocks;
 use super::cut_off::flat_level;
@@ -9,10 +9,12 @@ use super::errors_in_variables::{ErrorsInVariables, Nuisances};
 use super::member::Member;
 use super::prepared::PreparedLogs;
 use super::roles::{is_level, is_shift, linear, shapes};
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::noise::{NoiseMemory, Whitener};
 use crate::diagnosis::regression::{Column, JointEquations, Projection, Solved, combined, solve};
 use crate::effects::Placed;
 use crate::error::Result;
+use crate::identification::effect_model::Arm;
 
 /// Mean square of a joint's whitened residual from which it counts as misfit, and rounds of growing the noise to it.
 const MISFIT: f64 = 1.2;
@@ -25,6 +27,8 @@ pub struct Session<'a> {
     pub logs: PreparedLogs,
     /// The model.
     pub model: ArmModel<'a>,
+    /// Thresholds that decide about what is found in it.
+    pub criteria: Criteria,
     /// Errors in variables along the training and the held-out logs: torque from errors of the positions, for the arm as last settled.
     errors: [ErrorsInVariables; 2],
     /// Noises estimated so far.
@@ -42,13 +46,13 @@ pub struct Fit {
 
 impl<'a> Session<'a> {
     /// A model that is not yet fitted to the logs.
-    pub fn unfitted(logs: PreparedLogs, model: ArmModel<'a>) -> Self {
-        Session { logs, model, errors: Default::default(), noises: NoiseMemory::default() }
+    pub fn unfitted(logs: PreparedLogs, model: ArmModel<'a>, criteria: Criteria) -> Self {
+        Session { logs, model, criteria, errors: Default::default(), noises: NoiseMemory::default() }
     }
 
     /// The same with all logs to identify from.
     pub fn over_all_logs(&self) -> Session<'a> {
-        Self::unfitted(self.logs.pooled(), self.model.clone())
+        Self::unfitted(self.logs.pooled(), self.model.clone(), self.criteria)
     }
 
     /// Errors in variables along a data set of this session.

@@ -33,7 +33,7 @@ impl NoiseMemory {
     }
 }
 
-/// A key of 128 bits of a joint, its rows that count, the torque and the columns there.
+/// A key of 128 bits of a joint, its valid rows, the torque and the columns there.
 pub(super) fn key<'a>(joint: usize, valid: &[bool], signals: impl Iterator<Item = &'a [f64]> + Clone) -> u128 {
     let half = |salt: u64| {
         let mut hasher = DefaultHasher::new();

@@ -9,9 +9,6 @@ use crate::identification::noise::AutoregressiveNoise;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Misfit from which the residual of a joint is well above the noise.
-const MUCH_LEFT: f64 = 1.5;
-
 /// Turns the noise of every joint into white noise of unit variance.
 #[derive(Debug, Clone)]
 pub struct Whitener {
@@ -67,7 +64,7 @@ impl Whitener {
         Projection::new(&self.apply_all(columns), &self.apply(torque))
     }
 
-    /// The number of rows that count of each joint.
+    /// The number of valid rows of each joint.
     pub fn rows(&self) -> Vec<usize> {
         self.joints.iter().map(|joint| joint.filter.rows().len()).collect()
     }
@@ -92,9 +89,9 @@ impl Whitener {
         self.joints[joint].misfit
     }
 
-    /// Whether the residual of any of `joints` is well above the noise.
-    pub fn much_is_left(&self, joints: &[usize]) -> bool {
-        joints.iter().any(|&joint| self.misfit(joint) > MUCH_LEFT)
+    /// Whether the residual of any of `joints` is well above the noise: by more than the factor `misfit`.
+    pub fn is_misfit(&self, joints: &[usize], misfit: f64) -> bool {
+        joints.iter().any(|&joint| self.misfit(joint) > misfit)
     }
 
     /// Standard deviation of each joint's noise in the rows, without misfit, N m.

@@ -57,7 +57,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
     };
     let plain_left = left(&plain);
     let gains = |widths: Vec<f64>| -> Result<Widths> {
-        let known = session.model.known.with_sign_widths(widths.clone());
+        let known = session.model.known.with_coulomb_widths(widths.clone());
         let DataSet { baseline, torque, .. } = DataSet::new(model, &known, train.rows.clone(), train.training)?;
         let with = left(&whitener.fit(&baseline, &torque));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));

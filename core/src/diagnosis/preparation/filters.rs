@@ -3,14 +3,15 @@
 use super::passband;
 use super::smoothing;
 use crate::diagnosis::logs::{FEWEST_ROWS, FEWEST_TEST_ROWS, LowPass, Rows, cutoff, cutoffs_up_to, widest};
-use crate::diagnosis::model::{Arm, DataSet, Known};
+use crate::diagnosis::model::{DataSet, Known};
 use crate::diagnosis::noise::{Whitener, rich};
 use crate::diagnosis::regression::Column;
 use crate::error::{Error, Result};
+use crate::identification::effect_model::Arm;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
-/// Steps from the cut-off that makes the torque likeliest to the one that is taken. What is new in a row counts noise and bends alike,
+/// Steps from the cut-off that makes the torque likeliest to the one that is taken. Innovations hold noise and distortion alike,
 /// but noise at high frequencies costs little once it is whitened, while a bent motion biases what is faint.
 const RAISED: usize = 2;
 
@@ -29,7 +30,7 @@ pub(super) struct Preparation<'a> {
 /// Logs made ready.
 #[derive(Debug)]
 pub(super) struct Prepared {
-    /// Those to identify from, and those to judge by.
+    /// Training logs and held-out logs.
     pub data_sets: [DataSet; 2],
     /// Cut-off of the low-pass of all positions, Hz.
     pub cutoff_hz: f64,

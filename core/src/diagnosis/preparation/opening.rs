@@ -3,6 +3,7 @@
 use super::coulomb_width;
 use super::filters::{Preparation, Prepared};
 use super::smoothing;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::model::{ArmModel, Fit, Known, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::error::Result;
@@ -21,10 +22,10 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If a log is too short or a joint hardly moves.
     pub fn new(model: &'a Model, trust: Trust, train: &[&Recording], test: &[&Recording]) -> Result<Self> {
-        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test)
+        Self::knowing(model, trust, Known::nothing(model.robot(), trust), train, test, Criteria::default())
     }
 
-    /// Prepares the logs with what is known in addition to the robot description.
+    /// Prepares the logs with what is known in addition to the robot description, for findings by `criteria`.
     ///
     /// # Errors
     /// If a log is too short or a joint hardly moves.
@@ -34,6 +35,7 @@ impl<'a> Session<'a> {
         known: Known<'a>,
         train: &[&Recording],
         test: &[&Recording],
+        criteria: Criteria,
     ) -> Result<Self> {
         let preparation = Preparation::new(model, &known, train, test)?;
         let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
@@ -41,16 +43,16 @@ impl<'a> Session<'a> {
         let logs = PreparedLogs { train, test, apart, cutoffs_hz, passband };
         let (arm, knows) = (known.arm.clone(), known.clone());
         let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new() };
-        let mut session = Session::unfitted(logs, model);
+        let mut session = Session::unfitted(logs, model, criteria);
         // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine it.
         let widths = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
             true => coulomb_width::likeliest(&session)?,
-            false => known.arm.sign_widths.clone(),
+            false => known.arm.coulomb_widths.clone(),
         };
-        let known = known.with_sign_widths(widths);
+        let known = known.with_coulomb_widths(widths);
         let preparation = preparation.knowing(&known);
-        if known.arm.sign_widths != session.model.arm.sign_widths {
+        if known.arm.coulomb_widths != session.model.arm.coulomb_widths {
             [session.logs.train, session.logs.test] = preparation.data_sets(passband, &session.logs.cutoffs_hz)?;
             (session.model.arm, session.model.known) = (known.arm.clone(), known.clone());
         }

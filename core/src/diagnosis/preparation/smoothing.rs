@@ -2,11 +2,12 @@
 //! noise into its torque, bends the starts and stops of a wrist that friction holds.
 
 use crate::diagnosis::logs::{CUTOFFS_HZ, Log, ORDER, Rows};
-use crate::diagnosis::model::{Arm, Moved};
+use crate::diagnosis::model::Moved;
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Column;
 use crate::effects::{Placed, TimeDelay};
 use crate::error::Result;
+use crate::identification::effect_model::Arm;
 use crate::recording::Recording;
 use crate::signal::ZeroPhaseLowPass;
 use rayon::prelude::*;

@@ -133,7 +133,7 @@ pub(crate) fn combined(columns: &[Column], values: &[f64]) -> Column {
     sum
 }
 
-/// Root mean square over the rows that count, `[joint]`.
+/// Root mean square over the valid rows, `[joint]`.
 pub fn rms(valid: &[Vec<bool>], residual: &Column) -> Vec<f64> {
     valid
         .iter()

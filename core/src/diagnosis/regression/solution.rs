@@ -196,7 +196,7 @@ mod tests {
         let valid = [vec![true, true, false], vec![true; 3]];
         let on_both = |a: Vec<f64>, b: Vec<f64>| Column::of(vec![(0, a), (1, b)]);
         let none = || vec![0.0; 3];
-        // The first factor by half: 3 and 4 halves in the rows that count; of the second and third only the sum is determined.
+        // The first factor by half: 3 and 4 halves in the valid rows; of the second and third only the sum is determined.
         let first = on_both(vec![3.0, 4.0, 100.0], none());
         let alike = [on_both(none(), vec![1.0; 3]), on_both(none(), vec![1.0; 3])];
         let std =

@@ -5,6 +5,7 @@
 //! until an amplitude differs significantly from zero. An amplitude of a sign that cannot be is zero.
 
 use super::elimination::with_scatter;
+use crate::diagnosis::criteria::EstimateCriteria;
 use crate::diagnosis::model::{Member, Session, is_level, linear, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
@@ -23,7 +24,7 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
     loop {
         let mut more = false;
         for found in found.iter_mut() {
-            if let Some(index) = undetermined(&found.member, change) {
+            if let Some(index) = undetermined(&found.member, change, &session.criteria.estimate) {
                 tracing::debug!(family = ?found.member.candidate.family(), index, "not determined");
                 found.member.fixed.push(index);
                 more = true;
@@ -41,7 +42,7 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
 }
 
 /// The next parameter to hold, if any. What a `change` adds to an amplitude may have either sign.
-fn undetermined(member: &Member, change: bool) -> Option<usize> {
+fn undetermined(member: &Member, change: bool, criteria: &EstimateCriteria) -> Option<usize> {
     let effect = member.placed.effect;
     if member.held || is_level(effect) {
         return None;
@@ -61,7 +62,7 @@ fn undetermined(member: &Member, change: bool) -> Option<usize> {
             return Some(index);
         }
     }
-    if member.is_sized() {
+    if member.is_sized(criteria) {
         return None;
     }
     let scale = |index: usize| value(index).abs().max(0.1 * parameters[index].typical.abs());
@@ -86,26 +87,32 @@ mod tests {
     #[test]
     fn shapes_are_held_until_an_amplitude_is_determined() {
         // Two standard deviations from zero and a little less.
-        assert_eq!(undetermined(&member("nonlinear_viscous_friction", &[35.0, 0.7], &[17.0, 0.9]), false), None);
+        let criteria = EstimateCriteria::default();
+        assert_eq!(
+            undetermined(&member("nonlinear_viscous_friction", &[35.0, 0.7], &[17.0, 0.9]), false, &criteria),
+            None
+        );
         let mut open = member("nonlinear_viscous_friction", &[35.0, 0.7], &[18.0, 0.9]);
-        assert_eq!(undetermined(&open, false), Some(1));
+        assert_eq!(undetermined(&open, false, &criteria), Some(1));
         open.fixed.push(1);
-        assert_eq!(undetermined(&open, false), None);
+        assert_eq!(undetermined(&open, false, &criteria), None);
     }
 
     #[test]
     fn the_least_determined_shape_is_held_first() {
         let strut = member("gravity_balancer", &[15e3, 16e3, 0.8, -1.68], &[17e3, 11e3, 0.33, 0.01]);
-        assert_eq!(undetermined(&strut, false), Some(2));
+        let criteria = EstimateCriteria::default();
+        assert_eq!(undetermined(&strut, false, &criteria), Some(2));
     }
 
     #[test]
     fn an_amplitude_of_the_wrong_sign_is_zero_but_for_changes() {
         let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
-        assert_eq!(undetermined(&strut, false), Some(1));
-        assert_eq!(undetermined(&strut, true), None);
+        let criteria = EstimateCriteria::default();
+        assert_eq!(undetermined(&strut, false, &criteria), Some(1));
+        assert_eq!(undetermined(&strut, true, &criteria), None);
         // The only one there is stays.
         let alone = member("nonlinear_viscous_friction", &[-35.0, 0.7], &[3.0, 0.1]);
-        assert_eq!(undetermined(&alone, false), None);
+        assert_eq!(undetermined(&alone, false, &criteria), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fit::HeldFit;
 use super::gates::{Judge, Judged};
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
@@ -31,20 +31,15 @@ pub(crate) fn nearest(minor: &[Minor], joint: usize) -> Option<&Minor> {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(crate) fn eliminate(
-    session: &Session,
-    found: &mut Vec<Found>,
-    whitener: &Whitener,
-    criteria: &Criteria,
-) -> Result<Vec<Minor>> {
+pub(crate) fn eliminate(session: &Session, found: &mut Vec<Found>, whitener: &Whitener) -> Result<Vec<Minor>> {
     if found.is_empty() {
         return Ok(Vec::new());
     }
     let members = members(found);
-    let judge = Judge::new(session, &members, whitener, criteria)?;
+    let judge = Judge::new(session, &members, whitener)?;
     let mut kept: Vec<usize> = (0..members.len()).collect();
     let mut out: Vec<(usize, Judgement, Vec<f64>)> = Vec::new();
-    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, criteria) {
+    while let Some((index, failed, size)) = least_that_fails(&judge, &kept, session.criteria.worse) {
         let member = kept.remove(index);
         tracing::debug!(family = ?members[member].candidate.family(), ?failed, "does not matter");
         out.push((member, failed, size));
@@ -75,7 +70,7 @@ pub(crate) fn with_scatter(session: &Session, found: &mut [Found], whitener: &Wh
 }
 
 /// The finding to take out next: its place among those kept, the gate it fails and its size.
-fn least_that_fails(judge: &Judge, kept: &[usize], criteria: &Criteria) -> Option<(usize, Judgement, Vec<f64>)> {
+fn least_that_fails(judge: &Judge, kept: &[usize], worse: f64) -> Option<(usize, Judgement, Vec<f64>)> {
     let mut judged = judge.of(kept);
     let failing = judged.iter().filter_map(|one| Some((one, one.failed()?)));
     if let Some((one, failed)) = failing.min_by(|(a, _), (b, _)| a.relative_size.total_cmp(&b.relative_size)) {
@@ -92,7 +87,7 @@ fn least_that_fails(judge: &Judge, kept: &[usize], criteria: &Criteria) -> Optio
     let (joint, factor) = judge.worse_than_baseline(kept)?;
     let index = judge.without_which_best(kept, joint)?;
     let one = judged.into_iter().find(|one| one.index == index)?;
-    Some((index, Judgement::at_most(Gate::EveryJoint, factor, criteria.worse), one.size))
+    Some((index, Judgement::at_most(Gate::EveryJoint, factor, worse), one.size))
 }
 
 /// Makes the standard deviations of a member at least those of its scatter between blocks, in the order of its columns.

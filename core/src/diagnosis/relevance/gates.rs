@@ -1,7 +1,7 @@
 //! The gates that a finding must pass to be reported.
 
 use super::fit::HeldFit;
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::Gains;
 use crate::diagnosis::model::{Member, Session, is_level};
 use crate::diagnosis::noise::Whitener;
@@ -17,7 +17,6 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 pub(super) struct Judge<'a> {
     session: &'a Session<'a>,
     members: &'a [Member],
-    criteria: &'a Criteria,
     fit: HeldFit<'a>,
     /// The noise on the held-out logs.
     on_held_out: Whitener,
@@ -59,12 +58,8 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If a log is too short to differentiate.
-    pub(super) fn new(
-        session: &'a Session<'a>,
-        members: &'a [Member],
-        whitener: &Whitener,
-        criteria: &'a Criteria,
-    ) -> Result<Self> {
+    pub(super) fn new(session: &'a Session<'a>, members: &'a [Member], whitener: &Whitener) -> Result<Self> {
+        let criteria = &session.criteria;
         let fit = HeldFit::new(session, members, whitener)?;
         let rows = &session.logs.train.rows;
         let [trained, baseline] = fit.residuals(&[]);
@@ -79,19 +74,7 @@ impl<'a> Judge<'a> {
         let all_logs = session.over_all_logs();
         let all_columns = all_logs.model.columns(&all_logs.logs.train, members)?;
         let torques = torques(&all_logs.model.arm, &all_logs.logs.train.rows);
-        Ok(Judge {
-            session,
-            members,
-            criteria,
-            fit,
-            on_held_out,
-            least,
-            noise,
-            baseline,
-            all_logs,
-            all_columns,
-            torques,
-        })
+        Ok(Judge { session, members, fit, on_held_out, least, noise, baseline, all_logs, all_columns, torques })
     }
 
     /// Judges every member at `kept` but those that are held, which do not rest on residuals.
@@ -117,7 +100,7 @@ impl<'a> Judge<'a> {
         let mut judgements = vec![self.believable(member), Judgement::at_least(Gate::Size, relative_size, 1.0)];
         if let Some([strength, std, freedom]) = self.fit.strength(kept, index) {
             let p = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf((strength / std).abs()));
-            judgements.push(Judgement::at_most(Gate::Strength, p, self.criteria.strength_p));
+            judgements.push(Judgement::at_most(Gate::Strength, p, self.session.criteria.levels.strict_p));
         }
         // What happened in one training log shows in no other.
         if member.candidate.log.is_none() {
@@ -157,13 +140,13 @@ impl<'a> Judge<'a> {
         let valid = &self.session.logs.test.rows.valid;
         let [baseline, new] = [&self.baseline, after].map(|residual| rms(valid, residual));
         let factors = self.growing_joints([before, after]).map(|joint| new[joint] / baseline[joint]);
-        Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.criteria.worse)
+        Judgement::at_most(Gate::EveryJoint, factors.fold(1.0, f64::max), self.session.criteria.worse)
     }
 
     /// Joints whose held-out residual grows from `before` to `after`, at the level [`Criteria::worse_p`] each.
     fn growing_joints(&self, [before, after]: [&Column; 2]) -> impl Iterator<Item = usize> {
         let rows = &self.session.logs.test.rows;
-        let surely = Normal::standard().inverse_cdf(1.0 - self.criteria.worse_p);
+        let surely = self.session.criteria.levels.bound_std;
         (0..rows.dof())
             .filter(move |&joint| Gains::new(&self.on_held_out, before, after, &[joint], rows.len()).growth() > surely)
     }
@@ -173,7 +156,7 @@ impl<'a> Judge<'a> {
         let [_, after] = self.fit.residuals(kept);
         let [old, new] = [&self.baseline, &after].map(|residual| rms(&self.session.logs.test.rows.valid, residual));
         let worse = self.growing_joints([&self.baseline, &after]).map(|joint| (joint, new[joint] / old[joint]));
-        worse.filter(|(_, factor)| *factor > self.criteria.worse).max_by(|a, b| a.1.total_cmp(&b.1))
+        worse.filter(|(_, factor)| *factor > self.session.criteria.worse).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Of the members at `kept` the place of that without which `joint` is predicted best.
@@ -190,7 +173,7 @@ impl<'a> Judge<'a> {
 
     /// Standard deviations of growth beyond which one of `count` contradicts.
     fn contradicted(&self, count: usize) -> f64 {
-        Normal::standard().inverse_cdf(1.0 - self.criteria.replication.again_p / count.max(1) as f64)
+        Normal::standard().inverse_cdf(1.0 - self.session.criteria.levels.usual_p / count.max(1) as f64)
     }
 
     /// Share of the held-out excess over the noise that the member at `kept[index]` explains with the `others` in the model, in squares, on
@@ -210,18 +193,20 @@ impl<'a> Judge<'a> {
     /// comparison are too long for its law. A few numbers from the training logs that predict most of what the held-out ones have beyond
     /// the noise are a law, too, also where generic functions that are fitted to both explain as much.
     pub(super) fn beyond_structure(&self, kept: &[usize], index: usize) -> Judgement {
-        let threshold = self.criteria.beyond_structure;
+        let threshold = self.session.criteria.levels.log_odds;
         let others: Vec<usize> = kept.iter().copied().filter(|&other| other != kept[index]).collect();
         let fixed: Vec<Column> =
             self.fit.places(&others).into_iter().map(|place| self.all_columns[place].clone()).collect();
         let law = &self.all_columns[self.fit.law(kept[index])];
         let joints = self.members[kept[index]].candidate.joints().into_iter();
-        let gains = joints
-            .map(|joint| gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint));
+        let resolved = self.session.criteria.structure.resolved;
+        let gains = joints.map(|joint| {
+            gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint, resolved)
+        });
         match gains.sum::<Option<f64>>() {
             Some(gain) => {
                 let gained = gain >= threshold;
-                let passed = gained || self.predicted(kept, &others, index) >= self.criteria.verdict.explained;
+                let passed = gained || self.predicted(kept, &others, index) >= self.session.criteria.verdict.explained;
                 Judgement { gate: Gate::BeyondStructure, value: gain, threshold, passed }
             }
             None => Judgement { gate: Gate::BeyondStructure, value: f64::NAN, threshold, passed: true },

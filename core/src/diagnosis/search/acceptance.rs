@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{
     Gains, Judged, Multiplicity, cross_validated_residual, log_p_adjusted, without_influential_blocks,
 };
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Candidate, DataSet, FLAT, Member, Session, is_level, slope_beyond};
+use crate::diagnosis::model::{Candidate, DataSet, Member, Session, is_level, slope_beyond};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Solved};
 use crate::effects::{Hidden, Nature, Placed, Site};
@@ -59,19 +59,17 @@ pub(super) struct Trial<'a> {
     pub multiplicity: &'a Multiplicity,
     /// Family-wise level.
     pub alpha: f64,
-    /// Thresholds.
-    pub criteria: &'a Criteria,
     /// By how much less likely than by itself what the held-out logs show must be to confirm it, as they are asked more than once;
     /// None where they are not asked any more.
     pub tries: Option<f64>,
 }
 
-/// What the training logs say of a candidate.
+/// Evidence of the training logs for a candidate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     /// Probability of as good a best candidate without any effect.
     level: f64,
-    /// The level at which they alone are believed.
+    /// The level at which they alone decide.
     limit: f64,
     /// Logarithm of the probability of what is seen outside the blocks that show it best.
     elsewhere: f64,
@@ -101,22 +99,22 @@ impl Trial<'_> {
             Ok(seen) => seen,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
-        let limit = if confirmable { self.level_at(self.criteria.search.pooled) } else { limit };
+        let limit = if confirmable { self.level_at(self.session.criteria.search.pooled) } else { limit };
         let Trial { session, members, .. } = *self;
         let with: Vec<Member> = members.iter().cloned().chain([winner.member()]).collect();
         let whitener = session.noise_under(&session.model.columns(&session.logs.train, &with)?);
         let joints = winner.candidate.joints();
-        let much_left = whitener.much_is_left(&joints);
+        let misfit = whitener.is_misfit(&joints, session.criteria.levels.misfit);
         let left = |members: &[Member]| cross_validated_residual(session, members, &whitener);
         let (before, after, rows) = (left(members)?, left(&with)?, session.logs.train.rows.len());
         let errors = session.errors_with(&session.logs.train, &winner.candidate.placed);
         let gains = Gains::adjusted_for(&whitener, &before, &after, &joints, &errors, rows);
-        let (lower_bound, chance, share) = (gains.lower_bound(), gains.chance(), gains.share());
-        tracing::debug!(level, elsewhere, much_left, lower_bound, share, chance, "gain by the others");
+        let (lower_bound, chance, share) = (gains.lower_bound(&session.criteria.levels), gains.chance(), gains.share());
+        tracing::debug!(level, elsewhere, misfit, lower_bound, share, chance, "gain by the others");
         let gates = [
             Judgement::at_most(Gate::FamilyWise, level, limit),
-            Judgement::at_most(Gate::Influence, elsewhere.exp(), self.criteria.search.influence_p[0]),
-            Judgement::at_most(Gate::OtherLogs, chance, self.criteria.replication.again_p).and(!much_left),
+            Judgement::at_most(Gate::Influence, elsewhere.exp(), self.session.criteria.levels.strict_p),
+            Judgement::at_most(Gate::OtherLogs, chance, self.session.criteria.levels.usual_p).and(!misfit),
             Judgement::above(Gate::HeldOutGain, share, 0.0),
         ];
         Ok(match Judgement::first_failed(gates) {
@@ -125,18 +123,18 @@ impl Trial<'_> {
         })
     }
 
-    /// What the logs identified from say of the winner, or why it is refused by them alone.
+    /// Evidence of the logs identified from for the winner, or why it is refused by them alone.
     fn seen(&self, winner: &Judged, level: f64) -> Result<std::result::Result<Seen, Refusal>> {
         let Placed { effect, joint, parameters } = &winner.candidate.placed;
         let refused = |failed, may_be| Ok(Err(Refusal { may_be, asked: false, failed }));
         let another_form = self.is_another_form(&winner.candidate);
         let is_hidden = self.is_hidden(&winner.candidate);
-        let mut share = strictness(&winner.candidate, &self.criteria.search);
+        let mut share = strictness(&winner.candidate, &self.session.criteria.search);
         if is_hidden {
-            share = share.min(self.criteria.search.hidden);
+            share = share.min(self.session.criteria.search.hidden);
         }
         if another_form {
-            share = share.min(self.criteria.search.second_form);
+            share = share.min(self.session.criteria.search.second_form);
         }
         let limit = self.level_at(share);
         let confirmable = is_confirmable(&winner.candidate) && !another_form && !is_hidden;
@@ -154,16 +152,16 @@ impl Trial<'_> {
             return refused(Judgement::at_most(Gate::FamilyWise, level, highest), !is_level(*effect));
         }
         let lost = self.session.lost_inside_bounds(winner, self.whitener, self.fit)?;
-        let inside = Judgement::at_most(Gate::AtBound, lost, self.criteria.search.at_bound);
+        let inside = Judgement::at_most(Gate::AtBound, lost, self.session.criteria.at_bound());
         if !inside.passed {
             return refused(inside, false);
         }
         let elsewhere = if is_level(*effect) {
             let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
             tracing::debug!(slope, level = parameters[0], "torque beyond a level");
-            let flat = Judgement::above(Gate::Flat, -slope, -FLAT);
+            let flat = Judgement::below(Gate::Flat, slope, self.session.criteria.search.flat);
             if !flat.passed {
-                return refused(Judgement { value: slope, threshold: FLAT, ..flat }, false);
+                return refused(flat, false);
             }
             f64::NEG_INFINITY
         } else {
@@ -175,7 +173,7 @@ impl Trial<'_> {
     /// The level of a share of alpha, which is limited where something was found before.
     fn level_at(&self, share: f64) -> f64 {
         let counts = |member: &Member| member.placed.effect.about().nature != Nature::Delay;
-        self.alpha * if self.members.iter().any(counts) { share.min(self.criteria.search.later) } else { share }
+        self.alpha * if self.members.iter().any(counts) { share.min(self.session.criteria.search.later) } else { share }
     }
 
     /// Whether a candidate is a law of friction over speed on a joint that has another such law in the model.
@@ -196,25 +194,25 @@ impl Trial<'_> {
     /// confirm: the two are independent.
     fn on_held_out_logs(&self, winner: &Judged, seen: Seen, under: Option<Whitener>) -> Result<Outcome> {
         let Seen { level, limit, elsewhere, confirmable } = seen;
-        let Criteria { search: criteria, replication, .. } = self.criteria;
+        let Criteria { search: criteria, levels, .. } = &self.session.criteria;
         let held_out = self.held_out(winner, under)?;
         let HeldOut { gains, adjusted_for_errors, .. } = &held_out;
         // What rests on a moment or two of the training logs is no accident if it is there again.
         let chance = adjusted_for_errors.chance();
-        let there = confirmable && chance < replication.again_p && gains.without_most_influential_block() > 0.0;
+        let there = confirmable && chance < levels.usual_p && gains.without_most_influential_block() > 0.0;
         let elsewhere = elsewhere.exp();
         let alone = Judgement::first_failed([
             Judgement::at_most(Gate::FamilyWise, level, limit),
-            Judgement::at_most(Gate::Influence, elsewhere, criteria.influence_p[0]).or(there),
+            Judgement::at_most(Gate::Influence, elsewhere, levels.strict_p).or(there),
         ]);
-        let bound = gains.lower_bound();
+        let bound = gains.lower_bound(levels);
         let refused = |failed, asked| Ok(Outcome::Refused(Refusal { may_be: gains.share() > 0.0, asked, failed }));
         let undetermined = self.session.undetermined_by_one_more(self.members, &held_out.solved);
         let earlier = Judgement::at_most(Gate::EarlierParameters, undetermined as f64, 0.0);
         if !earlier.passed {
             return refused(earlier, false);
         }
-        if held_out.whitener.much_is_left(&winner.candidate.joints()) {
+        if held_out.whitener.is_misfit(&winner.candidate.joints(), levels.misfit) {
             let turned = self.session.turns_unphysical(&held_out.with, &held_out.solved[1]);
             let signs = Judgement::at_most(Gate::EarlierSigns, f64::from(u8::from(turned)), 0.0);
             if let Some(failed) = Judgement::first_failed(alone.into_iter().chain([signs])) {
@@ -223,16 +221,16 @@ impl Trial<'_> {
             let mut gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_of_misfit);
             if !gain.passed && winner.candidate.log.is_none() {
                 let joints = winner.candidate.joints();
-                let bound = held_out.adjusted_for_constants(&self.session.logs.test.rows, &joints).lower_bound();
-                gain = Judgement::above(Gate::HeldOutGain, bound, 2.0 * criteria.share_of_misfit);
+                let bound = held_out.adjusted_for_constants(&self.session.logs.test.rows, &joints).lower_bound(levels);
+                gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_with_constants);
             }
             return if gain.passed { Ok(accepted(winner, gain.value, level)) } else { refused(gain, false) };
         }
         // A torque is cut off in a few rows, where the smoothing errs most: their scatter indicates little, and held-out motions that stay below
         // the level say nothing.
         let is_level = is_level(winner.candidate.placed.effect);
-        let sure = level < criteria.beyond_chance && (gains.is_calm() || is_level);
-        let gained = gains.share() > 0.0 || (is_level && !gains.is_contradicted());
+        let sure = level < criteria.beyond_chance && (gains.is_of_noise(levels) || is_level);
+        let gained = gains.share() > 0.0 || (is_level && !gains.is_contradicted(levels));
         let gain = Judgement::above(Gate::HeldOutGain, bound, 0.0).or(sure && gained);
         let Some(failed) = Judgement::first_failed(alone.into_iter().chain([gain])) else {
             return Ok(accepted(winner, bound, level));
@@ -244,14 +242,14 @@ impl Trial<'_> {
         tracing::debug!(together, chance, "training and held-out logs together");
         let confirmed = Judgement::first_failed([
             Judgement::at_most(Gate::Confirmation, together, self.level_at(criteria.confirmed)),
-            Judgement::at_most(Gate::Confirmation, chance, replication.leans_p),
-            Judgement::at_most(Gate::Influence, elsewhere, criteria.influence_p[1]).or(there),
+            Judgement::at_most(Gate::Confirmation, chance, levels.leaning_p),
+            Judgement::at_most(Gate::Influence, elsewhere, levels.usual_p).or(there),
             Judgement::above(Gate::HeldOutGain, gains.share(), 0.0),
         ]);
         confirmed.map_or(Ok(accepted(winner, bound, together)), |failed| refused(failed, true))
     }
 
-    /// What the held-out rows say of the winner. An event of one training log shows in no other: its gain is that on the
+    /// Evidence of the held-out rows for the winner. An event of one training log shows in no other: its gain is that on the
     /// training rows.
     fn held_out(&self, winner: &Judged, under: Option<Whitener>) -> Result<HeldOut> {
         let Trial { session, members, .. } = *self;
@@ -277,13 +275,13 @@ impl Trial<'_> {
         };
         let errors = session.errors_with(&session.logs.test, &winner.candidate.placed);
         let adjusted_for_errors = Gains::adjusted_for(&on_held_out, &before, &after, &joints, &errors, test.len());
-        let bound = gains.lower_bound();
+        let bound = gains.lower_bound(&session.criteria.levels);
         tracing::debug!(bound, share = gains.share(), "held-out gain");
         Ok(HeldOut { with, solved, whitener, on_held_out, residuals: [before, after], gains, adjusted_for_errors })
     }
 }
 
-/// What held-out rows say of a candidate.
+/// Evidence of held-out rows for a candidate.
 struct HeldOut {
     /// The model with it.
     with: Vec<Member>,
@@ -321,9 +319,9 @@ pub(super) fn is_confirmable(candidate: &Candidate) -> bool {
 pub(super) fn strictness(candidate: &Candidate, criteria: &SearchCriteria) -> f64 {
     match imitated(candidate) {
         None => criteria.training,
-        Some(Imitated::Event) => criteria.event,
+        Some(Imitated::Event) => criteria.unconfirmable,
         Some(Imitated::Saturation) => criteria.saturation,
-        Some(Imitated::Gear) => criteria.gear,
+        Some(Imitated::Gear) => criteria.unconfirmable,
         Some(Imitated::AfterReversals) => criteria.after_reversals,
     }
 }
@@ -367,9 +365,9 @@ mod tests {
         assert!(is_confirmable(&plain) && strictness(&plain, &criteria) == criteria.training);
         let once = Candidate { log: Some(1), ..plain };
         let stricter = [
-            (once, criteria.event),
+            (once, criteria.unconfirmable),
             (candidate("torque_saturation"), criteria.saturation),
-            (candidate("joint_elasticity"), criteria.gear),
+            (candidate("joint_elasticity"), criteria.unconfirmable),
             (candidate("presliding_hysteresis"), criteria.after_reversals),
         ];
         for (candidate, share) in stricter {

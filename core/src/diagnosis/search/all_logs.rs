@@ -1,7 +1,7 @@
 //! The last search, over all logs together: for what is too faint for the training logs alone.
 //!
 //! As long as training logs show enough, held-out logs judge what these chose. What neither kind shows by itself may be plain in
-//! both together: all logs then choose, and each judges by what the others say of it (cross-validation; Stone, Journal of the
+//! both together: all logs then choose, and each judges by what the others predict for it (cross-validation; Stone, Journal of the
 //! Royal Statistical Society B 36, 1974). What else explains a finding is asked of all logs too.
 
 use super::acceptance::{Outcome, Refusal, Trial, is_confirmable};
@@ -15,9 +15,6 @@ use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::model::{Candidate, Member, Moved, Session};
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
-
-/// Candidates that may be refused one after the other before the search ends.
-const REFUSALS: usize = 3;
 
 /// Searches all logs of `session` for more than was `found`, and asks them what else explains that; returns whether more
 /// was found. The `candidates` are those along the training logs.
@@ -39,31 +36,31 @@ pub(super) fn search(
     let mut all_logs = session.over_all_logs();
     let mut known = found.clone();
     let mut refused: Vec<Refused> = Vec::new();
-    let criteria = &options.criteria.comparison;
     let mut in_own_noise = InOwnNoise::default();
     let mut more = false;
     // What happens once is in one log.
     let mut round = Round::over_all_logs(&mut all_logs, &mut known, candidates, options)?;
-    while known.len() < options.max_findings && refused.len() < REFUSALS && !watch.is_over() {
+    while known.len() < options.max_findings && refused.len() < session.criteria.search.refusals[1] && !watch.is_over()
+    {
         watch.tell(Progress::Found(known.len()));
-        // What the smoothing or extremes mimic is so in all of them.
+        // What errors of the smoothing or extremes imitate is so in all of them.
         let standing = |candidate: &Candidate, _: f64| match is_confirmable(candidate) {
             true => Standing::MayWin,
-            false => Standing::TooFaint,
+            false => Standing::NotSignificant,
         };
         let Some(contenders) = Contenders::new(&round.scan, &known, &refused, multiplicity, standing) else { break };
         let level = contenders.level;
         if level > options.alpha {
+            rejected.extend(contenders.not_significant(options.alpha));
             break;
         }
         let before = members(&known);
         let Comparison { winner, alternatives, .. } =
-            compare(&all_logs, &before, &contenders, &round.all, multiplicity, criteria, &mut in_own_noise)?;
+            compare(&all_logs, &before, &contenders, &round.all, multiplicity, &mut in_own_noise)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison over all logs");
         let Round { whitener, fit, .. } = &round;
         let (alpha, session) = (options.alpha, &all_logs);
-        let criteria = &options.criteria;
-        let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, criteria, tries: None };
+        let trial = Trial { session, members: &before, whitener, fit, multiplicity, alpha, tries: None };
         match trial.by_others(&winner, level)? {
             Outcome::Accepted(accepted) => {
                 let alternatives = explained_by_play(&all_logs, &known, &accepted.member, alternatives);
@@ -79,7 +76,7 @@ pub(super) fn search(
             }
         }
     }
-    list_alternatives(&all_logs, &mut known, &round, multiplicity, criteria, watch)?;
+    list_alternatives(&all_logs, &mut known, &round, multiplicity, watch)?;
     for (finding, known) in found.iter_mut().zip(&known) {
         finding.set_alternatives(known.alternatives.clone());
     }

@@ -2,7 +2,7 @@
 
 use super::eligible::Contenders;
 use super::found::Alternative;
-use crate::diagnosis::criteria::ComparisonCriteria;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::evidence::{Gains, Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Member, Session, Slot, shapes};
 use crate::diagnosis::noise::Whitener;
@@ -38,10 +38,10 @@ pub(super) fn compare(
     contenders: &Contenders,
     all: &[Candidate],
     multiplicity: &Multiplicity,
-    criteria: &ComparisonCriteria,
     in_own_noise: &mut InOwnNoise,
 ) -> Result<Comparison> {
     let Contenders { best, eligible, .. } = contenders;
+    let Criteria { comparison: criteria, levels, .. } = &session.criteria;
     let looked_for = |judged: &Judged| multiplicity.looked_for(judged.candidate.family().effect);
     let present = session.model.columns(&session.logs.train, members)?;
     let seen = |judged: &Judged| -> Result<Option<(f64, Candidate)>> {
@@ -93,12 +93,12 @@ pub(super) fn compare(
         let with_rival = with_tangents(session, rival, &whitener, &fit)?;
         let gap = criterion(rival) + looked_for(rival) - criterion(&winner) - looked_for(&winner);
         let needed = |test: Option<Test>, below: f64| test.is_some_and(|test| test.log_p() < below.ln());
-        let winner_adds = needed(with_rival.test(&winner.whitened), criteria.encompassed_p);
-        let rival_adds = needed(with_winner.test(&rival.whitened), criteria.superfluous_p);
+        let winner_adds = needed(with_rival.test(&winner.whitened), levels.sure_p);
+        let rival_adds = needed(with_winner.test(&rival.whitened), levels.usual_p);
         let larger = parameters(rival) > parameters(&winner);
         // What fits better, and was not sure enough to win, is not excluded by what the winner adds to it.
-        let explains_as_much =
-            !winner_adds && (!larger || (rival_adds && gap < criteria.criterion_gap) || is_one_more(&winner, rival));
+        let explains_as_much = !winner_adds
+            && (!larger || (rival_adds && gap < session.criteria.criterion_gap()) || is_one_more(&winner, rival));
         if explains_as_much || gap < 0.0 {
             alternatives.push(Alternative {
                 family: rival.candidate.family(),
@@ -124,13 +124,9 @@ pub(super) struct Chosen {
 
 /// The one of those that come close that predicts the held-out rows significantly better than the winner, if any; the winner then
 /// stays as an alternative. Where the residual is well above the noise, the training rows separate rivals by what is wrong with both.
-pub(super) fn better_held_out(
-    session: &Session,
-    members: &[Member],
-    comparison: &Comparison,
-    criteria: &ComparisonCriteria,
-) -> Result<Chosen> {
+pub(super) fn better_held_out(session: &Session, members: &[Member], comparison: &Comparison) -> Result<Chosen> {
     let Comparison { winner, alternatives, close } = comparison;
+    let Criteria { comparison: criteria, levels, .. } = &session.criteria;
     let chosen = Chosen { winner: winner.clone(), alternatives: alternatives.clone(), whitener: None };
     if winner.candidate.log.is_some() {
         return Ok(chosen);
@@ -148,19 +144,17 @@ pub(super) fn better_held_out(
         joints.dedup();
         let after = session.held_out_residual(&with(rival), &whitener)?;
         let gains = Gains::new(&on_held_out, &before, &after, &joints, session.logs.test.rows.len());
-        let (bound, growth_p) = (gains.lower_bound(), gains.growth_p());
+        let (bound, growth_p) = (gains.lower_bound(levels), gains.growth_p());
         tracing::debug!(rival = ?rival.candidate.slot(), bound, growth_p, "close rival on held-out rows");
         Ok(gains)
     };
     let gains: Vec<Gains> = rivals.par_iter().map(gains).collect::<Result<_>>()?;
-    let better = gains.iter().zip(&rivals).filter(|(gains, _)| gains.lower_bound() > criteria.clearly_better);
-    let best = better.max_by(|(a, _), (b, _)| a.lower_bound().total_cmp(&b.lower_bound()));
+    let better = gains.iter().zip(&rivals).filter(|(gains, _)| gains.lower_bound(levels) > criteria.clearly_better);
+    let best = better.max_by(|(a, _), (b, _)| a.lower_bound(levels).total_cmp(&b.lower_bound(levels)));
     let likelier = || {
         let of_change = session.logs.train.rows.of_change();
         gains.iter().zip(&rivals).find(|(gains, rival)| {
-            of_change
-                && changes_sooner(&rival.candidate, &winner.candidate)
-                && gains.growth_p() > criteria.surely_worse_p
+            of_change && changes_sooner(&rival.candidate, &winner.candidate) && gains.growth_p() > levels.sure_p
         })
     };
     Ok(match best.or_else(likelier) {

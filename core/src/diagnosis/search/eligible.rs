@@ -1,6 +1,7 @@
 //! Which candidates may win a model comparison, and which stay as alternatives only.
 
-use super::found::Found;
+use super::found::{Found, Rejected};
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Judged, Multiplicity, Scan};
 use crate::diagnosis::model::{Candidate, Slot, is_level};
 
@@ -64,9 +65,9 @@ pub(super) enum Standing {
     /// It may win a name.
     MayWin,
     /// It is too faint for that, and may be another name for what wins.
-    TooFaint,
+    NotSignificant,
     /// It is too faint for either.
-    Hopeless,
+    Excluded,
 }
 
 /// Who may win a name.
@@ -94,13 +95,19 @@ impl<'a> Contenders<'a> {
         let mut best = scan.best_per_family();
         let faint = best.iter().filter_map(|judged| match standing(&judged.candidate, level_of(judged)) {
             Standing::MayWin => None,
-            Standing::TooFaint => Some(Refused::faint(&judged.candidate)),
-            Standing::Hopeless => Some(Refused::new(&judged.candidate, false)),
+            Standing::NotSignificant => Some(Refused::faint(&judged.candidate)),
+            Standing::Excluded => Some(Refused::new(&judged.candidate, false)),
         });
         let eligible = Eligible::new(found, refused.iter().cloned().chain(faint).collect());
         best.retain(|judged| eligible.may_win(&judged.candidate));
         best.sort_by(|a, b| multiplicity.expected(a).total_cmp(&multiplicity.expected(b)));
         let level = level_of(best.first()?);
         Some(Contenders { best, level, eligible })
+    }
+
+    /// The first as a candidate that is not significant at `alpha`.
+    pub(super) fn not_significant(&self, alpha: f64) -> Option<Rejected> {
+        let slot = self.best.first()?.candidate.slot();
+        Some(Rejected { slot, failed: Judgement::at_most(Gate::FamilyWise, self.level, alpha) })
     }
 }

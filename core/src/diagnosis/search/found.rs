@@ -2,8 +2,8 @@
 
 use super::acceptance::Accepted;
 use super::verdict::Verdict;
-use crate::diagnosis::backlash::Play;
 use crate::diagnosis::criteria::Judgement;
+use crate::diagnosis::evidence::Play;
 use crate::diagnosis::model::{Candidate, Family, Member, Session, Slot};
 use crate::effects::{Backlash, Effect, Nature};
 
@@ -46,9 +46,11 @@ pub struct Found {
     /// Root mean square of the held-out residual with those found before and with this one too, `[joint]`, N m; known when
     /// the search has ended.
     pub rms: [Vec<f64>; 2],
-    /// Named, one of a few, or unexplained: the best name there is for something that it explains in part only.
+    /// Named, one of a few, or unexplained: the nearest law to something that it explains in part only.
     pub verdict: Verdict,
-    /// What its impacts say, where these are what shows it.
+    /// The gate that it failed once all was known; its verdict is then unexplained.
+    pub withdrawn: Option<Judgement>,
+    /// Its impacts, where these are what shows it.
     pub impacts: Option<Play>,
 }
 
@@ -63,6 +65,7 @@ impl Found {
             gain_lower_bound,
             rms: Default::default(),
             verdict: Verdict::Named,
+            withdrawn: None,
             impacts: None,
         };
         found.set_alternatives(alternatives);
@@ -73,6 +76,12 @@ impl Found {
     pub fn set_alternatives(&mut self, alternatives: Vec<Alternative>) {
         self.verdict = if alternatives.is_empty() { Verdict::Named } else { Verdict::OneOf };
         self.alternatives = alternatives;
+    }
+
+    /// Withdraws the finding by a gate that fails once all is known. It is the nearest law to something that it explains in part only.
+    pub fn withdraw(&mut self, failed: Judgement) {
+        self.verdict = Verdict::Unexplained;
+        self.withdrawn = Some(failed);
     }
 
     /// With one more effect that explains the data no worse.

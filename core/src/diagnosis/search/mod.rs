@@ -1,6 +1,6 @@
 //! Forward selection of effects with backward re-selection.
 //!
-//! In: a session and the options. Out: the effects found, each with its family-wise p-value, its alternatives and its
+//! In: prepared logs, the model of the arm, candidates. Out: the effects found, each with its family-wise p-value, its alternatives and its
 //! held-out gain, under a controlled family-wise error.
 
 mod acceptance;

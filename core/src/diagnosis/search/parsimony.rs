@@ -4,7 +4,6 @@
 //! covariance. In white noise every curve of a residual that no law has makes another parameter significant.
 
 use super::comparison::{Chosen, Comparison, better_held_out, parameters, with_tangents};
-use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Judged, log_p_adjusted};
 use crate::diagnosis::model::{Member, Session};
 use crate::error::Result;
@@ -13,33 +12,22 @@ use crate::error::Result;
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn chosen(
-    session: &Session,
-    members: &[Member],
-    comparison: &Comparison,
-    criteria: &ComparisonCriteria,
-) -> Result<Chosen> {
-    let chosen = better_held_out(session, members, comparison, criteria)?;
-    simplest(session, members, chosen, &comparison.close, criteria)
+pub(super) fn chosen(session: &Session, members: &[Member], comparison: &Comparison) -> Result<Chosen> {
+    let chosen = better_held_out(session, members, comparison)?;
+    simplest(session, members, chosen, &comparison.close)
 }
 
 /// The simplest of the winner and those `close` to it to which the winner adds nothing; the winner then stays as an alternative.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-fn simplest(
-    session: &Session,
-    members: &[Member],
-    chosen: Chosen,
-    close: &[Judged],
-    criteria: &ComparisonCriteria,
-) -> Result<Chosen> {
+fn simplest(session: &Session, members: &[Member], chosen: Chosen, close: &[Judged]) -> Result<Chosen> {
     let winner = &chosen.winner;
     let joints = winner.candidate.joints();
     let is_simpler = |rival: &&Judged| {
         rival.candidate.log == winner.candidate.log
             && parameters(rival) < parameters(winner)
-            && rival.test.statistic > criteria.close * winner.test.statistic
+            && rival.test.statistic > session.criteria.comparison.close * winner.test.statistic
             && rival.candidate.joints().iter().all(|joint| joints.contains(joint))
     };
     let mut simpler: Vec<&Judged> = close.iter().filter(is_simpler).collect();
@@ -57,7 +45,7 @@ fn simplest(
         let in_its_presence = with_tangents(session, rival, &whitener, &fit)?;
         let log_p = log_p_adjusted(session, &whitener, &in_its_presence, winner);
         tracing::debug!(winner = ?winner.candidate.slot(), rival = ?rival.candidate.slot(), log_p, "added to a simpler law");
-        if log_p > criteria.encompassed_p.ln() {
+        if log_p > session.criteria.levels.sure_p.ln() {
             return Ok(chosen.instead(rival));
         }
     }

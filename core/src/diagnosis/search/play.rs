@@ -1,34 +1,33 @@
 //! Gears with play, named by their impacts.
 
-use super::found::{Alternative, Found};
+use super::found::{Alternative, Found, Rejected};
 use super::verdict::Verdict;
 use crate::diagnosis::Options;
-use crate::diagnosis::backlash::{Play, Traces};
-use crate::diagnosis::criteria::Criteria;
-use crate::diagnosis::evidence::family_wise;
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
+use crate::diagnosis::evidence::{Play, Traces, family_wise};
 use crate::diagnosis::model::{Candidate, Family, Member, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
 use crate::effects::{Backlash, Effect, Nature, Placed};
 use crate::error::Result;
 
-/// Gears with play that impacts in the logs show, the most significant first; the session takes over which others they leave open. Their
-/// steady torque joins the session's baseline, and the rows that impacts disturb are left out.
+/// Gears with play that impacts in the logs show, the most significant first, and the gear whose impacts failed a gate after them; the session
+/// takes over which others they leave open. Their steady torque joins the session's baseline, and the rows that impacts disturb are left out.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result<Vec<Found>> {
+pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result<(Vec<Found>, Option<Rejected>)> {
     let effect: &'static dyn Effect = &Backlash;
     if !is_candidate(effect, options.trust, &options.candidates) {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), None));
     }
-    let Criteria { impacts: criteria, replication, .. } = &options.criteria;
+    let Criteria { impacts: criteria, levels, .. } = session.criteria;
     let dof = session.model.base.dof();
     let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
     let known: Vec<usize> = session.model.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
     let train = Traces::new(&session.model.arm, &session.logs.train.rows);
     let test = Traces::new(&session.model.arm, &session.logs.test.rows);
     let mut rattling: Vec<usize> = Vec::new();
-    let mut found = Vec::new();
+    let (mut found, mut rejected) = (Vec::new(), None);
     while found.len() < options.max_findings {
         let open = (0..dof).filter(|joint| !known.contains(joint) && !rattling.contains(joint));
         // Nothing was fitted to the moments, so that those of all logs count.
@@ -41,15 +40,18 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         let level = family_wise(best, dof as f64);
         let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
         tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
-        let both = each.iter().all(|log_p| *log_p < replication.again_p.ln());
-        let confirmed = both || test.changes(joint) == 0;
-        let limit = options.alpha * if both { options.criteria.search.impacts } else { criteria.unconfirmed };
-        if level > limit || !confirmed {
-            break;
-        }
+        let both = each.iter().all(|log_p| *log_p < levels.usual_p.ln());
+        let limit = options.alpha * if both { session.criteria.search.impacts } else { criteria.unconfirmed };
         let alike = fisher([&train, &test].map(|traces| traces.log_p_among_alike(joint)));
         tracing::debug!(alike, "impacts among moments alike");
-        if alike > criteria.own_p.ln() {
+        let gates = [
+            Judgement::at_most(Gate::Impacts, level, limit),
+            Judgement::at_most(Gate::ImpactsAgain, each[1].exp(), levels.usual_p).or(both || test.changes(joint) == 0),
+            Judgement::at_most(Gate::ImpactsAlike, alike.exp(), levels.strict_p),
+        ];
+        if let Some(failed) = Judgement::first_failed(gates) {
+            let slot = (Family { effect: effect.about().name, joint }, None);
+            rejected = Some(Rejected { slot, failed });
             break;
         }
         let Some(play) = train.play(joint, &session.model.arm, &session.logs.train.rows) else { break };
@@ -57,7 +59,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
             .iter()
             .filter(|(_, log_p)| family_wise(*log_p, dof as f64) < limit)
             .map(|(other, _)| *other)
-            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > criteria.own_p.ln())
+            .filter(|other| log_p(joint, &[rattling.as_slice(), &[*other]].concat()) > levels.strict_p.ln())
             .collect();
         rattling.push(joint);
         rattling.extend(&rivals);
@@ -65,8 +67,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     }
     let named = |joint: &usize| found.iter().any(|one| one.member.placed.joint == *joint);
     let chance = |joint: usize| fisher([&train, &test].map(|traces| traces.log_p(joint, &rattling)));
-    let open =
-        (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < criteria.open_p.ln());
+    let open = (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < levels.open_p.ln());
     session.model.open_play = open.collect();
     // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
@@ -79,7 +80,7 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
         train.leave_out(joint, &mut session.logs.train.rows);
         test.leave_out(joint, &mut session.logs.test.rows);
     }
-    Ok(found)
+    Ok((found, rejected))
 }
 
 fn named(
@@ -102,6 +103,7 @@ fn named(
         family_wise_p: level,
         gain_lower_bound: share,
         rms: Default::default(),
+        withdrawn: None,
         impacts: Some(play.clone()),
     }
 }

@@ -8,9 +8,8 @@ use super::found::{Alternative, Found, explained_by_play, members};
 use super::parsimony::chosen;
 use super::round::Round;
 use crate::diagnosis::Options;
-use crate::diagnosis::criteria::ComparisonCriteria;
 use crate::diagnosis::evidence::{Multiplicity, Scan};
-use crate::diagnosis::model::{Candidate, Family, Fit, Member, Session};
+use crate::diagnosis::model::{Candidate, Family, Fit, Member, MemberBlock, Session};
 use crate::diagnosis::regression::Column;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::error::Result;
@@ -32,7 +31,6 @@ impl Again {
         index: usize,
         everywhere: &[Candidate],
         multiplicity: &Multiplicity,
-        criteria: &ComparisonCriteria,
     ) -> Result<Option<Self>> {
         let others: Vec<Found> =
             found.iter().enumerate().filter(|(k, _)| *k != index).map(|(_, other)| other.clone()).collect();
@@ -43,13 +41,13 @@ impl Again {
         let here = finding.candidate.joints();
         let mut all: Vec<Candidate> = everywhere.iter().filter(|candidate| candidate.acts_on(&here)).cloned().collect();
         let restricted = Restricted::new(session, &of_others, &noise, finding)?;
-        all.retain(|candidate| restricted.comes_close(candidate, criteria.close));
+        all.retain(|candidate| restricted.comes_close(candidate, session.criteria.comparison.close));
         loop {
             let scan = Scan::new(session, &all, &noise.whitener, &noise.projection);
             let anyone = |_: &Candidate, _| Standing::MayWin;
             let Some(contenders) = Contenders::new(&scan, &others, &[], multiplicity, anyone) else { return Ok(None) };
             let own_noise = &mut InOwnNoise::new();
-            let comparison = compare(session, &of_others, &contenders, &all, multiplicity, criteria, own_noise)?;
+            let comparison = compare(session, &of_others, &contenders, &all, multiplicity, own_noise)?;
             let winner = &comparison.winner.candidate;
             if restricted.comes_close(winner, 1.0) {
                 return Ok(Some(Again { others, noise, comparison }));
@@ -77,10 +75,10 @@ impl<'a> Restricted<'a> {
     /// If a log is too short to differentiate.
     fn new(session: &Session, others: &[Member], noise: &'a Fit, finding: &Member) -> Result<Self> {
         let with: Vec<Member> = others.iter().chain([finding]).cloned().collect();
-        let mut columns = session.model.columns(&session.logs.train, &with)?;
-        let own = columns.split_off(columns.len() - finding.places().count());
+        let columns = session.model.columns(&session.logs.train, &with)?;
+        let own = session.blocks(&with).members.last().map_or(0..0, MemberBlock::all);
         let mut restricted = Restricted { noise, here: finding.candidate.joints(), statistic: 0.0 };
-        restricted.statistic = restricted.statistic_of(&own);
+        restricted.statistic = restricted.statistic_of(&columns[own]);
         Ok(restricted)
     }
 
@@ -117,8 +115,7 @@ pub(super) fn rename(
     options: &Options,
     watch: &mut Watch,
 ) -> Result<bool> {
-    let (alpha, criteria) = (options.alpha, &options.criteria);
-    let comparing = &options.criteria.comparison;
+    let alpha = options.alpha;
     let mut changed = false;
     if found.len() < 2 {
         return Ok(changed);
@@ -129,12 +126,12 @@ pub(super) fn rename(
         }
         watch.tell(Progress::Found(found.len()));
         let Some(Again { others, noise: Fit { whitener, projection: fit }, comparison }) =
-            Again::new(session, found, index, everywhere, multiplicity, comparing)?
+            Again::new(session, found, index, everywhere, multiplicity)?
         else {
             continue;
         };
         let of_others = members(&others);
-        let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, &comparison, comparing)?;
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &of_others, &comparison)?;
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "comparison with all others in the model");
@@ -143,7 +140,7 @@ pub(super) fn rename(
             continue;
         }
         let (whitener, fit, members) = (&whitener, &fit, &of_others[..]);
-        let trial = Trial { session, members, whitener, fit, multiplicity, alpha, criteria, tries: None };
+        let trial = Trial { session, members, whitener, fit, multiplicity, alpha, tries: None };
         let level = multiplicity.level(new.effect, winner.test.log_p());
         match trial.of(&winner, level, under)? {
             Outcome::Accepted(accepted) => {
@@ -159,7 +156,7 @@ pub(super) fn rename(
     Ok(changed)
 }
 
-/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What the smoothing mimics is
+/// Asks the logs that `session` is identified from, as `round` sees them, what else explains each finding. What errors of the smoothing imitate is
 /// so in all logs: they add no information on gears.
 ///
 /// # Errors
@@ -169,15 +166,14 @@ pub(super) fn list_alternatives(
     found: &mut [Found],
     round: &Round,
     multiplicity: &Multiplicity,
-    criteria: &ComparisonCriteria,
     watch: &mut Watch,
 ) -> Result<()> {
     // Where the residual is well above the noise, more rows separate rivals by what is wrong with both.
     let open = |found: &Found| {
-        let much_left = round.whitener.much_is_left(&found.member.candidate.joints());
-        can_be_asked(found) && is_confirmable(&found.member.candidate) && !much_left
+        let misfit = round.whitener.is_misfit(&found.member.candidate.joints(), session.criteria.levels.misfit);
+        can_be_asked(found) && is_confirmable(&found.member.candidate) && !misfit
     };
-    let mimicked =
+    let imitated =
         |family: Family| round.all.iter().any(|candidate| candidate.family() == family && !is_confirmable(candidate));
     // Alternatives of one play no part in those of another.
     let indices: Vec<usize> = (0..found.len()).filter(|&index| open(&found[index])).collect();
@@ -188,9 +184,8 @@ pub(super) fn list_alternatives(
         }
         watch.tell(Progress::Found(found.len()));
         let known = &*found;
-        let again = together
-            .par_iter()
-            .map(|&index| Ok((index, Again::new(session, known, index, &round.all, multiplicity, criteria)?)));
+        let again =
+            together.par_iter().map(|&index| Ok((index, Again::new(session, known, index, &round.all, multiplicity)?)));
         compared.extend(again.collect::<Result<Vec<_>>>()?);
     }
     for (index, again) in compared {
@@ -198,7 +193,7 @@ pub(super) fn list_alternatives(
         let known = &mut found[index];
         let (old, new) = (known.member.candidate.family(), winner.candidate.family());
         tracing::debug!(?old, ?new, ?alternatives, "other names over all logs");
-        let stay = known.alternatives.iter().filter(|other| mimicked(other.family));
+        let stay = known.alternatives.iter().filter(|other| imitated(other.family));
         let stay = stay.filter(|other| alternatives.iter().all(|own| own.family != other.family));
         let alternatives: Vec<Alternative> = alternatives.iter().chain(stay).cloned().collect();
         if old == new {

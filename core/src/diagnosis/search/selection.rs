@@ -11,6 +11,7 @@ use super::play::rattling_gears;
 use super::reselection::rename;
 use super::round::{Round, settled};
 use crate::diagnosis::Options;
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
 use crate::diagnosis::model::{Candidate, Family, Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -21,9 +22,6 @@ use std::collections::BTreeMap;
 
 /// Candidates of each round that the log names.
 const LOGGED: usize = 14;
-
-/// Candidates that may be refused one after the other before the search ends.
-const REFUSALS: usize = 12;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -54,11 +52,12 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let mut found: Vec<Found> = Vec::new();
     let mut refused: Vec<Refused> = Vec::new();
     let mut rejected: Vec<Rejected> = Vec::new();
-    let comparison = &options.criteria.comparison;
     let (mut in_a_row, mut asked) = (0, 0);
     let mut in_own_noise = InOwnNoise::default();
     let mut round = Round::first(session, &mut found, options)?;
-    found.extend(rattling_gears(session, options)?);
+    let (rattling, silent) = rattling_gears(session, options)?;
+    found.extend(rattling);
+    rejected.extend(silent);
     if !found.is_empty() {
         round = round.next(session, &mut found, options)?;
     }
@@ -66,13 +65,13 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     tracing::debug!(new = ?first_whitener.innovation_std(), rows = ?first_whitener.rows(), "noise");
     let multiplicity = round.scan.multiplicity(&round.fit, &round.whitener, options.seed);
     let ranking = ranking(&round.scan);
-    while found.len() < options.max_findings && in_a_row < REFUSALS && !watch.is_over() {
+    while found.len() < options.max_findings && in_a_row < session.criteria.search.refusals[0] && !watch.is_over() {
         watch.tell(Progress::Found(found.len()));
         // Nothing confirms those that only the training logs can show.
-        let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &options.criteria.search) {
+        let standing = |candidate: &Candidate, level: f64| match strictness(candidate, &session.criteria.search) {
             share if is_confirmable(candidate) || level <= options.alpha * share => Standing::MayWin,
-            _ if level <= options.alpha => Standing::TooFaint,
-            _ => Standing::Hopeless,
+            _ if level <= options.alpha => Standing::NotSignificant,
+            _ => Standing::Excluded,
         };
         let Some(contenders) = Contenders::new(&round.scan, &found, &refused, &multiplicity, standing) else { break };
         let level = contenders.level;
@@ -87,15 +86,15 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             );
         }
         // What the training logs alone do not show may show together with the held-out ones.
-        let tries = options.criteria.replication.attempts().get(asked).copied();
-        if level > options.alpha && (tries.is_none() || level > options.criteria.replication.asked_p) {
+        let tries = session.criteria.search.attempts().get(asked).copied();
+        if level > options.alpha && (tries.is_none() || level > session.criteria.levels.even_p) {
+            rejected.extend(contenders.not_significant(options.alpha));
             break;
         }
         let members = members(&found);
-        let compared =
-            compare(session, &members, &contenders, &round.all, &multiplicity, comparison, &mut in_own_noise)?;
+        let compared = compare(session, &members, &contenders, &round.all, &multiplicity, &mut in_own_noise)?;
         watch.tell(Progress::Found(found.len()));
-        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, &compared, comparison)?;
+        let Chosen { winner, alternatives, whitener: under } = chosen(session, &members, &compared)?;
         tracing::debug!(winner = ?winner.candidate.slot(), at = ?winner.candidate.placed.parameters, level, ?alternatives, "comparison");
         let Round { whitener, fit, .. } = &round;
         let trial = Trial {
@@ -105,7 +104,6 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             fit,
             multiplicity: &multiplicity,
             alpha: options.alpha,
-            criteria: &options.criteria,
             tries,
         };
         match trial.of(&winner, level, under)? {
@@ -127,7 +125,9 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
             }
         }
     }
-    let dropped = drop_superfluous(session, &mut found, comparison.dropped_p)?;
+    let superfluous = drop_superfluous(session, &mut found)?;
+    let dropped = !superfluous.is_empty();
+    rejected.extend(superfluous);
     let renamed = rename(session, &mut found, &round.all, &multiplicity, options, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
@@ -136,7 +136,7 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     if more || renamed || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
-    let held_out = tell_rms(session, &mut found, &whitener)?;
+    let held_out = held_out_steps(session, &mut found, &whitener)?;
     let rejected = in_the_end(rejected, &found);
     Ok(Selection { found, rejected, whitener, first_whitener, held_out, multiplicity, ranking, sensitivity })
 }
@@ -148,13 +148,13 @@ impl Selection {
     /// If a log is too short to differentiate.
     pub(crate) fn settle(&mut self, session: &mut Session) -> Result<()> {
         (self.whitener, _) = settled(session, &mut self.found)?;
-        self.held_out = tell_rms(session, &mut self.found, &self.whitener)?;
+        self.held_out = held_out_steps(session, &mut self.found, &self.whitener)?;
         Ok(())
     }
 }
 
 /// Writes the held-out residual before and after each effect; returns the residual after all.
-fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
+fn held_out_steps(session: &Session, found: &mut [Found], whitener: &Whitener) -> Result<Column> {
     let all = members(found);
     let rms = |residual: &Column| rms(&session.logs.test.rows.valid, residual);
     let mut left = session.baseline_residual_on(&session.logs.test, whitener)?;
@@ -166,9 +166,9 @@ fn tell_rms(session: &Session, found: &mut [Found], whitener: &Whitener) -> Resu
     Ok(left)
 }
 
-/// Drops effects that the others have made superfluous (p-value above `dropped_p`), the least needed first; returns whether it did.
-fn drop_superfluous(session: &Session, found: &mut Vec<Found>, dropped_p: f64) -> Result<bool> {
-    let mut dropped = false;
+/// Takes out the effects that the others have made superfluous, the least needed first.
+fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<Vec<Rejected>> {
+    let mut dropped = Vec::new();
     while found.len() > 1 {
         let all = members(found);
         let whitener = session.noise_under(&session.model.columns(&session.logs.train, &all)?);
@@ -182,11 +182,11 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>, dropped_p: f64) -
                 least = (log_p, index);
             }
         }
-        if least.0 < dropped_p.ln() {
+        let needed = Judgement::at_most(Gate::Needed, least.0.exp(), session.criteria.comparison.dropped_p);
+        if needed.passed {
             break;
         }
-        found.remove(least.1);
-        dropped = true;
+        dropped.push(Rejected { slot: found.remove(least.1).member.candidate.slot(), failed: needed });
     }
     Ok(dropped)
 }

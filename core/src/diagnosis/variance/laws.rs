@@ -6,25 +6,24 @@ use super::mixed::{Fit, fit, fit_from};
 use crate::diagnosis::model::DataSet;
 use crate::diagnosis::regression::Column;
 
-/// Least share of a law's square that must be left in means over the rows of the mixed model for these to judge it.
-const KEPT: f64 = 0.5;
-
 /// Strength of a law, over the noise, from which its fit starts where generic functions explain all.
 const FAINT: f64 = 0.01;
 
 /// Gain of the logarithm of the restricted likelihood on one joint by the columns of a law as a random effect of their own, all other
 /// strengths estimated again with and without it. A law that replaces many generic functions by one or two numbers gains; one that
-/// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows are too long for the law.
+/// explains a part of what generic functions explain as well does not. `torques` are those of the arm, `[joint][row]`. None where the rows are too long for the law: less than the share
+/// `resolved` of its square remains in their means.
 pub(crate) fn gain_over_generic_functions(
     data: &DataSet,
     torques: &[Vec<f64>],
     fixed: &[Column],
     law: &[Column],
     joint: usize,
+    resolved: f64,
 ) -> Option<f64> {
     let source = Source { rows: &data.rows, torque: &data.torque, fixed, arm: torques };
     let (raw, kept) = Raw::new(&source, joint).with_law(&source, law, joint);
-    if kept < KEPT {
+    if kept < resolved {
         return None;
     }
     let (design, with, rho) = coloured_fit(&raw);

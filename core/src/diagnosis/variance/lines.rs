@@ -1,5 +1,6 @@
 //! Spectral lines: vibration at a fixed frequency, whatever the motion.
 
+use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::logs::Rows;
 use serde::Serialize;
 use statrs::function::gamma::gamma_ur;
@@ -15,9 +16,6 @@ const HIGHEST_HZ: f64 = 24.0;
 /// Half width of the neighbourhood whose median is the background, bins, and of the line itself under a Hann window.
 const NEAR: usize = 30;
 const LINE: usize = 3;
-
-/// Background ratio from which the model's own torque has a line at the same frequency: then it is the motion's.
-const OF_THE_MOTION: f64 = 6.0;
 
 /// Points between two of the grid at which a line's frequency is refined.
 const FINER: i32 = 20;
@@ -37,7 +35,13 @@ pub struct Line {
 }
 
 /// Lines in the `residual` of a joint that its model's `torque` does not have, the strongest first; `alpha` is the level.
-pub(super) fn lines(rows: &Rows, joint: usize, residual: &[f64], torque: &[f64], alpha: f64) -> Vec<Line> {
+pub(super) fn lines(
+    rows: &Rows,
+    joint: usize,
+    [residual, torque]: [&[f64]; 2],
+    criteria: &StructureCriteria,
+    alpha: f64,
+) -> Vec<Line> {
     let valid = &rows.valid[joint];
     let segments = segments(rows);
     let Some(length) = segments.iter().map(|segment| segment.len()).max() else { return Vec::new() };
@@ -82,7 +86,7 @@ pub(super) fn lines(rows: &Rows, joint: usize, residual: &[f64], torque: &[f64],
         let (own, averaged) = spectrum(&rest, &grid);
         let own_ratio = ratios(&own);
         let near = |k: usize| k.saturating_sub(LINE)..(k + LINE + 1).min(grid.len());
-        let moved = |k: usize| of_motion[near(k)].iter().any(|ratio| *ratio > OF_THE_MOTION);
+        let moved = |k: usize| of_motion[near(k)].iter().any(|ratio| *ratio > criteria.of_the_motion);
         let free = (0..grid.len()).filter(|&k| !moved(k));
         let Some(k) = free.max_by(|a, b| own_ratio[*a].total_cmp(&own_ratio[*b])).filter(|_| averaged > 0.0) else {
             break;
@@ -210,7 +214,8 @@ mod tests {
     fn a_line_is_found_with_its_frequency_and_size() {
         let rows = rows();
         let residual = sum(&noise(&rows, 1), &swing(&rows, 7.3, 1.0));
-        let found = lines(&rows, 0, &residual, &vec![0.0; rows.len()], 0.01);
+        let criteria = StructureCriteria::default();
+        let found = lines(&rows, 0, [&residual, &vec![0.0; rows.len()]], &criteria, 0.01);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!((found[0].hz - 7.3).abs() < 0.05, "{found:?}");
         assert!((found[0].rms - 0.5f64.sqrt()).abs() < 0.1, "{found:?}");
@@ -220,10 +225,12 @@ mod tests {
     fn noise_has_no_lines_and_those_of_the_motion_are_the_motions() {
         let rows = rows();
         let still = vec![0.0; rows.len()];
-        let alarms = (0..20).filter(|&seed| !lines(&rows, 0, &noise(&rows, seed), &still, 0.01).is_empty()).count();
+        let criteria = StructureCriteria::default();
+        let alarms =
+            (0..20).filter(|&seed| !lines(&rows, 0, [&noise(&rows, seed), &still], &criteria, 0.01).is_empty()).count();
         assert!(alarms <= 1, "{alarms}");
         let residual = sum(&noise(&rows, 1), &swing(&rows, 7.3, 1.0));
         let torque = sum(&noise(&rows, 2), &swing(&rows, 7.3, 5.0));
-        assert!(lines(&rows, 0, &residual, &torque, 0.01).is_empty());
+        assert!(lines(&rows, 0, [&residual, &torque], &criteria, 0.01).is_empty());
     }
 }

@@ -5,9 +5,11 @@ use super::kinds::Kind;
 use super::lines::{Line, lines};
 use super::mixed::{Fit, fit};
 use super::sign_flips::p_values;
+use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::model::{Arm, DataSet};
+use crate::diagnosis::model::DataSet;
 use crate::diagnosis::regression::{Column, Projection};
+use crate::identification::effect_model::Arm;
 use crate::linear::{inner_product, root_mean_square};
 use crate::signal::white_noise;
 use nalgebra::DVector;
@@ -19,12 +21,6 @@ const CORRELATION_ROUNDS: usize = 3;
 
 /// Largest correlation of consecutive rows of noise: what lasts longer is structure, slow time among it.
 const MOST_CORRELATED: f64 = 0.8;
-
-/// Share of the noise from which a part is reported: less changes the residual by 3 %.
-const CLEAR: f64 = 0.25;
-
-/// Residual over noise from which parts are named although the logs are too short to separate them.
-const MUCH: f64 = 2.0;
 
 /// Time that a row of the logs stands for, s.
 const ROW_S: f64 = 0.02;
@@ -52,6 +48,10 @@ pub struct JointMap {
     pub correlation: f64,
     /// White noise of the torque signal: what the sensors account for.
     pub sensor_noise: f64,
+    /// Size from which a part or a line is reported.
+    pub reported_from: f64,
+    /// Whether the residual is well above the noise.
+    pub misfit: bool,
     /// What the residual follows, the largest first.
     pub parts: Vec<Part>,
     /// Spectral lines.
@@ -76,14 +76,14 @@ pub struct Part {
 impl JointMap {
     /// The parts that are significant and stand clear of the noise, the largest first.
     pub fn reported(&self) -> impl Iterator<Item = &Part> {
-        self.parts.iter().filter(|part| part.significant && part.rms >= CLEAR * self.noise)
+        self.parts.iter().filter(|part| part.significant && part.rms >= self.reported_from)
     }
 
     /// The parts that stand clear of the noise, the largest first, where the residual is much larger than that and none of them is significant
     /// by itself: the logs are too short to separate them.
     pub fn unseparated(&self) -> impl Iterator<Item = &Part> {
-        let much = self.residual >= MUCH * self.noise && self.reported().next().is_none();
-        self.parts.iter().filter(move |part| much && part.rms >= CLEAR * self.noise)
+        let open = self.misfit && self.reported().next().is_none();
+        self.parts.iter().filter(move |part| open && part.rms >= self.reported_from)
     }
 
     /// The p-value of a kind, among all others but not adjusted for their number; None where it is not tested.
@@ -93,13 +93,20 @@ impl JointMap {
 
     /// The spectral lines that stand clear of the noise, the strongest first.
     pub fn reported_lines(&self) -> impl Iterator<Item = &Line> {
-        self.lines.iter().filter(|line| line.rms >= CLEAR * self.noise)
+        self.lines.iter().filter(|line| line.rms >= self.reported_from)
     }
 }
 
 impl ResidualMap {
     /// Of what `fixed` leaves of the torque of `data`, along the torque of `arm`; `alpha` is the family-wise level.
-    pub fn new(data: &DataSet, fixed: &[Column], arm: &Arm, alpha: f64, seed: u64) -> Self {
+    pub fn new(
+        data: &DataSet,
+        fixed: &[Column],
+        arm: &Arm,
+        criteria: &StructureCriteria,
+        alpha: f64,
+        seed: u64,
+    ) -> Self {
         let rows = &data.rows;
         let torque = torques(arm, rows);
         let source = Source { rows, torque: &data.torque, fixed, arm: &torque };
@@ -108,9 +115,9 @@ impl ResidualMap {
         let mut joints: Vec<JointMap> = joints
             .into_par_iter()
             .map(|joint| {
-                let mut map = of_joint(&source, joint, seed);
+                let mut map = of_joint(&source, joint, criteria, seed);
                 let residual = residual(&source, joint);
-                map.lines = lines(rows, joint, &residual, &torque[joint], alpha / tested);
+                map.lines = lines(rows, joint, [&residual, &torque[joint]], criteria, alpha / tested);
                 map
             })
             .collect();
@@ -143,7 +150,7 @@ pub(super) fn coloured_fit(raw: &Raw) -> (Design, Fit, f64) {
     (design, fitted, rho)
 }
 
-fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
+fn of_joint(source: &Source, joint: usize, criteria: &StructureCriteria, seed: u64) -> JointMap {
     let raw = Raw::new(source, joint);
     let (design, fitted, rho) = coloured_fit(&raw);
     let p = p_values(&design, &fitted, seed, joint);
@@ -173,13 +180,17 @@ fn of_joint(source: &Source, joint: usize, seed: u64) -> JointMap {
         white_noise(&finite) * (log.period / averaged_s).sqrt()
     });
     let sensor_noise = per_log.fold(0.0, f64::max);
+    let residual = root_mean_square(&coloured(design.y.as_slice(), &design, rho));
+    let noise = (fitted.noise / (1.0 - rho * rho)).sqrt();
     JointMap {
         joint,
         torque: root_mean_square(&valid.collect::<Vec<f64>>()),
-        residual: root_mean_square(&coloured(design.y.as_slice(), &design, rho)),
-        noise: (fitted.noise / (1.0 - rho * rho)).sqrt(),
+        residual,
+        noise,
         correlation: rho,
         sensor_noise,
+        reported_from: criteria.clear * noise,
+        misfit: residual >= criteria.above_noise * noise,
         parts,
         lines: Vec::new(),
     }

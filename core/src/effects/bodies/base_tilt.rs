@@ -43,6 +43,10 @@ impl Effect for BaseTilt {
         &ABOUT
     }
 
+    fn headline(&self) -> &'static [&'static str] {
+        &["tilt"]
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

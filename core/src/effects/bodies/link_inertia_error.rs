@@ -67,6 +67,10 @@ impl Effect for LinkInertiaError {
         &ABOUT
     }
 
+    fn headline(&self) -> &'static [&'static str] {
+        &["mass", "first_moment_x"]
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

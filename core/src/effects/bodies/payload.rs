@@ -67,6 +67,14 @@ impl Effect for Payload {
         &ABOUT
     }
 
+    fn headline(&self) -> &'static [&'static str] {
+        &["mass", "first_moment_x"]
+    }
+
+    fn is_asked_about(&self) -> bool {
+        true
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

@@ -61,6 +61,10 @@ impl Effect for StribeckFriction {
         &ABOUT
     }
 
+    fn is_asked_about(&self) -> bool {
+        true
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

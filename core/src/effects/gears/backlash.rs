@@ -46,6 +46,10 @@ impl Effect for Backlash {
         &ABOUT
     }
 
+    fn is_asked_about(&self) -> bool {
+        true
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

@@ -55,6 +55,10 @@ impl Effect for TimeDelay {
         &ABOUT
     }
 
+    fn is_asked_about(&self) -> bool {
+        true
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

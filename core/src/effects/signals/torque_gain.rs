@@ -48,6 +48,10 @@ impl Effect for TorqueGain {
         &ABOUT
     }
 
+    fn is_asked_about(&self) -> bool {
+        true
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
     }

@@ -1,8 +1,8 @@
 //! Motions of the links: behind gears, and as the encoders would read them without their errors.
 
-use super::arm_parameters::{ArmParameter, Trust, drive_of};
+use super::arm::Arm;
 use super::state::EffectModel;
-use crate::dynamics::{Motion, inverse_dynamics};
+use crate::dynamics::Motion;
 use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears};
 use crate::error::Result;
 use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
@@ -24,70 +24,81 @@ impl EffectModel<'_> {
         (q != recording.q).then(|| Recording { q, ..recording.clone() })
     }
 
-    /// Motion of the links: that of the motors less the twist of their gears.
-    pub(super) fn link_motion<'b>(&self, log: &'b Recording, prepared: &'b Prepared) -> Result<Cow<'b, Motion>> {
+    /// Motion of the links: that of the motors less the twist of the gears of `arm`.
+    pub(super) fn link_motion<'b>(
+        &self,
+        arm: &Arm,
+        log: &'b Recording,
+        prepared: &'b Prepared,
+    ) -> Result<Cow<'b, Motion>> {
         let gears: Vec<(usize, Gear)> =
             (0..self.model.dof()).filter_map(|joint| Some((joint, self.gear(joint)?))).collect();
         match gears.is_empty() {
             true => Ok(Cow::Borrowed(&prepared.motion)),
-            false => Ok(Cow::Owned(behind_gears(&AlongLog { model: self, log, prepared }, &gears)?)),
+            false => Ok(Cow::Owned(behind_gears(&self.geared(arm, log, prepared), &gears)?)),
         }
     }
 
-    /// Torque that the gear of a joint carries along a motion: that of the bodies, without rotor and friction.
-    fn carried(&self, joint: usize, motion: &Motion) -> Vec<f64> {
-        let rotor = self.lumped_rotor(joint);
-        let mut torque: Vec<f64> = motion.qdd.channel(joint).iter().map(|a| -rotor * a).collect();
-        let columns = self.model.columns_on(joint, motion, motion, 0.0);
-        let active = self.model.active(joint);
-        for (&parameter, &value) in self.arm.iter().zip(&self.baseline) {
-            if let ArmParameter::Base(base) = parameter
-                && drive_of(self.model, parameter).is_none()
-                && let Some(place) = active.iter().position(|&own| own == base)
-            {
-                torque.iter_mut().zip(columns.channel(place)).for_each(|(sum, x)| *sum += value * x);
-            }
+    /// The arm with the parameters as last solved for.
+    pub(super) fn found_arm(&self) -> Arm {
+        let mut arm = Arm::new(self.model.robot(), self.trust);
+        arm.take(self.model, &self.baseline_of_arm());
+        arm
+    }
+
+    /// Its gears along a log.
+    fn geared<'b>(&self, arm: &'b Arm, log: &'b Recording, prepared: &'b Prepared) -> Geared<'b> {
+        let band = self.preparation.band;
+        Geared {
+            arm,
+            motors: &prepared.motion,
+            period: 1.0 / log.rate_hz(),
+            measured: Box::new(move || Ok(Cow::Owned(prepare::measured(log, Smoothing::None, band)?.motion))),
+            smoothed: Box::new(|_, signal| prepared.filtered_like_positions(signal)),
         }
-        torque
     }
 }
 
-/// The arm of a model along one of its logs.
-struct AlongLog<'a> {
-    model: &'a EffectModel<'a>,
-    log: &'a Recording,
-    prepared: &'a Prepared<'a>,
+/// What a low-pass makes of a signal of a joint.
+type Filter<'a> = dyn Fn(usize, &[f64]) -> Result<Vec<f64>> + 'a;
+
+/// The gears of an arm along one of its logs.
+pub(crate) struct Geared<'a> {
+    /// The arm as found.
+    pub arm: &'a Arm,
+    /// Motion of the motors, smooth.
+    pub motors: &'a Motion,
+    /// Time between two samples, s.
+    pub period: f64,
+    /// The motion without smoothing.
+    pub measured: Box<dyn Fn() -> Result<Cow<'a, Motion>> + 'a>,
+    /// A signal of a joint through the low-pass that its positions went through.
+    pub smoothed: Box<Filter<'a>>,
 }
 
-impl GearTrain for AlongLog<'_> {
+impl GearTrain for Geared<'_> {
     fn motors(&self) -> &Motion {
-        &self.prepared.motion
+        self.motors
     }
 
     fn measured(&self) -> Result<Cow<'_, Motion>> {
-        Ok(Cow::Owned(prepare::measured(self.log, Smoothing::None, self.model.preparation.band)?.motion))
+        (self.measured)()
     }
 
     fn period(&self) -> f64 {
-        1.0 / self.log.rate_hz()
+        self.period
     }
 
     fn carried(&self, joints: &[usize], motion: &Motion) -> Vec<Vec<f64>> {
-        let EffectModel { model, trust, .. } = self.model;
-        match trust {
-            Trust::Nominal => {
-                let torque = inverse_dynamics(model.chain(), &model.robot().inertial_parameters(), motion);
-                joints.iter().map(|&joint| torque.channel(joint).to_vec()).collect()
-            }
-            Trust::Structure => joints.iter().map(|&joint| self.model.carried(joint, motion)).collect(),
-        }
+        let load = self.arm.load(motion);
+        joints.iter().map(|&joint| load.channel(joint).to_vec()).collect()
     }
 
     fn rotor(&self, joint: usize) -> f64 {
-        self.model.model.robot().joints[joint].drive.armature
+        self.arm.found().joints[joint].drive.armature
     }
 
-    fn smoothed(&self, _: usize, signal: &[f64]) -> Result<Vec<f64>> {
-        self.prepared.filtered_like_positions(signal)
+    fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>> {
+        (self.smoothed)(joint, signal)
     }
 }

@@ -4,6 +4,7 @@
 //! as the encoders would have had to read without their errors, links behind their gears, torques at the joints, and then
 //! what the torque sensors make of them; every column goes through the same sensors and filter as the torque.
 
+mod arm;
 mod arm_parameters;
 mod links;
 mod parts;
@@ -12,5 +13,7 @@ mod sensing;
 mod signals;
 mod state;
 
+pub(crate) use arm::{Arm, law_site};
 pub use arm_parameters::Trust;
+pub(crate) use links::Geared;
 pub use state::{EffectModel, Place, Preparation};

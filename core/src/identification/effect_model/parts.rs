@@ -1,11 +1,12 @@
 //! Torque of the arm and of its effects along one motion, before sensors and filter.
 
+use super::arm::Arm;
 use super::arm_parameters::{ArmParameter, Trust, drive_of};
 use super::sensing::without_amplitudes;
 use super::state::EffectModel;
 use crate::channels::Channels;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{Along, Placed, contributions, direction};
+use crate::effects::{Placed, direction};
 use crate::identification::preparation::prepare::Prepared;
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -26,7 +27,7 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    pub(super) fn new(owner: &'a EffectModel, prepared: &'a Prepared, link: &'a Motion) -> Self {
+    pub(super) fn new(owner: &'a EffectModel, arm: &Arm, prepared: &'a Prepared, link: &'a Motion) -> Self {
         let model = owner.model;
         let silent: Vec<Placed> = owner
             .placed
@@ -39,14 +40,7 @@ impl<'a> Parts<'a> {
             unit.parameters[k] = 1.0;
             all.push(unit);
         }
-        // What effects look at is as large as the log: nothing of it is made where there are none.
-        let mut torques = match all.is_empty() {
-            true => Vec::new(),
-            false => {
-                let along = Along::new(model.robot(), model.chain(), &prepared.time, &prepared.motion, 0.0);
-                contributions(&all, &along)
-            }
-        };
+        let mut torques = arm.contributions(&all, &prepared.time, &prepared.motion);
         let units = torques.split_off(silent.len());
         let with_units = units.iter().zip(owner.amplitudes());
         let amplitudes = with_units.map(|(unit, (effect, _))| {
@@ -56,7 +50,7 @@ impl<'a> Parts<'a> {
             torque
         });
         let amplitudes = amplitudes.collect();
-        let bodies = Self::bodies(owner, prepared, link);
+        let bodies = Self::bodies(owner, arm, prepared, link);
         let mut parts = Parts {
             owner,
             base: vec![OnceCell::new(); model.dof()],
@@ -100,7 +94,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Torque of bodies that is not fitted.
-    fn bodies(owner: &EffectModel, prepared: &Prepared, link: &Motion) -> Vec<Vec<f64>> {
+    fn bodies(owner: &EffectModel, arm: &Arm, prepared: &Prepared, link: &Motion) -> Vec<Vec<f64>> {
         let model = owner.model;
         let joints = 0..model.dof();
         match owner.trust {
@@ -111,7 +105,8 @@ impl<'a> Parts<'a> {
             // A rotor that is lumped with its link moves apart from it behind a gear.
             Trust::Structure => joints
                 .map(|joint| {
-                    let rotor = owner.lumped_rotor(joint);
+                    let is_lumped = !model.rotor_stands_alone(joint);
+                    let rotor = if is_lumped { arm.found().joints[joint].drive.armature } else { 0.0 };
                     if rotor == 0.0 || std::ptr::eq(link, &prepared.motion) {
                         return Vec::new();
                     }

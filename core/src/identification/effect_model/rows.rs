@@ -1,5 +1,6 @@
 //! The rows of the regression.
 
+use super::arm::Arm;
 use super::arm_parameters::{ArmParameter, Trust};
 use super::parts::Parts;
 use super::sensing::Sensing;
@@ -21,9 +22,10 @@ impl EffectModel<'_> {
     /// # Errors
     /// If a log is too short for its preparation.
     pub fn regression(&self) -> Result<Vec<JointRegression>> {
+        let arm = self.found_arm();
         let mut joints: Vec<Vec<JointRegression>> = (0..self.model.dof()).map(|_| Vec::new()).collect();
         for (recording, prepared) in &self.logs {
-            for (all, one) in joints.iter_mut().zip(self.rows(recording, prepared)?) {
+            for (all, one) in joints.iter_mut().zip(self.rows(&arm, recording, prepared)?) {
                 all.push(one);
             }
         }
@@ -87,8 +89,8 @@ impl EffectModel<'_> {
         Ok(squares.into_iter().map(f64::sqrt).collect())
     }
 
-    /// The regression rows of one log.
-    fn rows(&self, recording: &Recording, prepared: &Prepared) -> Result<Vec<JointRegression>> {
+    /// The regression rows of one log; `arm` is as found.
+    fn rows(&self, arm: &Arm, recording: &Recording, prepared: &Prepared) -> Result<Vec<JointRegression>> {
         let undone = self.without_encoder_errors(recording);
         let corrected;
         let (recording, prepared) = match &undone {
@@ -99,8 +101,8 @@ impl EffectModel<'_> {
             None => (recording, prepared),
         };
         let period = 1.0 / recording.rate_hz();
-        let link = self.link_motion(recording, prepared)?;
-        let mut parts = Parts::new(self, prepared, &link);
+        let link = self.link_motion(arm, recording, prepared)?;
+        let mut parts = Parts::new(self, arm, prepared, &link);
         let mut base = match self.trust {
             Trust::Structure => prepared.columns(self.model, &link)?,
             Trust::Nominal => vec![Channels::default(); self.model.dof()],

@@ -157,10 +157,15 @@ impl<'a> EffectModel<'a> {
         places.iter().map(|&(effect, parameter)| self.placed[effect].parameters[parameter]).collect()
     }
 
-    /// Whether the regression itself depends on the linear parameters (under elastic gears and clipping sensors), so that
-    /// solving takes more than one round.
+    /// Whether the regression itself depends on the linear parameters (under elastic gears, clipping sensors and friction that goes with the
+    /// load of estimated bodies), so that solving takes more than one round.
     pub fn settles(&self) -> bool {
-        (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
+        let of_load = |placed: &Placed| {
+            let about = placed.effect.about();
+            about.site == Site::Joint && about.uses_acceleration
+        };
+        (self.trust == Trust::Structure && self.placed.iter().any(of_load))
+            || (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
     }
 
     /// Holds the arm's parameters that `regression`, the first one, does not separate from others.
@@ -208,10 +213,22 @@ impl<'a> EffectModel<'a> {
         })
     }
 
-    /// Rotor inertia of a joint that is fitted as part of its link's.
-    pub(super) fn lumped_rotor(&self, joint: usize) -> f64 {
-        let lumped = self.trust == Trust::Structure && !self.model.rotor_stands_alone(joint);
-        if lumped { self.model.robot().joints[joint].drive.armature } else { 0.0 }
+    /// Values of the arm's parameters as last solved for, those that effects stand for as described, in the order in which [`Arm::take`] has
+    /// them.
+    pub(super) fn baseline_of_arm(&self) -> Vec<f64> {
+        let fitted = self.arm.iter().zip(&self.baseline).map(|(parameter, value)| (*parameter, *value));
+        let all: Vec<(ArmParameter, f64)> = fitted.chain(self.nominal.iter().copied()).collect();
+        let value = |wanted: ArmParameter| all.iter().find(|(own, _)| *own == wanted).map_or(0.0, |(_, value)| *value);
+        let base = 0..self.model.base().len();
+        match self.trust {
+            Trust::Structure => base.map(|b| value(ArmParameter::Base(b))).collect(),
+            Trust::Nominal => {
+                let frictions = base.filter(|&b| self.model.is_friction(b)).filter_map(|b| self.model.drive_of(b));
+                let rotors =
+                    (0..self.model.dof()).filter(|&joint| self.model.has_equation(joint)).map(|joint| (joint, 0));
+                frictions.chain(rotors).map(|(joint, which)| value(ArmParameter::Drive(joint, which))).collect()
+            }
+        }
     }
 
     /// The gear of a joint, if it is not rigid.

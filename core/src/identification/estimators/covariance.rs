@@ -16,7 +16,7 @@ pub(super) struct MomentEquations {
 }
 
 impl MomentEquations {
-    /// The equations over the rows that count for the instruments. Both must have the same parameters and number of rows;
+    /// The equations over the valid rows for the instruments. Both must have the same parameters and number of rows;
     /// with the rows as their own instruments these are the normal equations.
     pub(super) fn new(
         instruments: &[JointRegression],

@@ -34,7 +34,7 @@ const OF_VALUE: f64 = 0.1;
 /// log.
 const SPREAD: f64 = 0.01;
 
-/// What the logs say of a parameter together.
+/// Estimates of a parameter by all logs.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case", tag = "verdict")]
 pub enum Agreement {

@@ -230,7 +230,7 @@ struct Projected<'m, 'a> {
     model: &'m mut EffectModel<'a>,
     places: &'m [Place],
     sigma: &'m [f64],
-    /// Rows that count at the start of the search.
+    /// Valid rows at the start of the search.
     rows: usize,
 }
 

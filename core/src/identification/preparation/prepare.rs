@@ -204,7 +204,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
 
 impl<'a> Prepared<'a> {
     /// The same torque and filter along another motion over the same times, as a simulation gives it: its columns, and the
-    /// rows that count, are those of that motion.
+    /// valid rows, are those of that motion.
     ///
     /// # Panics
     /// If the motion has another number of samples.

@@ -19,7 +19,7 @@ pub struct JointRegression {
     pub columns: Channels,
     /// Measured torque of each row.
     pub torque: Vec<f64>,
-    /// Rows that count; the others are kept in place so that noise can be followed over time.
+    /// Valid rows; the others are kept in place so that noise can be followed over time.
     pub valid: Vec<bool>,
 }
 
@@ -103,7 +103,7 @@ impl JointRegression {
         }
     }
 
-    /// Number of rows that count.
+    /// Number of valid rows.
     pub fn rows(&self) -> usize {
         self.valid.iter().filter(|&&ok| ok).count()
     }
@@ -130,33 +130,33 @@ impl JointRegression {
         }
     }
 
-    /// Root mean square of the residual over the rows that count; not a number where none does.
+    /// Root mean square of the residual over the valid rows; not a number where none does.
     pub fn residual_rms(&self, beta: &[f64]) -> f64 {
         let residual = self.residual(beta);
         let sum: f64 = residual.iter().zip(&self.valid).filter(|(_, ok)| **ok).map(|(r, _)| r * r).sum();
         (sum / self.rows() as f64).sqrt()
     }
 
-    /// Inner product of two signals over the rows that count.
+    /// Inner product of two signals over the valid rows.
     pub(in crate::identification) fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).zip(&self.valid).map(|((x, y), &ok)| if ok { x * y } else { 0.0 }).sum()
     }
 
-    /// X'X over the rows that count.
+    /// X'X over the valid rows.
     pub(super) fn gram(&self) -> DMatrix<f64> {
         let mut gram = Gram::new(self.parameters.len());
         gram.add_valid(self.columns.iter(), &self.valid);
         gram.matrix()
     }
 
-    /// The Gram matrix of columns and torque over the rows that count.
+    /// The Gram matrix of columns and torque over the valid rows.
     pub(super) fn sums(&self) -> JointSums {
         let mut gram = Gram::new(self.parameters.len() + 1);
         gram.add_valid(self.columns.iter().chain([self.torque.as_slice()]), &self.valid);
         JointSums { parameters: self.parameters.clone(), rows: self.rows(), gram: gram.matrix() }
     }
 
-    /// The triangle of columns and torque over the rows that count.
+    /// The triangle of columns and torque over the valid rows.
     pub(super) fn triangle(&self) -> DMatrix<f64> {
         let mut triangle = Triangle::new(self.parameters.len() + 1);
         let mut block = vec![0.0; (self.parameters.len() + 1) * BLOCK];
@@ -169,7 +169,7 @@ impl JointRegression {
         triangle.factor()
     }
 
-    /// X'y over the rows that count, for one value y per row.
+    /// X'y over the valid rows, for one value y per row.
     pub(super) fn products(&self, signal: &[f64]) -> Vec<f64> {
         if self.parameters.is_empty() {
             return Vec::new();
@@ -180,7 +180,7 @@ impl JointRegression {
         fast.into_iter().zip(self.columns.iter()).map(sum).collect()
     }
 
-    /// Adds `weight` times X'X over the rows that count to `sum`, at the places of this joint's parameters.
+    /// Adds `weight` times X'X over the valid rows to `sum`, at the places of this joint's parameters.
     pub(in crate::identification) fn add_gram(&self, weight: f64, sum: &mut DMatrix<f64>) {
         self.scatter(weight, &self.gram(), sum);
     }

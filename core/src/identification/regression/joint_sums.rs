@@ -21,7 +21,7 @@ const RESOLVED: f64 = 1e-6;
 pub struct JointSums {
     /// Which parameters the columns belong to.
     pub parameters: Vec<usize>,
-    /// Rows that count.
+    /// Valid rows.
     pub rows: usize,
     /// [X y]'[X y]: the torque is last.
     pub gram: DMatrix<f64>,

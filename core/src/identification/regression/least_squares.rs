@@ -124,7 +124,7 @@ pub(in crate::identification) fn sums(joints: &[JointRegression]) -> Sums<'_> {
 }
 
 /// Standard deviation of each joint's residual. A residual without noise would give an infinite weight, so it is kept
-/// above rounding. Every joint needs more rows that count than parameters.
+/// above rounding. Every joint needs more valid rows than parameters.
 pub fn residual_sigma(joints: &[JointRegression], beta: &[f64]) -> Vec<f64> {
     joints.iter().map(|joint| residual_sigma_of(joint, beta)).collect()
 }

@@ -255,7 +255,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     blocks.push(Block::text(
         "Of the held-out logs, with the cut-off at which the positions of each joint were smoothed, that which served the torque best:",
     ));
-    let head = ["joint", "rows that count", "lowest position", "highest", "fastest", "cut-off"];
+    let head = ["joint", "valid rows", "lowest position", "highest", "fastest", "cut-off"];
     blocks.push(Block::table(head, rows.collect()));
     Section::new("Data quality", blocks)
 }

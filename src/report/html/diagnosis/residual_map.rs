@@ -94,6 +94,8 @@ mod tests {
             noise: 1.0,
             correlation: 0.0,
             sensor_noise: 1.0,
+            reported_from: 0.25,
+            misfit: false,
             parts: vec![part(Kind::Speed, 1.5, true), part(Kind::Load, 1.25, false), part(Kind::Lag, 0.2, true)],
             lines: Vec::new(),
         };

@@ -69,7 +69,7 @@ pub(in crate::diagnosis::answer) struct Residuals<'a> {
     pub before: &'a Column,
     /// What the other one leaves.
     pub after: &'a Column,
-    /// Rows that count.
+    /// Valid rows.
     pub valid: &'a [Vec<bool>],
     /// Standard deviation of the noise, N m.
     pub noise: &'a [f64],

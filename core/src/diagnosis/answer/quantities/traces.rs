@@ -12,7 +12,7 @@ pub struct Evidence {
     pub starts: Vec<usize>,
     /// Time of the rows, each log's own, s.
     pub time: Vec<f64>,
-    /// Rows that count: away from reversals.
+    /// Valid rows: away from reversals.
     pub valid: Vec<Vec<bool>>,
     /// Smoothed positions, rad.
     pub q: Vec<Vec<f64>>,

@@ -8,8 +8,8 @@
 
 use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
-use crate::diagnosis::model::Arm;
 use crate::diagnosis::regression::fisher;
+use crate::identification::effect_model::Arm;
 use crate::identification::noise::{AutoregressiveNoise, autocovariance};
 
 /// Order of the noise from sample to sample, and standard deviations at which samples are cut for it: impacts are none of it.

@@ -1,14 +1,18 @@
 //! Candidates: every effect of the library at every place, at a grid of the parameters that are not linear.
 
-use super::arm::{Arm, Moved};
-use super::grid::grid;
+mod grid;
+
+pub(crate) use grid::{sizes, within_bounds};
+
+use super::arm_columns::Moved;
 use super::roles::{acts_upon_arm, is_event, linear};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, joints_of};
 use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role};
 use crate::error::Result;
-use crate::identification::effect_model::Trust;
+use crate::identification::effect_model::{Arm, Trust};
 use crate::robot::Robot;
+use grid::grid;
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! Other arms than the IRB 1600, drives at their limits, and rapier's own stepping.
 
-use super::{Case, ROOT, assert_done, text};
+use crate::{Case, ROOT, assert_done, text};
 
 /// Runs a shipped scenario and returns what it prints and its two JSON files.
 fn run(scenario: &str) -> (String, serde_json::Value, serde_json::Value) {

@@ -1,6 +1,6 @@
 //! Grids of the parameters that are not linear: where shapes and departures of an effect are looked for on a joint.
 
-use super::roles::{bends, is_event, is_level, shapes};
+use super::super::roles::{bends, is_event, is_level, shapes};
 use crate::diagnosis::logs::Rows;
 use crate::effects::{Effect, Parameter, Placed, Role, Search, varies_by_factors};
 
@@ -95,7 +95,7 @@ fn compliances(parameter: &Parameter, largest: f64) -> Vec<f64> {
     if largest > 0.0 { compliances.collect() } else { Vec::new() }
 }
 
-/// Largest torque of a joint in the rows that count, N m.
+/// Largest torque of a joint in the valid rows, N m.
 fn largest_torque(rows: &Rows, joint: usize) -> f64 {
     let torque = rows.torque[joint].iter().zip(&rows.valid[joint]);
     torque.fold(0.0f64, |m, (v, ok)| if *ok { m.max(v.abs()) } else { m })

@@ -1,6 +1,6 @@
 //! Arms with joints beyond those under study: scenarios that hold a gripper, and logs that have it here and there.
 
-use super::{Case, ROOT, assert_done, assert_refusal, text};
+use crate::{Case, ROOT, assert_done, assert_refusal, text};
 use std::fmt::Write;
 
 /// A scenario of the arm of four joints whose hand has two fingers, with `robot` in its table of the robot.

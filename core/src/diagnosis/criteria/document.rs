@@ -1,0 +1,107 @@
+//! The thresholds as `diagnosis.json` holds them.
+
+use super::thresholds::Criteria;
+use serde_json::{Map, Value, json};
+
+impl Criteria {
+    /// The thresholds as `diagnosis.json` holds them: each that several questions share stands also where every question had its own, since
+    /// fields of a schema are not renamed.
+    pub(crate) fn to_document(self) -> Value {
+        document(&self)
+    }
+}
+
+fn document(criteria: &Criteria) -> Value {
+    let Criteria { levels, search, comparison, structure, .. } = criteria;
+    let [even, leans, usual, strict] =
+        [levels.even_p, levels.leaning_p, levels.usual_p, levels.strict_p].map(|p| json!(p));
+    let [open, sure] = [levels.open_p, levels.sure_p].map(|p| json!(p));
+    let of_bound = json!(criteria.worse_p());
+    let shared: [(&str, &[(&str, &Value)]); 7] = [
+        (
+            "",
+            &[
+                ("strength_p", &strict),
+                ("worse_p", &of_bound),
+                ("contradicted_p", &usual),
+                ("beyond_structure", &json!(levels.log_odds)),
+                ("replication", &json!({})),
+            ],
+        ),
+        (
+            "/replication",
+            &[
+                ("asked_p", &even),
+                ("again_p", &usual),
+                ("leans_p", &leans),
+                ("alone_p", &strict),
+                ("second_attempt", &json!(search.second_attempt)),
+            ],
+        ),
+        (
+            "/search",
+            &[
+                ("event", &json!(search.unconfirmable)),
+                ("gear", &json!(search.unconfirmable)),
+                ("at_bound", &json!(criteria.at_bound())),
+                ("influence_p", &json!([levels.strict_p, levels.usual_p])),
+                ("again_p", &usual),
+                ("confirms_p", &leans),
+                ("hopeless_p", &even),
+                ("attempts", &json!(search.attempts())),
+            ],
+        ),
+        (
+            "/comparison",
+            &[
+                ("surely_worse_p", &sure),
+                ("encompassed_p", &sure),
+                ("superfluous_p", &usual),
+                ("criterion_gap", &json!(criteria.criterion_gap())),
+            ],
+        ),
+        ("/impacts", &[("each_p", &usual), ("own_p", &strict), ("open_p", &open)]),
+        (
+            "/structure",
+            &[
+                ("suggested_p", &open),
+                ("beyond_finding", &json!(comparison.clearly_better)),
+                ("not_all_p", &strict),
+                ("foreign_noise", &json!(structure.above_noise)),
+                ("again_p", &usual),
+                ("confirmed_p", &strict),
+                ("looked_for_p", &even),
+                ("leans_p", &leans),
+                ("adds_nothing_p", &sure),
+            ],
+        ),
+        ("/verdict", &[("worse", &json!(criteria.worse.powi(2)))]),
+    ];
+    let mut document = json!(criteria);
+    for (place, fields) in shared {
+        let own = fields.iter().map(|(name, value)| ((*name).to_owned(), (*value).clone()));
+        if let Some(Value::Object(object)) = document.pointer_mut(place) {
+            object.extend(own.collect::<Map<_, _>>());
+        }
+    }
+    document
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shared_stands_where_each_question_had_it() {
+        let document = document(&Criteria::default());
+        let at = |place: &str| document.pointer(place).unwrap_or_else(|| panic!("{place}")).clone();
+        assert_eq!(at("/structure/again_p"), at("/replication/again_p"));
+        assert_eq!(at("/search/attempts"), json!([1.25, 5.0]));
+        assert_eq!(at("/search/influence_p"), json!([0.01, 0.05]));
+        assert_eq!(at("/comparison/criterion_gap"), json!(6.0));
+        assert_eq!([at("/strength_p"), at("/levels/strict_p")], [json!(0.01), json!(0.01)]);
+        // Chi-square of one degree of freedom at 1 %, and the tail beyond one standard deviation, from tables.
+        assert!((at("/search/at_bound").as_f64().unwrap() - 6.634_896_601).abs() < 1e-6);
+        assert!((at("/worse_p").as_f64().unwrap() - 0.158_655_254).abs() < 1e-8);
+    }
+}

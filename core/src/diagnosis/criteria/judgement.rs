@@ -1,0 +1,160 @@
+//! Gates, and what they decide.
+
+use serde::Serialize;
+
+/// A gate that a candidate of the search, or a finding, must pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gate {
+    /// Its family-wise p-value on the training logs, in the noise that is estimated with it and adjusted for errors in variables: at most
+    /// its share of alpha.
+    FamilyWise,
+    /// None of its shapes is best at a bound of its law: what the statistic of the test loses inside it.
+    AtBound,
+    /// Torque is flat where the model exceeds the saturation limit: slope of the measured torque over the model's.
+    Flat,
+    /// Its p-value without the most influential blocks.
+    Influence,
+    /// It turns the sign of no earlier finding that has one sign only: number of those.
+    EarlierSigns,
+    /// It leaves the parameters of earlier findings identifiable: number of those that the logs determine without it and not with it.
+    EarlierParameters,
+    /// Its gain on held-out logs: lower bound (84 %) of the share of the residual that it explains.
+    HeldOutGain,
+    /// p-value of training and held-out logs together.
+    Confirmation,
+    /// p-value of each log by what the others predict for it.
+    OtherLogs,
+    /// A machine can have it with the parameters of the fit of all findings together: 1 where none can, as at the search each had to be
+    /// possible with what was found before it.
+    Believable,
+    /// Its size matters: over the smaller of both least sizes.
+    Size,
+    /// Its strength differs from zero: p-value by its scatter between blocks.
+    Strength,
+    /// It explains some of the held-out residual of its own joints: share of the sum of squares.
+    OwnJoint,
+    /// No held-out log contradicts it: standard deviations by which the residual of the worst one grows.
+    HeldOutLogs,
+    /// No joint is predicted worse than by the baseline: factor on the residual of the one that is worst.
+    EveryJoint,
+    /// It explains more than generic functions do: gain of the logarithm of the restricted likelihood.
+    BeyondStructure,
+    /// The others do not make it superfluous: its p-value with them in the model.
+    Needed,
+    /// Structure that no law explains does not replace it: share of what it explains that such structure explains beyond it.
+    Replaced,
+    /// It explains most of a joint of which structure stays unexplained with certainty: share of the held-out excess over the noise.
+    Explained,
+    /// The joints that it acts on are not predicted worse with it: factor on the held-out sum of squares.
+    Predicts,
+    /// Impacts of gear teeth are significant: family-wise p-value.
+    Impacts,
+    /// They are so on the held-out logs, too: p-value.
+    ImpactsAgain,
+    /// They are so among moments only in which the loads of gears change as much: p-value.
+    ImpactsAlike,
+}
+
+impl Gate {
+    /// Why what fails is not a finding, as the end of a sentence that begins with it.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Gate::FamilyWise => "is not significant",
+            Gate::AtBound => "is best at a bound of its law, where it is not that law any more",
+            Gate::Flat => "is not flat where the model exceeds the limit",
+            Gate::Influence => "rests on a moment or two",
+            Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",
+            Gate::EarlierParameters => "leaves parameters of an earlier finding undetermined",
+            Gate::HeldOutGain => "explains too little of the held-out logs",
+            Gate::Confirmation => "is not confirmed by the held-out logs",
+            Gate::OtherLogs => "is not what the other logs predict",
+            Gate::Believable => "has a size that no machine has",
+            Gate::Size => "is too small to matter",
+            Gate::Strength => "does not differ significantly from zero by its scatter between blocks",
+            Gate::OwnJoint => "explains nothing of the held-out residual of its own joint",
+            Gate::HeldOutLogs => "is contradicted by a held-out log",
+            Gate::EveryJoint => "makes a joint's held-out prediction worse",
+            Gate::BeyondStructure => "explains no more than generic functions do",
+            Gate::Needed => "is superfluous with the other findings in the model",
+            Gate::Replaced => "explains nothing beyond structure that no law explains",
+            Gate::Explained => "explains a part only, and much stays unexplained there",
+            Gate::Predicts => "fits the training logs and not the held-out logs",
+            Gate::Impacts | Gate::ImpactsAlike => "shows in impacts no more than chance does",
+            Gate::ImpactsAgain => "does not show in impacts of the held-out logs",
+        }
+    }
+}
+
+/// The judgement of a gate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Judgement {
+    /// The gate.
+    pub gate: Gate,
+    /// The value that decides.
+    pub value: f64,
+    /// The threshold that it is compared with.
+    pub threshold: f64,
+    /// Whether the candidate or finding passes.
+    pub passed: bool,
+}
+
+impl Judgement {
+    /// Passed where the value is at least the threshold.
+    pub fn at_least(gate: Gate, value: f64, threshold: f64) -> Self {
+        Judgement { gate, value, threshold, passed: value >= threshold }
+    }
+
+    /// Passed where the value is at most the threshold.
+    pub fn at_most(gate: Gate, value: f64, threshold: f64) -> Self {
+        Judgement { gate, value, threshold, passed: value <= threshold }
+    }
+
+    /// Passed where the value is below the threshold.
+    pub fn below(gate: Gate, value: f64, threshold: f64) -> Self {
+        Judgement { gate, value, threshold, passed: value < threshold }
+    }
+
+    /// Passed where the value exceeds the threshold.
+    pub fn above(gate: Gate, value: f64, threshold: f64) -> Self {
+        Judgement { gate, value, threshold, passed: value > threshold }
+    }
+
+    /// Passed too where another condition holds.
+    pub fn or(self, other: bool) -> Self {
+        Judgement { passed: self.passed || other, ..self }
+    }
+
+    /// Passed only where another condition holds too.
+    pub fn and(self, other: bool) -> Self {
+        Judgement { passed: self.passed && other, ..self }
+    }
+
+    /// The first that is not passed.
+    pub fn first_failed(judgements: impl IntoIterator<Item = Judgement>) -> Option<Judgement> {
+        judgements.into_iter().find(|judgement| !judgement.passed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::thresholds::Criteria;
+    use super::*;
+
+    #[test]
+    fn either_side_of_a_threshold() {
+        let least = Criteria::default().levels.log_odds;
+        assert!(Judgement::at_least(Gate::BeyondStructure, least, least).passed);
+        assert!(!Judgement::at_least(Gate::BeyondStructure, least - 1e-9, least).passed);
+        let most = Criteria::default().worse;
+        assert!(Judgement::at_most(Gate::EveryJoint, most, most).passed);
+        assert!(!Judgement::at_most(Gate::EveryJoint, most + 1e-9, most).passed);
+        assert!(!Judgement::at_most(Gate::Strength, f64::NAN, 0.01).passed);
+        assert!(Judgement::above(Gate::HeldOutGain, 1e-9, 0.0).passed);
+        assert!(!Judgement::above(Gate::HeldOutGain, 0.0, 0.0).passed);
+        assert!(Judgement::below(Gate::Flat, 0.5 - 1e-9, 0.5).passed && !Judgement::below(Gate::Flat, 0.5, 0.5).passed);
+        let failed = Judgement::above(Gate::HeldOutGain, -1.0, 0.0);
+        assert!(failed.or(true).passed && !failed.or(false).passed && !failed.or(true).and(false).passed);
+        assert_eq!(Judgement::first_failed([failed.or(true), failed]), Some(failed));
+    }
+}

@@ -1,0 +1,95 @@
+//! All thresholds together.
+
+use super::comparison::ComparisonCriteria;
+use super::estimate::EstimateCriteria;
+use super::impacts::ImpactCriteria;
+use super::levels::Levels;
+use super::search::SearchCriteria;
+use super::structure::StructureCriteria;
+use super::verdict::VerdictCriteria;
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+/// Thresholds that decide which effects are found and which of them are reported as findings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Criteria {
+    /// Least size of a finding over the torque of a joint, both root mean square: below 2 % no simulation is better for it.
+    pub share_of_torque: f64,
+    /// The same over the excess of the baseline's residual over the noise: a tenth of what is missing matters however small
+    /// that is.
+    pub share_of_excess: f64,
+    /// Factor over the baseline by which no joint's held-out residual may grow with a finding: the parameters of the arm are estimated
+    /// together, and every joint's prediction moves by a few percent with any.
+    pub worse: f64,
+    /// Levels that several questions share.
+    pub levels: Levels,
+    /// Thresholds of what an estimate can be.
+    pub estimate: EstimateCriteria,
+    /// Thresholds of the search that finds them.
+    pub search: SearchCriteria,
+    /// Thresholds of model comparison.
+    pub comparison: ComparisonCriteria,
+    /// Thresholds of gears with play that impacts show.
+    pub impacts: ImpactCriteria,
+    /// Thresholds of structure that no effect explains.
+    pub structure: StructureCriteria,
+    /// Thresholds of the verdict.
+    pub verdict: VerdictCriteria,
+}
+
+impl Default for Criteria {
+    fn default() -> Self {
+        Criteria {
+            share_of_torque: 0.02,
+            share_of_excess: 0.1,
+            worse: 1.1,
+            levels: Levels::default(),
+            estimate: EstimateCriteria::default(),
+            search: SearchCriteria::default(),
+            comparison: ComparisonCriteria::default(),
+            impacts: ImpactCriteria::default(),
+            structure: StructureCriteria::default(),
+            verdict: VerdictCriteria::default(),
+        }
+    }
+}
+
+impl Criteria {
+    /// Most that the statistic of a test may lose where a shape at a bound of its law is moved inside: chi-square of one degree of freedom at
+    /// the strict level. A law that is better at its bound than inside is not the law that acts; one that the logs do not determine loses
+    /// nothing.
+    pub fn at_bound(&self) -> f64 {
+        ChiSquared::new(1.0).map_or(f64::NAN, |chi_square| chi_square.inverse_cdf(1.0 - self.levels.strict_p))
+    }
+
+    /// One-sided level at which a held-out residual grows.
+    pub fn worse_p(&self) -> f64 {
+        Normal::standard().sf(self.levels.bound_std)
+    }
+
+    /// Largest gap of the information criterion up to which a rival with more parameters stays an alternative: twice the logarithm of the
+    /// odds.
+    pub fn criterion_gap(&self) -> f64 {
+        2.0 * self.levels.log_odds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    /// Every number here can be wrong: there are to be no more.
+    #[test]
+    fn thresholds_are_few() {
+        fn numbers(value: &Value) -> usize {
+            match value {
+                Value::Object(fields) => fields.values().map(numbers).sum(),
+                Value::Array(values) => values.iter().map(numbers).sum(),
+                _ => 1,
+            }
+        }
+        let count = numbers(&json!(Criteria::default()));
+        assert!(count <= 60, "{count}");
+    }
+}

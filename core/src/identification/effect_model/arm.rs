@@ -1,0 +1,220 @@
+//! The arm as identified so far: what effects in gears and sensors, and friction under load, act upon.
+
+use super::arm_parameters::Trust;
+use crate::channels::Channels;
+use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
+use crate::effects::{Along, Contribution, Placed, Site, contributions, direction};
+use crate::identification::model::Model;
+use crate::identification::standard::{ROTOR, STANDARD};
+use crate::robot::Robot;
+
+/// Mass and first moments, after which a link's moments of inertia come.
+const MOMENTS: usize = 4;
+
+/// The arm with the parameters found for its baseline.
+#[derive(Debug, Clone)]
+pub struct Arm {
+    /// The arm as its URDF describes it.
+    known: Robot,
+    /// The same geometry with the parameters found. Where only base parameters are determined, the standard parameters
+    /// that carry them make up for the others, which are as described: the torque is the same.
+    found: Robot,
+    chain: Chain,
+    trust: Trust,
+    /// Speed over which the dry friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for the plain sign.
+    pub coulomb_widths: Vec<f64>,
+}
+
+impl Arm {
+    /// The arm before anything is identified.
+    pub fn new(robot: &Robot, trust: Trust) -> Self {
+        let coulomb_widths = vec![0.0; robot.dof()];
+        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, coulomb_widths }
+    }
+
+    /// The same with friction that changes its direction over some speed on each joint, rad/s or m/s.
+    pub fn with_coulomb_widths(self, coulomb_widths: Vec<f64>) -> Self {
+        Arm { coulomb_widths, ..self }
+    }
+
+    /// The arm as found.
+    pub fn found(&self) -> &Robot {
+        &self.found
+    }
+
+    /// The arm as described.
+    pub fn described(&self) -> &Robot {
+        &self.known
+    }
+
+    /// Its bodies and joints, as described.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// Whether its inertias are taken from the description, or estimated.
+    pub fn trust(&self) -> Trust {
+        self.trust
+    }
+
+    /// Takes over values of the baseline: base parameters where the inertias are estimated; else frictions among these, then the rotor inertia
+    /// of every joint that has an equation.
+    pub fn take(&mut self, model: &Model, values: &[f64]) {
+        let mut standard = Model::standard_values(&self.known);
+        match self.trust {
+            Trust::Structure => {
+                // What motion does not determine is as described. It matters to what gears carry, which is the torque of the bodies
+                // alone though only the sum of a rotor's and a link's inertia is determined, and to gravity of another direction.
+                model.base().kept().iter().for_each(|&kept| standard[kept] = 0.0);
+                let described = model.base().values(&standard);
+                let sums: Vec<f64> = values.iter().zip(described).map(|(value, described)| value - described).collect();
+                for (&kept, value) in model.base().kept().iter().zip(model.base().carried(&sums)) {
+                    standard[kept] = value;
+                }
+                self.split_off_rotors(model, &mut standard);
+            }
+            Trust::Nominal => {
+                let friction = (0..model.base().len()).filter(|&b| model.is_friction(b));
+                let rotors = (0..model.dof()).filter(|&joint| model.has_equation(joint));
+                let rotors = rotors.map(|joint| joint * STANDARD + ROTOR);
+                let places = friction.map(|b| model.base().kept()[b]).chain(rotors);
+                for (place, &value) in places.zip(values) {
+                    standard[place] = value;
+                }
+            }
+        }
+        self.found = Model::with_standard_values(&self.known, &standard);
+    }
+
+    /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is determined and the
+    /// description knows of no rotor: descriptions without rotors are more common than arms that have none.
+    fn split_off_rotors(&self, model: &Model, standard: &mut [f64]) {
+        let described = Model::standard_values(&self.known);
+        let (kept, regrouping) = (model.base().kept(), model.base().regrouping());
+        for joint in 0..model.dof() {
+            let (first, rotor) = (joint * STANDARD, joint * STANDARD + ROTOR);
+            if kept.contains(&rotor) || described[rotor] != 0.0 {
+                continue;
+            }
+            let shares = regrouping.column(rotor);
+            let own = (0..kept.len()).find(|&b| (first + MOMENTS..rotor).contains(&kept[b]) && shares[b] > 0.5);
+            let Some(own) = own else { continue };
+            let more = (standard[kept[own]] - described[kept[own]]) / shares[own];
+            if more > 0.0 {
+                standard[rotor] = more;
+                let shares = model.base().carried(shares.as_slice());
+                kept.iter().zip(shares).for_each(|(&kept, share)| standard[kept] -= share * more);
+            }
+        }
+    }
+
+    /// What laws at a site ask about a motion. What rapier's step gets wrong depends on where each mass really is: in the description.
+    pub fn laws_along<'a>(&'a self, site: Site, time: &'a [f64], motion: &'a Motion) -> Along<'a> {
+        let robot = if site == Site::Integrator { &self.known } else { &self.found };
+        Along::turning_over(robot, &self.chain, time, motion, &self.coulomb_widths)
+    }
+
+    /// Torque of effects along a motion, one each: that of laws at joints, on bodies and in the integrator, none of gears and sensors.
+    pub(super) fn contributions(&self, placed: &[Placed], time: &[f64], motion: &Motion) -> Vec<Contribution> {
+        let mut all = vec![Contribution::default(); placed.len()];
+        for site in [Site::Joint, Site::Integrator] {
+            let here: Vec<usize> = (0..placed.len()).filter(|&k| law_site(&placed[k]) == Some(site)).collect();
+            if here.is_empty() {
+                continue;
+            }
+            let laws: Vec<Placed> = here.iter().map(|&k| placed[k].clone()).collect();
+            let torques = contributions(&laws, &self.laws_along(site, time, motion));
+            here.into_iter().zip(torques).for_each(|(k, torque)| all[k] = torque);
+        }
+        all
+    }
+
+    /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
+    pub fn load(&self, motion: &Motion) -> Channels {
+        inverse_dynamics(&self.chain, &self.found.inertial_parameters(), motion)
+    }
+
+    /// Inertia of the arm as found about one of its joints at `q`, kg m2 (kg for one that slides).
+    pub fn inertia_about(&self, joint: usize, q: &[f64]) -> f64 {
+        mass_matrix(&self.chain, &self.found.inertial_parameters(), q)[(joint, joint)]
+    }
+
+    /// Inertia of a joint's rotor seen at the joint, kg m2 (kg for one that slides): as found, or as described where only its
+    /// sum with the link's is determined; None where neither is known.
+    pub fn rotor(&self, joint: usize) -> Option<f64> {
+        let of = |robot: &Robot| Some(robot.joints[joint].drive.armature).filter(|rotor| *rotor > 0.0);
+        of(&self.found).or_else(|| of(&self.known))
+    }
+
+    /// Torque of the arm as found, `[joint][time]`: bodies along `link`, rotors and friction along `motor`.
+    pub fn torque(&self, motor: &Motion, link: &Motion) -> Channels {
+        let mut torque = inverse_dynamics(&self.chain, &self.found.inertial_parameters(), link);
+        for (joint, spec) in self.found.joints.iter().enumerate() {
+            let drive = spec.drive;
+            let moving = motor.qd.channel(joint).iter().zip(motor.qdd.channel(joint));
+            for (value, (&v, &a)) in torque.channel_mut(joint).iter_mut().zip(moving) {
+                *value +=
+                    drive.armature * a + drive.viscous * v + drive.coulomb * direction(v, self.coulomb_widths[joint]);
+            }
+        }
+        torque
+    }
+}
+
+/// Where the law of an effect has torque along a known motion: at the joints or in the integrator. None for effects in gears and sensors.
+pub(crate) fn law_site(placed: &Placed) -> Option<Site> {
+    match placed.effect.about().site {
+        Site::Body | Site::Joint => Some(Site::Joint),
+        Site::Integrator => Some(Site::Integrator),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{InertiaCheck, load};
+
+    /// Base parameters of the IRB 1600 as they are give its torque back, shared rightly among bodies and rotors.
+    #[test]
+    fn a_description_without_rotors_leaves_what_is_more_to_them() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let real = load(path, InertiaCheck::Required).unwrap();
+        let mut described = real.clone();
+        described.joints.iter_mut().for_each(|joint| joint.drive.armature = 0.0);
+        let model = Model::new(&described);
+        let mut arm = Arm::new(&described, Trust::Structure);
+        arm.take(&model, &model.base().values(&Model::standard_values(&real)));
+        assert!(!model.rotor_stands_alone(0) && !model.rotor_stands_alone(1));
+        for (found, real) in arm.found().joints.iter().zip(&real.joints) {
+            assert!((found.drive.armature - real.drive.armature).abs() < 1e-9, "{}", real.name);
+        }
+    }
+
+    #[test]
+    fn what_motion_does_not_tell_is_as_described() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        let model = Model::new(&robot);
+        let wave = |f: fn(f64) -> f64, size: f64| {
+            Channels::from_vectors(
+                &(0..6).map(|j| (0..20).map(|t| size * f(0.3 * t as f64 + j as f64)).collect()).collect::<Vec<_>>(),
+            )
+        };
+        let motion = Motion { q: wave(f64::sin, 1.0), qd: wave(f64::cos, 2.0), qdd: wave(f64::sin, -4.0) };
+        let mut arm = Arm::new(&robot, Trust::Structure);
+        let (torque, load) = (arm.torque(&motion, &motion), arm.load(&motion));
+        let close = |a: &Channels, b: &Channels| {
+            a.as_slice().iter().zip(b.as_slice()).all(|(a, b)| (a - b).abs() < 1e-9 * (1.0 + b.abs()))
+        };
+        assert!(!model.rotor_stands_alone(0) && robot.joints[0].drive.armature > 0.0);
+        arm.take(&model, &model.base().values(&Model::standard_values(&robot)));
+        assert!(close(&arm.torque(&motion, &motion), &torque));
+        assert!(close(&arm.load(&motion), &load), "a gear carries the bodies alone");
+        // A vertical axis that is tilted feels what it never did before.
+        let mut tilted = robot.clone();
+        tilted.gravity = nalgebra::Vector3::new(1.0, 0.5, -9.7);
+        let under = |robot: &Robot| inverse_dynamics(&Chain::new(&tilted), &robot.inertial_parameters(), &motion);
+        assert!(close(&under(arm.found()), &under(&robot)), "under another gravity");
+    }
+}

@@ -36,8 +36,8 @@ def make(set_name, number, seed, folder, fixed):
     effects, sizes = [], []
     for name in truth.pop("names"):
         effect = draw(rng, name, arm, duration)
-        if effect.joint >= 0:  # saturation is a share of the largest torque
-            effect.held["peak"] = max(np.abs(tau[:, effect.joint]).max() for _, _, tau in plain)
+        if effect.joint >= 0:  # saturation is a share of the largest torque in the logs to train with, where it is sized
+            effect.held["peak"] = max(np.abs(tau[:, effect.joint]).max() for _, _, tau in plain[:2])
         sizes.append(settle(effect, arm, severity, motions[:2], rate, duration, truth["severity"], width, NOISES[truth["noise"]]))
         effects.append(effect)
     if set_name == "mujoco":

@@ -4,6 +4,7 @@
 mod agreement;
 mod changes;
 mod entry;
+mod events;
 mod extended;
 mod faults;
 mod forms;

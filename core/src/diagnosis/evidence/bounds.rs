@@ -4,7 +4,7 @@ use super::judging::Judged;
 use crate::diagnosis::model::{Candidate, Moved, Session, prior, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection};
-use crate::effects::{Parameter, Placed, varies_by_factors};
+use crate::effects::{Parameter, Placed, Search, varies_by_factors};
 use crate::error::Result;
 use std::f64::consts::TAU;
 
@@ -34,9 +34,12 @@ impl Session<'_> {
     }
 }
 
-/// The effect with a shape that lies at a bound of its law moved inside. A whole turn has no bound.
+/// The effect with a shape that lies at a bound of its law moved inside. A whole turn has no bound, nor has a time at which something happens.
 fn moved_inside(placed: &Placed, index: usize) -> Option<Placed> {
     let Parameter { lower, upper, .. } = placed.effect.parameters()[index];
+    if placed.effect.search(index) == Search::Instant {
+        return None;
+    }
     if !(lower.is_finite() && upper.is_finite()) || upper - lower >= TAU * (1.0 - AT_BOUND) && lower == -upper {
         return None;
     }
@@ -81,6 +84,10 @@ mod tests {
             }
         };
         assert!(moved(apart(0.9 * AT_BOUND)).is_some() && moved(apart(1.1 * AT_BOUND)).is_none());
+        // So is the beginning of a contact, at the first second of a log or later.
+        let contact = Placed::typical(find("external_contact").unwrap(), 0);
+        let instants = shapes(contact.effect);
+        assert!(instants.len() == 2 && instants.into_iter().all(|index| moved_inside(&contact, index).is_none()));
         // An angle of half a turn is one like any other.
         assert!(moved_inside(&strut(0.5, std::f64::consts::PI), 3).is_none());
     }

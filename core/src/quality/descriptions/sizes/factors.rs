@@ -7,6 +7,7 @@
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows, Tables};
+use super::super::known::WRONG_MASSES;
 use super::super::tried::Tried;
 use super::scale::{ALIKE, PLAUSIBLE, SPREAD, STEP, best, between, differ, merit, sizes, spread, without_load};
 
@@ -165,7 +166,8 @@ impl Search<'_> {
                 scales[joint] = fitted(self.described, self.whole, &with, &scales, joint, NEAR)?;
             }
         }
-        let is_beyond_masses = joints.iter().all(|&joint| scales[joint].ln().abs() > PLAUSIBLE.ln());
+        // Bodies that are described too light, or a load, make a torque too large, and nothing makes one smaller than its bodies need.
+        let is_beyond_masses = joints.iter().all(|&joint| scales[joint] > PLAUSIBLE);
         let after = self.accepted(with(&scales), joints.len(), is_beyond_masses)?;
         Some(OwnFactors { after, factors: Vec::new() })
     }
@@ -214,8 +216,14 @@ impl Search<'_> {
             return None;
         }
         // Of torques that are friction for the most part the factors are not known well enough to deny the masses.
-        let known = || joints.iter().filter(|&&joint| alone[joint].is_some()).map(|&joint| scales[joint]);
-        let is_beyond_masses = known().fold(0.0, f64::max) > PLAUSIBLE * known().fold(f64::INFINITY, f64::min);
+        let mut known: Vec<f64> =
+            joints.iter().filter(|&&joint| alone[joint].is_some()).map(|&joint| scales[joint]).collect();
+        known.sort_by(f64::total_cmp);
+        // A single one may be a body that is described wrongly.
+        let is_beyond_masses = match known[..] {
+            [least, second, .., last, most] => last > PLAUSIBLE * least || most > PLAUSIBLE * second,
+            _ => false,
+        };
         let factors: Vec<f64> = scales.iter().map(|scale| 1.0 / scale).collect();
         let mut all = given.with_scales(1.0 / sizes[sizes.len() / 2], &factors);
         all.scale_is_partial = joints.len() < given.dof();
@@ -243,7 +251,10 @@ impl Search<'_> {
         let no_worse = !gain(&after, self.start).is_some_and(|loss| loss.is_distinct());
         let clearly = match shown && over_free.gain > 0.0 {
             true => true,
-            false => is_beyond_masses && no_worse && over_start.is_better(self.described.joints.len(), EXPLAINED),
+            false => {
+                let better = over_start.is_better(self.described.joints.len(), EXPLAINED);
+                is_beyond_masses && no_worse && better && over_start.is_large_beyond(WRONG_MASSES)
+            }
         };
         (clearly && over_start.is_large_in_all(changes) && over_found.is_large_in_all(changes)).then_some(after)
     }

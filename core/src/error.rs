@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Result of everything in this crate that can fail on user input.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What went wrong, where, and what to do about it. All of these are the caller's to mend (exit code 2).
+/// What went wrong, where, and what to do about it. All of these are the caller's to correct (exit code 2).
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -258,6 +258,39 @@ fn line(finding: &Finding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quality::descriptions::Description;
+
+    #[test]
+    fn factors_of_torques_are_listed_by_joint() {
+        let joints = ["a".to_owned(), "b".to_owned()];
+        let given = Description::as_given(2, [0.0, 0.0, -9.81].into());
+        let of = |description: Description, factors: Vec<Option<f64>>| {
+            let each = [vec![Some(0.5); 2], vec![Some(0.01); 2]];
+            let verdict = Verdict {
+                description,
+                before: 0.5,
+                after: 0.01,
+                each,
+                alternatives: Vec::new(),
+                next: None,
+                shown: None,
+                factors,
+                by_bodies: false,
+                assumed: Vec::new(),
+                unlike_bodies: false,
+                beyond_doubt: false,
+            };
+            serde_json::to_value(Hypotheses::new(&verdict, &joints)).unwrap()["factors"].clone()
+        };
+        let listed = |a: Option<f64>, b: Option<f64>| serde_json::json!([{"joint": "a", "times_too_large": a}, {"joint": "b", "times_too_large": b}]);
+        // Of one torque, of all alike, of each its own, of which one is not known, and none.
+        assert_eq!(of(given.with(Change::JointScale(1, 0.125)), Vec::new()), listed(Some(1.0), Some(8.0)));
+        let shared = given.with(Change::TorqueScale(1e-3));
+        assert_eq!(of(shared, vec![Some(1000.0)]), listed(Some(1000.0), Some(1000.0)));
+        let each = given.with_scales(20.0, &[16.0, 1.0]);
+        assert_eq!(of(each, vec![Some(16.0), None]), listed(Some(16.0), None));
+        assert_eq!(of(given.with(Change::TorqueSign(0)), Vec::new()), serde_json::Value::Null);
+    }
 
     #[test]
     fn torque_that_stays_unexplained_is_mentioned() {

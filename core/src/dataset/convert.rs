@@ -2,7 +2,7 @@
 
 use super::description::Dataset;
 use super::spec::{PerJoint, Side};
-use super::units::{AccelerationUnit, OfJoints, PositionUnit, VelocityUnit};
+use super::units::{OfJoints, UnitOf};
 use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
@@ -28,10 +28,9 @@ impl Dataset {
             (true, Some(gear)) => gear.clone(),
             (false, _) => vec![1.0; dof],
         };
-        let torque_unit = units.torque.unwrap_or_default();
-        let mut torque_factor = vec![torque_unit.factor(); dof];
+        let mut torque_factor = vec![units.torque.map_or(1.0, UnitOf::factor); dof];
         // Currents by their name become torques where the dataset says how.
-        let currents = torque_unit.is_current() || (sieved.currents && constant.is_some());
+        let currents = units.torque.is_some_and(UnitOf::is_current) || (sieved.currents && constant.is_some());
         if currents {
             let Some(constant) = &constant else {
                 return Err(needs("motors.torque_constant_nm_a", "torque is given as a current"));
@@ -51,9 +50,9 @@ impl Dataset {
         let clock = self.time_factor()?;
         log.time.iter_mut().for_each(|t| *t *= clock);
         let moved = |unit: Vec<f64>| -> Vec<f64> { (0..dof).map(|j| unit[j] * sign[j] / motion_gear[j]).collect() };
-        let position = self.units("units.position", &units.position, PositionUnit::factor, dof)?;
-        let velocity = self.units("units.velocity", &units.velocity, VelocityUnit::factor, dof)?;
-        let acceleration = self.units("units.acceleration", &units.acceleration, AccelerationUnit::factor, dof)?;
+        let position = self.units("units.position", &units.position, dof)?;
+        let velocity = self.units("units.velocity", &units.velocity, dof)?;
+        let acceleration = self.units("units.acceleration", &units.acceleration, dof)?;
         apply(&mut log.q, &moved(position));
         for (joint, offset) in
             self.offsets("motors.position_offset", &motors.position_offset, dof)?.into_iter().enumerate()
@@ -100,18 +99,17 @@ impl Dataset {
         }
     }
 
-    /// The `factor` of the unit of each joint.
-    fn units<T: Copy>(
+    /// The factor of the unit of each joint.
+    fn units<const QUANTITY: usize>(
         &self,
         key: &str,
-        given: &Option<OfJoints<T>>,
-        factor: fn(T) -> f64,
+        given: &Option<OfJoints<UnitOf<QUANTITY>>>,
         dof: usize,
     ) -> Result<Vec<f64>> {
         let Some(given) = given else { return Ok(vec![1.0; dof]) };
         match given {
-            OfJoints::All(unit) => Ok(vec![factor(*unit); dof]),
-            OfJoints::Each(units) if units.len() == dof => Ok(units.iter().map(|unit| factor(*unit)).collect()),
+            OfJoints::All(unit) => Ok(vec![unit.factor(); dof]),
+            OfJoints::Each(units) if units.len() == dof => Ok(units.iter().map(|unit| unit.factor()).collect()),
             OfJoints::Each(units) => Err(self.error(key, format!("{} units for {dof} joints", units.len()))),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::description::Dataset;
 use super::spec::SCHEMA;
-use super::units::TorqueUnit;
+use super::units::UnitOf;
 use crate::error::{Error, Result};
 use crate::quality::descriptions::{Change, Description};
 use crate::quality::{OtherRate, UnitChanges};
@@ -84,7 +84,7 @@ pub fn corrected(
     let scales: Vec<f64> = order.iter().map(scale).collect();
     let shared = scales.first().copied().filter(|first| scales.iter().all(|scale| scale == first));
     if scales.iter().any(|scale| *scale != 1.0) {
-        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_some_and(TorqueUnit::is_current));
+        let currents = dataset.is_some_and(|dataset| dataset.spec.units.torque.is_some_and(UnitOf::is_current));
         if !currents && shared.is_some_and(|scale| (MILLINEWTON[0]..MILLINEWTON[1]).contains(&scale)) {
             section(&mut table, "units").insert("torque".into(), Value::from("mNm"));
         } else {

@@ -61,7 +61,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
             format!("{}:{}: {}: {} ({all} rows left out)", path.display(), row.line, row.column, row.problem)
         });
         logs.notes.extend(rows);
-        logs.notes.extend(sieved.mended.iter().map(|note| format!("{}: {note}", path.display())));
+        logs.notes.extend(sieved.corrections.iter().map(|note| format!("{}: {note}", path.display())));
         let noted = report.findings.iter().filter(|finding| {
             finding.severity == quality::Severity::Warning || finding.kind == quality::Kind::ModelTorque
         });

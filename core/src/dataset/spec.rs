@@ -1,7 +1,8 @@
 //! The keys of `dataset.toml`.
 
-use super::units::{AccelerationUnit, OfJoints, PositionUnit, TimeUnit, TorqueUnit, VelocityUnit};
+use super::units::{OfJoints, TimeUnit, UnitOf};
 use crate::recording::lenient::{ColumnMap, Sieved};
+use crate::recording::{ACCELERATION, POSITION, TORQUE, VELOCITY};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -52,10 +53,10 @@ pub(super) struct Part {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Units {
     pub time: Option<TimeUnit>,
-    pub position: Option<OfJoints<PositionUnit>>,
-    pub velocity: Option<OfJoints<VelocityUnit>>,
-    pub acceleration: Option<OfJoints<AccelerationUnit>>,
-    pub torque: Option<TorqueUnit>,
+    pub position: Option<OfJoints<UnitOf<POSITION>>>,
+    pub velocity: Option<OfJoints<UnitOf<VELOCITY>>>,
+    pub acceleration: Option<OfJoints<UnitOf<ACCELERATION>>>,
+    pub torque: Option<UnitOf<TORQUE>>,
     pub time_factor: Option<f64>,
 }
 

@@ -83,7 +83,7 @@ fn each_joint_may_have_a_unit_of_its_own() {
     assert_close(&log.qd.unwrap(), &[&[PI; 2], &[-0.04; 2]]);
     let message = |text: &str| units(text).unwrap_err().to_string();
     assert!(message("position = [\"deg\"]").contains("1 units for 2 joints"));
-    assert!(message("position = [\"deg\", \"ft\"]").contains("unknown variant `ft`"));
+    assert!(message("position = [\"deg\", \"ft\"]").contains("unknown unit `ft`"));
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn mistakes_are_named_by_line_and_key() {
         (format!("{train}from_s = 3\nto_s = 2\n"), ["d.toml:2: train", "from 3 s to 2 s"]),
         (format!("{train}to_s = nan\n"), ["d.toml:2: train", "to NaN s"]),
         (format!("{train}[unit]\n"), ["d.toml:4: unit", "unknown field"]),
-        (format!("{train}[units]\nposition = \"grad\"\n"), ["d.toml:5: ", "unknown variant `grad`"]),
+        (format!("{train}[units]\nposition = \"grad\"\n"), ["d.toml:5: ", "unknown unit `grad`"]),
         (format!("{train}[units]\ntorque = \"A\"\n"), ["motors.torque_constant_nm_a", "current"]),
         (format!("{train}[motors]\nposition_at = \"motor\"\n"), ["motors.gear_ratio", "at the motors"]),
         (

@@ -39,7 +39,7 @@ const ALL: [Kind; 43] = [
     Kind::HardlyMoves,
     Kind::PoorExcitation,
     Kind::TwoSources,
-    Kind::Mended,
+    Kind::Corrected,
     Kind::UnusedColumns,
     Kind::PositionSign,
     Kind::Mounting,
@@ -187,7 +187,7 @@ fn fault(kind: Kind) -> (Fault, &'static str) {
             }),
             "rows",
         ),
-        Kind::Mended => (
+        Kind::Corrected => (
             Lines(|lines| {
                 lines[0] = lines[0].replacen('t', "time_ms", 1);
                 for line in &mut lines[1..] {

@@ -110,7 +110,14 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             if reports[log].findings.iter().any(spoils) {
                 continue;
             }
-            let known = std::mem::take(&mut reports[log].findings);
+            // Other zeros make the motion of this arm out of that of another: what the bodies deny is no more than a possibility then.
+            let is_another = finding.as_ref().is_some_and(|finding| finding.severity > Severity::Note);
+            let denied = is_another && verdict.as_ref().is_some_and(|verdict| verdict.unlike_bodies);
+            let mut known = std::mem::take(&mut reports[log].findings);
+            known
+                .iter_mut()
+                .filter(|finding| denied && descriptions::is_description(finding.kind))
+                .for_each(|finding| finding.severity = Severity::Note);
             reports[log].findings = finding.clone().into_iter().chain(known).collect();
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
@@ -161,8 +168,12 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
         units.time_factor = velocity::clock_factor(view, robot);
-        let positions_are_known = !position_units.any();
-        if let Some(robot) = robot.filter(|_| view.log.qd.is_none() && positions_are_known) {
+        // Nor are torques compared with positions in an unknown unit.
+        let units_doubtful = match &in_si {
+            Some(_) => PositionUnits::of(&whole, &motion::summaries(&whole, robot), robot, &endless).any(),
+            None => position_units.any(),
+        };
+        if let Some(robot) = robot.filter(|_| view.log.qd.is_none() && !units_doubtful) {
             units.time_factor = descriptions::clock_factor(view.log, robot)?;
             let finding =
                 |factor| Finding::new(Kind::ClockFactor, Severity::Warning, "t", descriptions::clock_text(factor));
@@ -193,11 +204,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let turned =
             |finding: &Finding| sieved.unwrapped.iter().any(|(joint, _)| finding.place == view.place("q", *joint));
         about_motion.retain(|finding| finding.kind != Kind::OutsideLimits || !turned(finding));
-        // Torques are not compared with positions in an unknown unit, or half a turn from where the joint is.
-        let units_doubtful = match &in_si {
-            Some(_) => PositionUnits::of(&whole, &motion::summaries(&whole, robot), robot, &endless).any(),
-            None => position_units.any(),
-        };
+        // Torques are not compared with positions half a turn from where the joint is.
         let positions_doubtful = units_doubtful || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
         // Torques are compared with motion in true time.

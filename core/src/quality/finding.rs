@@ -45,7 +45,7 @@ pub enum Kind {
     HardlyMoves,
     PoorExcitation,
     TwoSources,
-    Mended,
+    Corrected,
     UnusedColumns,
     PositionSign,
     Mounting,

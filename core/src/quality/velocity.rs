@@ -2,11 +2,12 @@
 
 use super::finding::{Finding, Kind, Severity};
 use super::places::places;
-use super::statistics::{correlation, size_quantile};
+use super::statistics::correlation;
 use super::view::View;
 use crate::channels::Channels;
 use crate::linear::root_mean_square;
 use crate::robot::Robot;
+use crate::signal::size_quantile;
 use std::f64::consts::{PI, TAU};
 
 /// Which signal is in another unit where velocity and change of position per second differ by a factor.

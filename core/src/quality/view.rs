@@ -1,11 +1,10 @@
 //! A log at even steps with its smoothed signals, as all checks see it.
 
-use super::statistics::size_quantile;
 use crate::channels::Channels;
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::robot::{JointKind, Robot};
-use crate::signal::{Edge, NoiseGains, SavitzkyGolay, Slow, moves_enough};
+use crate::signal::{Edge, NoiseGains, SavitzkyGolay, Slow, moves_enough, size_quantile};
 
 /// Time over which positions are smoothed for the checks, s.
 const SMOOTHING_S: f64 = 0.08;

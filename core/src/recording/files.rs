@@ -42,10 +42,9 @@ pub fn load(path: impl AsRef<Path>, joints: Option<&[String]>) -> Result<Recordi
 /// # Errors
 /// An unknown extension, a file that cannot be written, or a time that the format cannot hold.
 pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     let mut lost = Vec::new();
-    match extension.as_deref() {
-        Some("csv") => {
+    match Written::of(path)? {
+        Written::Csv => {
             match recording.is_numbered() {
                 true => csv::write(path, recording)?,
                 false => csv::write_named(path, recording)?,
@@ -54,17 +53,42 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
             lost.extend(has_source.then_some("where the log comes from"));
         }
         #[cfg(feature = "parquet")]
-        Some("parquet") => parquet::write(path, recording)?,
+        Written::Parquet => parquet::write(path, recording)?,
         #[cfg(feature = "bags")]
-        Some(extension @ ("mcap" | "db3")) => {
-            let write = if extension == "mcap" { bag::write::mcap } else { bag::write::sqlite };
+        Written::Bag(write) => {
             write(path, recording)?;
             let more = recording.qdd.is_some() || recording.truth.is_some();
             lost.extend(more.then_some("accelerations and truth"));
         }
-        _ => return Err(not_written(path)),
     }
     Ok(lost)
+}
+
+/// A format in which logs are written.
+enum Written {
+    Csv,
+    #[cfg(feature = "parquet")]
+    Parquet,
+    /// One of the formats of bags, by the function that writes it.
+    #[cfg(feature = "bags")]
+    Bag(fn(&Path, &Recording) -> Result<()>),
+}
+
+impl Written {
+    /// The format that the extension of a name gives.
+    fn of(path: &Path) -> Result<Written> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("csv") => Ok(Written::Csv),
+            #[cfg(feature = "parquet")]
+            Some("parquet") => Ok(Written::Parquet),
+            #[cfg(feature = "bags")]
+            Some("mcap") => Ok(Written::Bag(bag::write::mcap)),
+            #[cfg(feature = "bags")]
+            Some("db3") => Ok(Written::Bag(bag::write::sqlite)),
+            _ => Err(not_written(path)),
+        }
+    }
 }
 
 /// Whether the extension of a name gives a format in which logs are written.
@@ -72,13 +96,7 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
 /// # Errors
 /// Another extension, with those that there are.
 pub fn writable(path: &Path) -> Result<()> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("csv") => Ok(()),
-        Some("parquet") if cfg!(feature = "parquet") => Ok(()),
-        Some("mcap" | "db3") if cfg!(feature = "bags") => Ok(()),
-        _ => Err(not_written(path)),
-    }
+    Written::of(path).map(|_| ())
 }
 
 #[cfg(test)]

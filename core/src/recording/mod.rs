@@ -15,7 +15,7 @@ mod samples;
 mod sampling;
 mod signals;
 
-pub(crate) use columns::names::{INCH, KILOGRAM_FORCE, POUND_FORCE};
+pub(crate) use columns::names::{ACCELERATION, POSITION, TORQUE, Unit, VELOCITY};
 pub use files::{load, save, writable};
 pub use formats::csv;
 #[cfg(feature = "parquet")]

@@ -307,7 +307,7 @@ pub(super) fn next_experiment(
     if let Some(left) = unexplained.first() {
         let joint = &robot.joints[left.joint].name;
         return format!(
-            "move {joint} alone over its whole range, slowly and fast, both ways: what is left {}",
+            "move {joint} alone over its whole range, slowly and fast, both ways: the residual {}",
             left.structure
         );
     }

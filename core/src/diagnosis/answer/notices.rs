@@ -20,7 +20,7 @@ pub fn remedy(faults: &[DataFault]) -> String {
         places
     };
     match (places(false), places(true)) {
-        (wrong, _) if !wrong.is_empty() => format!("mend {} and diagnose again", wrong.join(", ")),
+        (wrong, _) if !wrong.is_empty() => format!("correct {} and run the diagnosis again", wrong.join(", ")),
         (_, still) => format!("record a motion in which every joint takes part: {} stands still", still.join(", ")),
     }
 }
@@ -81,7 +81,7 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let each: Vec<String> = each.collect();
     (!each.is_empty()).then(|| {
         let each = each.join(", ");
-        format!("{each}: less than half a sample and less than the noise, which sampling does; the model has it, and it is no finding")
+        format!("{each}: less than half a sample and less than the noise, as sampling makes it; it is included in the model, not reported as a finding")
     })
 }
 
@@ -93,7 +93,7 @@ pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
         .collect();
     (!each.is_empty()).then(|| {
         format!(
-            "dry friction changes its direction over some speed, as tanh(v / width), not at once: the baseline has it, and it is no \
+            "dry friction changes its direction over some speed, as tanh(v / width), not at once: that is included in the baseline, not reported as a \
              finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths: {}",
             each.join(", ")
         )

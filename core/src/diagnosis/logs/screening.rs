@@ -236,6 +236,9 @@ fn leave_out(tau: &mut [f64], levels: &[f64], around: usize) {
 
 /// What a fault means to a diagnosis, which takes positions, torques and the clock; None for what is no fault.
 fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
+    if descriptions::is_description(kind) && severity == Severity::Note {
+        return Some(Consequence::Told);
+    }
     match kind {
         Kind::Swapped
         | Kind::PositionUnit
@@ -265,7 +268,7 @@ fn consequence(kind: Kind, severity: Severity) -> Option<Consequence> {
         | Kind::BackwardTime
         | Kind::BadRows => Some(Consequence::LeftOut),
         Kind::PoorExcitation | Kind::UnusedColumns => None,
-        Kind::Mended
+        Kind::Corrected
         | Kind::OtherRobot
         | Kind::LostRows
         | Kind::JointName

@@ -46,8 +46,13 @@ pub(super) fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding>
         let of = |own: usize| view.qd.channel(own)[sample].abs() > view.band[own];
         if few_digits { of(joint) } else { (0..view.dof()).any(of) }
     };
+    // A torque of few digits also stands at others, to which something without digits may have been added.
+    let stands: usize = runs(tau)
+        .filter(|&(start, length)| length >= RUN && tau[start] != low && tau[start] != high && moves(start))
+        .map(|(_, length)| length)
+        .sum();
     let is_cut_off = |&(level, count, _): &(f64, usize, usize)| {
-        2 * (0..tau.len()).filter(|&sample| tau[sample] == level && moves(sample)).count() >= count
+        count > stands && 2 * (0..tau.len()).filter(|&sample| tau[sample] == level && moves(sample)).count() >= count
     };
     let (level, count, first) = clipping(tau).into_iter().filter(is_cut_off).max_by_key(|(_, count, _)| *count)?;
     let text = format!(
@@ -65,6 +70,31 @@ mod tests {
 
     fn wave(size: f64) -> Vec<f64> {
         (0..4000).map(|row| size * (0.01 * f64::from(row)).sin() + 0.3 * (0.37 * f64::from(row)).sin()).collect()
+    }
+
+    #[test]
+    fn a_torque_of_few_digits_to_which_a_drift_was_added_is_not_cut_off() {
+        let row = |row: usize| 0.005 * row as f64;
+        // The joint moves in every second part of the log, its neighbour in the others.
+        let part = |row: usize| row / 500;
+        let moves = |joint: usize| move |row: usize| part(row) % 2 == joint;
+        let q = |joint: usize| (0..6000).map(|k| if moves(joint)(k) { (3.0 * row(k)).sin() } else { 0.2 }).collect();
+        let few = |k: usize| {
+            (5.0 * (0.9 * part(k) as f64).sin()).round() + if moves(0)(k) { 0.3 * (3.0 * row(k)).cos() } else { 0.0 }
+        };
+        let cut = |k: usize| (5.0 * (3.0 * row(k)).cos() + 0.1 * (37.0 * row(k)).sin()).min(4.0);
+        let finding = |torque: &dyn Fn(usize) -> f64| {
+            let tau: Vec<f64> = (0..6000).map(torque).collect();
+            let log = crate::recording::Recording {
+                joints: vec!["a".into(), "b".into()],
+                time: (0..6000).map(row).collect(),
+                q: crate::channels::Channels::from_vectors(&[q(0), q(1)]),
+                tau: crate::channels::Channels::from_vectors(&[tau.clone(), tau.clone()]),
+                ..Default::default()
+            };
+            clipped(&View::new(&log, None).unwrap(), 0, &tau).map(|finding| finding.kind)
+        };
+        assert_eq!([finding(&few), finding(&cut)], [None, Some(Kind::Clipped)]);
     }
 
     #[test]

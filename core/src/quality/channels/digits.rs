@@ -1,6 +1,6 @@
 //! Digits of a channel: its smallest change, its extremes, and runs of equal values.
 
-use crate::quality::statistics::size_quantile;
+use crate::signal::size_quantile;
 
 /// A channel most of whose changes are smaller than this many of its last digit is coarse.
 const COARSE: f64 = 3.5;

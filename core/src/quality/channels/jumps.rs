@@ -5,9 +5,9 @@
 
 use super::digits::resolution;
 use crate::quality::finding::{Finding, Kind, Severity};
-use crate::quality::statistics::size_quantile;
 use crate::quality::view::View;
 use crate::recording::Recording;
+use crate::signal::size_quantile;
 use std::f64::consts::PI;
 
 /// A step stands out from the mean of its neighbours by so many times what steps usually do (all but one in a hundred) ..

@@ -1,10 +1,10 @@
 //! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
 
 use super::finding::{Finding, Kind, Severity};
-use super::statistics::size_quantile;
 use super::view::View;
 use crate::channels::Channels;
 use crate::recording::Recording;
+use crate::signal::size_quantile;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 

@@ -33,8 +33,8 @@ const LEAST_BLOCKS: usize = 4;
 pub(super) struct Comparison {
     /// Mean over the blocks of the sum over the torques.
     pub gain: f64,
-    /// One-sided p-value of the torque that gains most, times the number of torques; the blocks are the independent
-    /// observations.
+    /// One-sided p-value of the torque that gains most, or of all together, times the number of both; the blocks are the
+    /// independent observations.
     pub p: f64,
     /// Mean gain of every torque channel.
     pub channels: Vec<Option<f64>>,
@@ -66,8 +66,9 @@ pub(super) fn compare(reference: &Evaluation, candidate: &Evaluation, log: &[usi
     }
     let gains: Vec<f64> = blocks.iter().map(|(_, gain)| *gain).collect();
     let gain = mean(&gains);
-    // A joint that rests in some blocks has no gain there; the torque that gains most is compared on its own blocks.
-    let p = each.iter().map(|gains| one_sided(gains)).fold(1.0, f64::min) * channels as f64;
+    // A joint that rests in some blocks has no gain there; the torque that gains most is compared on its own blocks. Where joints move in
+    // turns, each has few, and only all together show what changes all.
+    let p = each.iter().chain([&gains]).map(|gains| one_sided(gains)).fold(1.0, f64::min) * (channels + 1) as f64;
     let of_log = |wanted: usize| {
         let own: Vec<f64> = blocks.iter().filter(|(log, _)| *log == wanted).map(|(_, gain)| *gain).collect();
         if own.is_empty() { f64::INFINITY } else { mean(&own) }
@@ -120,6 +121,12 @@ impl Comparison {
         most > 2.0 * LARGE.ln() && self.gain > 2.0 * changes as f64 * LARGE.ln()
     }
 
+    /// The same with the mean gain of every torque over its own blocks, where joints move in turns.
+    pub(super) fn is_large_in_all(&self, changes: usize) -> bool {
+        let gain = self.channels.iter().flatten().sum();
+        Comparison { gain, channels: self.channels.clone(), before: Vec::new(), ..*self }.is_large(changes)
+    }
+
     /// Whether the reference is clearly worse than the candidate, from which it must be separable.
     pub(super) fn is_distinct(&self) -> bool {
         self.p < ALPHA && self.gain > 2.0 * DISTINCT.ln()
@@ -142,6 +149,19 @@ mod tests {
         // Two torques of which each gains little; one that gains at the cost of another.
         assert!(!large(&[1.6, 1.6, 1.6], 1) && !large(&[2.1, 0.9], 1));
         assert!(large(&[4.1, 1.0], 2) && large(&[2.1, 2.1], 2) && !large(&[3.9, 1.0], 2));
+    }
+
+    #[test]
+    fn joints_that_move_in_turns_show_together_what_changes_all() {
+        // Each joint moves in two of eight blocks.
+        let of = |residual: &dyn Fn(usize) -> f64| Evaluation {
+            held_out: (0..4).map(|j| (0..8).map(|b| (b % 4 == j).then(|| residual(b))).collect()).collect(),
+            unexplained: vec![Some(0.5); 4],
+        };
+        let compared =
+            |gain: &dyn Fn(usize) -> f64| compare(&of(&|_| 0.0), &of(&|block| -gain(block)), &[0; 8]).unwrap();
+        assert!(compared(&|block| 3.0 + 0.1 * block as f64).p < 1e-4);
+        assert!(compared(&|block| if block % 2 == 0 { 3.0 } else { -2.5 }).p > 0.5);
     }
 
     #[test]

@@ -22,6 +22,9 @@ const NOT_MASSES: f64 = 0.3;
 /// One torque may have a cause of its own, as a spring or a factor.
 const FEWEST: usize = 2;
 
+/// Share from which described bodies need more torque than there is: no load, friction or rotor takes that off. Of so many joints that is enough.
+const MORE_THAN_ALL: f64 = 1.0;
+
 /// A finding where no bodies explain half of the torques, or only others than those described.
 pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Description>) -> Option<Finding> {
     let rows = Rows::new(views, Some(robot))?;
@@ -48,7 +51,7 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
         }
         let text = format!(
             "the robot's bodies do not explain the torques{changed}, whatever they carry: {} stay unexplained on parts held out, {} with other bodies on \
-             these joints. Either the file's masses are wrong, as placeholders are, or the log is that of another robot",
+             these joints. Either the file's masses are wrong, as placeholders are, or the log is that of another robot or of other joints",
             percent(bodies.share()),
             percent(free.share())
         );
@@ -66,8 +69,9 @@ fn nothing_explains(shares: &[f64]) -> bool {
 fn others_explain(bodies: &Evaluation, free: &Evaluation) -> bool {
     let both: Vec<(f64, f64)> =
         bodies.unexplained.iter().zip(&free.unexplained).filter_map(|(own, free)| (*own).zip(*free)).collect();
-    let unlike = both.iter().filter(|(own, free)| *own > UNLIKE && *own > LESS * free).count();
-    unlike >= FEWEST && 2 * unlike >= both.len()
+    let beyond = |share: f64| both.iter().filter(|(own, free)| *own > share && *own > LESS * free).count();
+    let unlike = beyond(UNLIKE);
+    unlike >= FEWEST && (2 * unlike >= both.len() || beyond(MORE_THAN_ALL) >= FEWEST)
 }
 
 #[cfg(test)]
@@ -83,6 +87,8 @@ mod tests {
         let others = |bodies: &[f64], free: &[f64]| others_explain(&leaving(bodies), &leaving(free));
         assert!(others(&[0.31, 0.31, 0.02, 0.02], &[0.1, 0.1, 0.02, 0.02]));
         assert!(!others(&[0.31, 0.02, 0.02], &[0.1, 0.02, 0.02]) && !others(&[0.29, 0.29], &[0.02, 0.02]));
+        // Few torques, of which the bodies need more than there is.
+        assert!(others(&[0.1, 0.1, 0.1, 1.1, 1.1], &[0.02; 5]) && !others(&[0.1, 0.1, 0.1, 0.9, 0.9], &[0.02; 5]));
         // What no body explains.
         assert!(!others(&[0.6, 0.6], &[0.21, 0.21]));
     }

@@ -91,7 +91,7 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
         return format!(
             "the factor differs from joint to joint ({each}): currents, percent, or the motor side of the gears; give \
              [units] torque, [motors] gear_ratio and torque_constant_nm_a in a dataset. A clock that runs wrong changes the torques of inertia \
-             so too: a log without velocities may not show it otherwise"
+             so too: a log without velocities may not show it otherwise. So does the log of another robot"
         );
     }
     let units = [(1e-3, "N mm, which are mN m: [units] torque = \"mNm\""), (1e3, "kN m: [units] torque = \"kNm\"")];
@@ -108,9 +108,9 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
                 }
                 false => String::new(),
             };
-            let alone = gear.is_empty() && unit.is_empty();
-            let start = if alone { "they are probably " } else { "they are one of: " };
-            format!("{start}{gear}in amperes or percent (torque_constant_nm_a){unit}")
+            format!(
+                "they are one of: {gear}in amperes or percent (torque_constant_nm_a){unit}, or those of another robot"
+            )
         }
     }
 }

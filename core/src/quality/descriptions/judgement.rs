@@ -7,6 +7,7 @@ use super::jumps;
 use super::known::Known;
 use super::search::{Found, Outcome, search};
 use super::settle::settled;
+use super::sizes::factors::OwnFactors;
 use super::sizes::scale::Scaled;
 use super::sizes::{ALIKE, effort, factors, scale};
 use super::tried::Tried;
@@ -112,7 +113,12 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     // Free bodies know nothing of a factor that all joints share. What they see of several is a factor of the joint that differs most;
     // together with those described they show them all.
     let found = outcome.found.as_ref().map(|found| &found.best);
-    let only_factors = found.is_none_or(|best| best.description.has_only_factors());
+    // Other changes that the described bodies deny do not stand for a scale.
+    let denied = |best: &Tried| {
+        let under = |bodies: &Physics| Tried::new(bodies, &rows, best.description.clone());
+        bodies.as_ref().and_then(under).is_none_or(|tried| tried.share() >= ALIKE)
+    };
+    let only_factors = found.is_none_or(|best| best.description.has_only_factors() || denied(best));
     // Torques without gravity are small against those of the bodies, too.
     let of_all = |bodies: &Physics| {
         let scaled = scale::judge(bodies, &rows, &start)?;
@@ -125,13 +131,9 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
         return Some(untraced_verdict(&before, after, factors));
     }
-    let of_each = |bodies: &Physics| {
-        let several = found.is_some_and(|best| best.description.scaled().count() > 1);
-        let asked = several || (only_factors && scale::differ(bodies, &rows, &start));
-        let found = found.unwrap_or(&outcome.start);
-        asked.then(|| factors::of_all_joints(&free, bodies, &rows, &outcome.start, found)).flatten()
-    };
-    if let Some((after, factors)) = bodies.as_ref().and_then(of_each) {
+    let of_each =
+        |bodies: &Physics| factors::of_joints(&free, bodies, &rows, &outcome.start, found.unwrap_or(&outcome.start));
+    if let Some(OwnFactors { after, factors }) = bodies.as_ref().and_then(of_each) {
         return Some(untraced_verdict(&outcome.start, after, factors));
     }
     let described = || bodies.as_ref().and_then(|bodies| Tried::new(bodies, &rows, start.clone()));

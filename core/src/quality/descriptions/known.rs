@@ -6,6 +6,7 @@
 //! a torque's residual away; and described bodies count only where they are right: where they explain the torques as well as free
 //! ones do.
 
+use super::change::Change;
 use super::compare::{Comparison, compare};
 use super::fitting::{Physics, Rows};
 use super::sizes::ALIKE;
@@ -66,12 +67,25 @@ impl<'a> Known<'a> {
             // Free bodies may not see the change, and lose nothing by being asked without it.
             Physics::Bodies(_) => {
                 let free = [best, reference].map(other);
+                let [Some(with), Some(without)] = &free else { return false };
                 gain.is_large(changes)
                     && gain.is_large_beyond(WRONG_MASSES)
-                    && free.iter().all(|free| free.as_ref().is_some_and(|free| as_good(best, free)))
+                    && ([with, without].into_iter().all(|free| as_good(best, free))
+                        || (has_no_gravity(best, reference) && is_no_worse(with, without, rows)))
             }
         }
     }
+}
+
+/// Whether a description differs from another in nothing but that its torque lacks gravity.
+fn has_no_gravity(best: &Tried, reference: &Tried) -> bool {
+    reference.description.changes.is_empty() && best.description.changes == [Change::WithoutGravity]
+}
+
+/// Whether a model is not clearly worse than another. Free bodies that gain nothing by gravity show that the torque lacks it, however wrong the
+/// described masses are.
+fn is_no_worse(own: &Tried, other: &Tried, rows: &Rows) -> bool {
+    !compare(&own.evaluation, &other.evaluation, &rows.log).is_some_and(|loss| loss.is_distinct())
 }
 
 /// Whether the bodies leave about as little of the torques as free ones do.

@@ -1,9 +1,9 @@
 //! Range, speed, reversals and torque of every joint.
 
 use crate::linear::root_mean_square;
-use crate::quality::statistics::size_quantile;
 use crate::quality::view::View;
 use crate::robot::Robot;
+use crate::signal::size_quantile;
 
 /// Range, speed and torque of a joint.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -44,8 +44,8 @@ pub(crate) fn findings(sieved: &Sieved, clock: &Clock, factor: f64) -> Vec<Findi
         out.push(Finding::new(Kind::TwoSources, Severity::Fatal, "rows", spoilt.as_str()));
         return out;
     }
-    if !sieved.mended.is_empty() {
-        out.push(Finding::new(Kind::Mended, Severity::Note, "log", sieved.mended.join("; ")));
+    if !sieved.corrections.is_empty() {
+        out.push(Finding::new(Kind::Corrected, Severity::Note, "log", sieved.corrections.join("; ")));
     }
     if let Some(column) = &sieved.of_controller {
         let text = format!(

@@ -68,11 +68,11 @@ pub(crate) fn constant_torques(log: &mut Recording) -> Vec<String> {
     if constant.len() == with_torque {
         return Vec::new();
     }
-    let mend = |&(joint, value): &(usize, f64)| {
+    let noted = |&(joint, value): &(usize, f64)| {
         log.tau.channel_mut(joint).fill(f64::NAN);
         format!("the torque of {} is {value} in every row: it was not measured, and is not used", log.joints[joint])
     };
-    constant.iter().map(mend).collect()
+    constant.iter().map(noted).collect()
 }
 
 /// Puts NaN in the place of velocities that are the same in every row although the position goes on, and not at a constant speed: they are

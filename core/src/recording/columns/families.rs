@@ -81,22 +81,34 @@ pub(super) fn any_position(meanings: &[Vec<Meaning>], names: &[String]) -> bool 
 /// counted from 1. Empty unless there are `count` of them without a hole.
 pub(super) fn numbers_in_names(meanings: &[Vec<Meaning>], count: usize) -> BTreeMap<String, usize> {
     let names = own_names(meanings);
-    let split = |name: &str| -> Option<(String, usize)> {
-        let start = name.find(|letter: char| letter.is_ascii_digit())?;
-        let length = name[start..].bytes().take_while(u8::is_ascii_digit).count();
-        let number = name[start..start + length].parse().ok()?;
-        Some((format!("{}#{}", &name[..start], &name[start + length..]), number))
-    };
-    let parts: Option<Vec<(String, usize)>> = names.iter().map(|name| split(name)).collect();
-    let Some(parts) = parts.filter(|parts| parts.len() == count && count > 0) else { return BTreeMap::new() };
-    let lowest = parts.iter().map(|(_, number)| *number).min().unwrap_or(0);
-    let mut sorted: Vec<usize> = parts.iter().map(|(_, number)| *number).collect();
-    sorted.sort_unstable();
-    let alike = parts.iter().all(|(pattern, _)| *pattern == parts[0].0);
-    if !alike || lowest > 1 || !sorted.into_iter().eq(lowest..lowest + count) {
+    if names.len() != count || names.is_empty() {
         return BTreeMap::new();
     }
-    names.into_iter().zip(parts).map(|(name, (_, number))| (name, number + 1 - lowest)).collect()
+    // `rob1_3` has two numbers, of which one is the joint's.
+    let places = names.iter().map(|name| numbers_of(name).len()).min().unwrap_or(0);
+    let counted = |place: usize| {
+        let parts: Vec<(String, usize)> = names.iter().map(|name| numbers_of(name).swap_remove(place)).collect();
+        let mut sorted: Vec<usize> = parts.iter().map(|(_, number)| *number).collect();
+        sorted.sort_unstable();
+        let lowest = sorted[0];
+        let alike = parts.iter().all(|(pattern, _)| *pattern == parts[0].0);
+        let whole = alike && lowest <= 1 && sorted.into_iter().eq(lowest..lowest + count);
+        whole.then(|| names.iter().cloned().zip(parts.into_iter().map(|(_, number)| number + 1 - lowest)).collect())
+    };
+    (0..places).find_map(counted).unwrap_or_default()
+}
+
+/// The numbers in a name, each with the name around it.
+fn numbers_of(name: &str) -> Vec<(String, usize)> {
+    let mut out = Vec::new();
+    let mut end = 0;
+    while let Some(start) = name[end..].find(|letter: char| letter.is_ascii_digit()).map(|start| end + start) {
+        end = start + name[start..].bytes().take_while(u8::is_ascii_digit).count();
+        out.extend(
+            name[start..end].parse().ok().map(|number| (format!("{}#{}", &name[..start], &name[end..]), number)),
+        );
+    }
+    out
 }
 
 /// What stands between a prefix and the joint behind it.

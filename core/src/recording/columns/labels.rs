@@ -34,9 +34,31 @@ pub(crate) fn of_joint_state_message(cells: &[String]) -> Option<Vec<String>> {
     (count > 0 && place == cells.len()).then_some(header)
 }
 
+/// The header of messages of control_msgs/DynamicJointState, whose first row names the joints and their interfaces: columns
+/// `joint_names[0]`, `interface_values[0].interface_names[1]` and `interface_values[0].values[1]`.
+fn of_dynamic_joint_states(header: Vec<String>, first: &[String]) -> Vec<String> {
+    let numbers = |column: &str, word: &str| -> Option<Vec<usize>> {
+        let (before, behind) = column.split_once(word)?;
+        let of = |text: &str| text.split(|letter: char| !letter.is_ascii_digit()).find_map(|part| part.parse().ok());
+        let joint = before.split_once("interface_values").map(|(_, joint)| of(joint));
+        joint.into_iter().chain([of(behind)]).collect()
+    };
+    let cell = |word: &str, wanted: &[usize]| {
+        let place = header.iter().position(|column| numbers(column, word).is_some_and(|own| own == wanted))?;
+        first.get(place).filter(|cell| !cell.is_empty() && cell.parse::<f64>().is_err())
+    };
+    let rename = |column: &String| {
+        let place = numbers(column, ".values").or_else(|| numbers(column, "/values"))?;
+        let [joint, _] = place[..] else { return None };
+        Some(format!("{}/{}", cell("joint_names", &[joint])?, cell("interface_names", &place)?))
+    };
+    header.iter().map(|column| rename(column).unwrap_or_else(|| column.clone())).collect()
+}
+
 /// The header with the names of joints that the first row holds: of columns `name0` or `name[0]` next to `position0` or
 /// `position[0]`.
 pub(crate) fn named(header: Vec<String>, first: &[String]) -> Vec<String> {
+    let header = of_dynamic_joint_states(header, first);
     let split = |column: &str| -> Option<(String, String, usize)> {
         let bare = column.strip_suffix(']').unwrap_or(column);
         let stem = bare.trim_end_matches(|letter: char| letter.is_ascii_digit());
@@ -88,6 +110,16 @@ mod tests {
         for other in ["t,q1,tau1", "0,1,2", "17,5000,,a,1,2,3,4", "17,5e9,,a,1,2,3"] {
             assert_eq!(of_joint_state_message(&cells(other)), None, "{other}");
         }
+    }
+
+    #[test]
+    fn interfaces_in_the_first_row() {
+        let header = cells(
+            "t,joint_names[0],interface_values[0].interface_names[0],interface_values[0].interface_names[1],interface_values[0].values[0],\
+             interface_values[0].values[1],interface_values[1].values[0]",
+        );
+        let named = named(header, &cells("0,elbow,velocity,position,0.1,0.2,0.3"));
+        assert_eq!(named[4..], ["elbow/velocity", "elbow/position", "interface_values[1].values[0]"]);
     }
 
     #[test]

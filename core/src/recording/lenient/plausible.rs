@@ -119,11 +119,15 @@ mod tests {
         let fastest = |sieved: &Sieved| super::largest(sieved.recording.qd.as_ref().unwrap().as_slice());
         let radians = read(6, DEGREES, [1.2, 40.0], [false; 4]);
         assert!((largest(&radians) - 1.2).abs() < 1e-3 && (fastest(&radians) - 2.4).abs() < 1e-3);
-        assert!(radians.mended.iter().any(|note| note.contains("taken in rad")), "{:?}", radians.mended);
+        assert!(radians.corrections.iter().any(|note| note.contains("taken in rad")), "{:?}", radians.corrections);
         // Two joints, a motion beyond one turn, a small one, and a unit that a dataset gives.
         for (joints, swing) in [(2, 1.2), (6, 6.4), (6, 0.2)] {
             let degrees = read(joints, DEGREES, [swing, 40.0], [false; 4]);
-            assert!((largest(&degrees) / swing * 57.3 - 1.0).abs() < 1e-2, "{joints} {swing}: {:?}", degrees.mended);
+            assert!(
+                (largest(&degrees) / swing * 57.3 - 1.0).abs() < 1e-2,
+                "{joints} {swing}: {:?}",
+                degrees.corrections
+            );
         }
         assert!((largest(&read(6, DEGREES, [1.2, 40.0], [true; 4])) - 1.2).abs() < 1e-3);
     }

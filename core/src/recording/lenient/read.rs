@@ -25,7 +25,7 @@ pub struct Sieved {
     /// Joints that columns which are not used name.
     pub unknown_joints: Vec<String>,
     /// How the file was understood and what was corrected.
-    pub mended: Vec<String>,
+    pub corrections: Vec<String>,
     /// Joints whose position jumped by whole turns, which was undone, each with the turn in the unit of the file: they may lie
     /// whole turns outside their limits.
     pub unwrapped: Vec<(usize, f64)>,
@@ -108,11 +108,11 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
                        currents";
         return Err(Error::input(path, None, "torque", problem));
     }
-    let mut mended = std::mem::take(&mut layout.understood);
+    let mut corrections = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, sources[0].text(), &mut layout, &mut columns, &mut header, lines.len(), map)?;
-    mended.extend(clock.mended);
-    mended.extend(rates::without_whole(&layout, &mut columns, &mut lines));
-    mended.extend(rates::without_repeats(&layout, &mut columns, &mut lines));
+    corrections.extend(clock.corrections);
+    corrections.extend(rates::without_whole(&layout, &mut columns, &mut lines));
+    corrections.extend(rates::without_repeats(&layout, &mut columns, &mut lines));
     let mut rows = Rows { header, lines, columns };
     let rejected = rows.sieve(&layout, unreadable);
     let notes = std::mem::take(&mut layout.notes).into_iter().chain(sources.iter().flat_map(Source::notes)).collect();
@@ -120,12 +120,12 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
     let (currents, of_controller) = (layout.currents, layout.of_controller.take());
     let of_names = layout.units();
     let mut recording = layout.recording(rows.columns);
-    mended.extend(units::in_si(&mut recording, of_names, map.known_units));
+    corrections.extend(units::in_si(&mut recording, of_names, map.known_units));
     sources[0].describe(&mut recording);
-    mended.extend(missing::constant_torques(&mut recording));
+    corrections.extend(missing::constant_torques(&mut recording));
     let (unwrapped, note) = unwrap(&mut recording);
-    mended.extend(note);
-    mended.extend(missing::constant_velocities(&mut recording));
+    corrections.extend(note);
+    corrections.extend(missing::constant_velocities(&mut recording));
     let (lines, spoilt) = (rows.lines, clock.spoilt);
     let sieved = Sieved {
         recording,
@@ -133,7 +133,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         rejected,
         notes,
         unknown_joints,
-        mended,
+        corrections,
         unwrapped,
         currents,
         of_controller,

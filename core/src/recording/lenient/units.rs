@@ -143,7 +143,7 @@ mod tests {
     #[track_caller]
     fn assert_si(sieved: &Sieved) {
         let left = left(sieved);
-        assert!(left.iter().all(|left| (left - 1.0).abs() < 1e-9), "{left:?} {:?}", sieved.mended);
+        assert!(left.iter().all(|left| (left - 1.0).abs() < 1e-9), "{left:?} {:?}", sieved.corrections);
     }
 
     #[test]
@@ -164,9 +164,9 @@ mod tests {
         ] {
             let sieved = read(header, factors, [false; 4]);
             assert_si(&sieved);
-            assert_eq!(sieved.mended.is_empty(), words.is_empty(), "{:?}", sieved.mended);
+            assert_eq!(sieved.corrections.is_empty(), words.is_empty(), "{:?}", sieved.corrections);
             for word in words {
-                assert!(sieved.mended.iter().any(|note| note.contains(word)), "{word}: {:?}", sieved.mended);
+                assert!(sieved.corrections.iter().any(|note| note.contains(word)), "{word}: {:?}", sieved.corrections);
             }
         }
         let amperes = read("t,q1,qd1,tau1 [mA]", [1.0, 1.0, 1e3], [false; 4]);
@@ -178,7 +178,7 @@ mod tests {
     fn a_unit_that_is_known_otherwise_stays() {
         let sieved = read("t,q1 [deg],qd1 [deg/s],tau1 [mNm]", [1.0; 3], [true; 4]);
         assert_si(&sieved);
-        assert!(sieved.mended.is_empty(), "{:?}", sieved.mended);
+        assert!(sieved.corrections.is_empty(), "{:?}", sieved.corrections);
         // A dataset says so.
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
@@ -208,7 +208,7 @@ mod tests {
             let row = |row: i32| format!("{},{},0.1,{row},1\n", 0.01 * f64::from(row), largest * f64::from(row) / 99.0);
             let rows: String = (0..100).map(row).collect();
             std::fs::write(&path, format!("t,q1 [deg],q2 [deg],tau1,tau2\n{rows}")).unwrap();
-            load(&path, None, &ColumnMap::default()).unwrap().mended.join("; ")
+            load(&path, None, &ColumnMap::default()).unwrap().corrections.join("; ")
         };
         assert!(said(6.2).contains("if they are in rad") && !said(6.4).contains("if they are in rad"), "{}", said(6.2));
     }

@@ -3,6 +3,8 @@
 //! A pause or lost rows change the positions, another recording begins elsewhere. So time is put right only where joints surely move on both sides
 //! of the jump, and each goes on at its speed.
 
+use crate::signal::size_quantile;
+
 /// A step this many times longer than the usual one is a jump; one that goes back is always.
 const LONG: f64 = 4.0;
 
@@ -32,9 +34,9 @@ pub(super) fn undo(time: &mut [f64], positions: &[&[f64]]) -> Option<String> {
     if steps.iter().any(|step| !step.is_finite()) {
         return None;
     }
-    let usual = quantile(steps.iter().copied().filter(|step| *step > 0.0), 0.5)?;
+    let usual = size_quantile(steps.iter().copied().filter(|step| *step > 0.0), 0.5);
     let jumps: Vec<usize> = (0..steps.len()).filter(|&step| steps[step] < 0.0 || steps[step] > LONG * usual).collect();
-    let fast: Vec<f64> = positions.iter().map(|signal| quantile(changes(signal), FAST).unwrap_or(0.0)).collect();
+    let fast: Vec<f64> = positions.iter().map(|signal| size_quantile(changes(signal), FAST)).collect();
     let alone = |&jump: &usize| {
         let around = jump.saturating_sub(IN_ORDER)..(jump + IN_ORDER + 1).min(steps.len());
         around.len() > IN_ORDER && around.into_iter().all(|step| step == jump || !jumps.contains(&step))
@@ -80,14 +82,9 @@ fn continues(signal: &[f64], step: usize, fast: f64) -> Option<bool> {
     moves.then(|| (own - mean).abs() < GOES_ON * mean.abs())
 }
 
+/// Finite changes of a signal from one sample to the next.
 fn changes(signal: &[f64]) -> impl Iterator<Item = f64> {
-    signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| change.is_finite())
-}
-
-fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    let place = (share * values.len().checked_sub(1)? as f64) as usize;
-    Some(*values.select_nth_unstable_by(place, f64::total_cmp).1)
+    signal.windows(2).map(|pair| pair[1] - pair[0]).filter(|change| change.is_finite())
 }
 
 #[cfg(test)]

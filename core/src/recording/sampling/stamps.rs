@@ -42,7 +42,7 @@ const DIGITS: f64 = 50.0;
 #[derive(Debug, Default)]
 pub(crate) struct Clock {
     /// How it was understood and corrected.
-    pub mended: Vec<String>,
+    pub corrections: Vec<String>,
     /// Why the rows cannot be used, and what to do.
     pub spoilt: Option<String>,
 }
@@ -68,7 +68,7 @@ pub(crate) fn clock(
         columns.push((0..rows).map(|row| row as f64 / rate).collect());
         header.push("t".to_owned());
         layout.set_time(columns.len() - 1);
-        clock.mended.push(format!("rows are taken at {rate} Hz, the rate of the dataset"));
+        clock.corrections.push(format!("rows are taken at {rate} Hz, the rate of the dataset"));
         return Ok(clock);
     }
     let column = layout.time();
@@ -79,13 +79,13 @@ pub(crate) fn clock(
         columns.push(joined);
         header.push(header[column].clone());
         layout.set_time(columns.len() - 1);
-        clock.mended.push(format!("time is {} and {} together", header[column], header[nanoseconds]));
+        clock.corrections.push(format!("time is {} and {} together", header[column], header[nanoseconds]));
     } else {
         if let Some(text) = text.filter(|_| backward(&columns[column]) > 0.0) {
-            clock.mended.extend(zeros_lost(&text.cells(column), &mut columns[column]));
+            clock.corrections.extend(zeros_lost(&text.cells(column), &mut columns[column]));
         }
-        clock.mended.extend(wrapped::undo(&mut columns[column]));
-        clock.mended.extend(unit::in_seconds(columns, layout, map.time_factor));
+        clock.corrections.extend(wrapped::undo(&mut columns[column]));
+        clock.corrections.extend(unit::in_seconds(columns, layout, map.time_factor));
         if layout.time_is_index && columns[column].windows(2).all(|pair| pair[1] - pair[0] == 1.0) {
             let problem = "missing column: no column of time (t or time, in s), the first counts the rows; give the sampling rate \
                            in a dataset: rate_hz = 100 in [columns]";
@@ -102,9 +102,9 @@ pub(crate) fn clock(
     let time = layout.time();
     let mut stamps = std::mem::take(&mut columns[time]);
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
-    clock.mended.extend(set::undo(&mut stamps, &signals));
+    clock.corrections.extend(set::undo(&mut stamps, &signals));
     columns[time] = stamps;
-    clock.mended.extend(bursts(&mut columns[time]));
+    clock.corrections.extend(bursts(&mut columns[time]));
     let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);
     let stamps = &columns[time];
     let repeated: Vec<usize> = (1..stamps.len()).filter(|&row| stamps[row] == stamps[row - 1]).collect();
@@ -112,7 +112,7 @@ pub(crate) fn clock(
     if others as f64 > COARSE * stamps.len() as f64 && 2 * others > repeated.len() && backward(stamps) == 0.0 {
         let (spread, quantum) = spread(stamps);
         let rate = (spread.len() - 1) as f64 / (spread[spread.len() - 1] - spread[0]);
-        clock.mended.push(format!(
+        clock.corrections.push(format!(
             "the clock is coarse (steps of {:.3} ms): {:.0} % of the rows have the stamp of the row before, though other values; \
              they are spread evenly, at {rate:.1} Hz; log a finer clock if you can",
             1e3 * quantum,
@@ -167,13 +167,13 @@ fn zeros_lost(cells: &[String], time: &mut [f64]) -> Option<String> {
     let scale = 10f64.powi(-(i32::try_from(digits).ok()?));
     let value =
         |(whole, fraction): &(&str, &str)| Some(whole.parse::<f64>().ok()? + scale * fraction.parse::<f64>().ok()?);
-    let mended: Vec<f64> = parts.iter().map(value).collect::<Option<_>>()?;
-    if backward(&mended) > 0.0 {
+    let whole: Vec<f64> = parts.iter().map(value).collect::<Option<_>>()?;
+    if backward(&whole) > 0.0 {
         return None;
     }
     let example =
         cells.iter().find(|cell| cell.split_once('.').is_some_and(|(_, fraction)| fraction.len() < digits))?;
-    time.copy_from_slice(&mended);
+    time.copy_from_slice(&whole);
     Some(format!(
         "seconds and their fraction were joined without leading zeros ({example}): the digits behind the point are taken as a \
          number of {digits} digits; write them with zeros"

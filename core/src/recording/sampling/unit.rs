@@ -103,6 +103,11 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
         (Some(_), _) if within(factor, CONFIRMS) => {
             format!(": steps of {step_said} are {} then, as the velocities confirm", hz(factor))
         }
+        // A controller may count its own cycles.
+        _ if step == 1.0 => format!(
+            ": steps of 1 are {} then; if the column counts cycles of the controller, give their length as [units] time_factor",
+            hz(factor)
+        ),
         _ => format!(": steps of {step_said} are {} then", hz(factor)),
     };
     Some((factor, unit, Some(doubt)))
@@ -172,7 +177,7 @@ mod tests {
         }
         std::fs::write(&path, text).unwrap();
         let sieved = load(&path, None, &ColumnMap::default()).unwrap();
-        (sieved.recording.rate_hz(), sieved.mended.join("; "))
+        (sieved.recording.rate_hz(), sieved.corrections.join("; "))
     }
 
     #[test]

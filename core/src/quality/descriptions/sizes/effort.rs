@@ -7,7 +7,7 @@ use super::super::change::{Change, Description};
 use super::super::fitting::{Physics, Rows};
 use super::super::verdict::Shown;
 use super::scale::{PLAUSIBLE, factor_without_rotor};
-use crate::quality::statistics::size_quantile;
+use crate::signal::size_quantile;
 
 /// A twentieth of the samples is beyond this many times the effort limit: a drive exceeds it by less, and for a moment.
 const BEYOND: f64 = 2.0;

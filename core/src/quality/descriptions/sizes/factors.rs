@@ -7,8 +7,9 @@
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows, Tables};
+use super::super::known::WRONG_MASSES;
 use super::super::tried::Tried;
-use super::scale::{ALIKE, STEP, best, between, merit, spread};
+use super::scale::{ALIKE, PLAUSIBLE, SPREAD, STEP, best, between, differ, merit, sizes, spread, without_load};
 
 /// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
 const REPORTED: f64 = 2.0;
@@ -45,7 +46,8 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
             return None;
         }
         let mut scales = from.torque_scale.clone();
-        scales[joint] = determined(merit_of(&tables, rows, &with, &scales, joint))?;
+        let is_described = matches!(physics, Physics::Bodies(_));
+        scales[joint] = determined(merit_of(&tables, rows, &with, &scales, joint), is_described)?;
         // The factor changes what those found before are.
         let earlier: Vec<usize> = from.scaled().collect();
         for _ in 0..if earlier.is_empty() { 0 } else { ROUNDS } {
@@ -86,8 +88,9 @@ fn merit_of(
     }
 }
 
-/// The factor beyond what is reported under which `merit` is least, where it is determined.
-fn determined(merit: impl Fn(f64) -> f64) -> Option<f64> {
+/// The factor beyond what is reported under which `merit` is least, where it is determined. Bodies that are described need their torque: one
+/// that is too small for them is so though its size does not show.
+fn determined(merit: impl Fn(f64) -> f64, is_described: bool) -> Option<f64> {
     let (grid, merits) = spread(1.0, WIDEST, &merit);
     let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
     // Ends of the range are no valley, and one around no factor gives none that is reported.
@@ -96,58 +99,165 @@ fn determined(merit: impl Fn(f64) -> f64) -> Option<f64> {
     }
     let factor = between(grid[least] / STEP, grid[least] * STEP, &merit);
     let decoupled = merits[0].min(merits[merits.len() - 1]);
-    (merit(factor) < decoupled - DETERMINED && factor.ln().abs() > REPORTED.ln()).then_some(factor)
+    let other = if is_described && factor > PLAUSIBLE { merit(1.0) } else { decoupled };
+    (merit(factor) < other - DETERMINED && factor.ln().abs() > REPORTED.ln()).then_some(factor)
 }
 
-/// The description with a factor for every torque, and how many times larger the logged torques are: a current or a share of the rated
-/// torque has another factor on each joint. It takes the place of factors of some that were `found`, where free bodies explain the torques
-/// no worse by it and the described ones clearly better. The ratios of the factors are those under free bodies, their common size
-/// is that of the described ones.
-pub(crate) fn of_all_joints(
+/// Torques with factors of their own.
+pub(crate) struct OwnFactors {
+    /// The description with the factors.
+    pub after: Tried,
+    /// How many times larger each logged torque is, where all have another scale; empty where the most have that of the described bodies.
+    pub factors: Vec<Option<f64>>,
+}
+
+/// The factors of the torques, where they differ by more than masses make: a current or a share of the rated torque has another on each joint, and
+/// one drive may have another gear. They take the place of what was `found`, where described bodies explain the torques clearly better by
+/// them, and free ones no worse.
+pub(crate) fn of_joints(
     free: &Physics,
     bodies: &Physics,
     rows: &Rows,
     start: &Tried,
     found: &Tried,
-) -> Option<(Tried, Vec<Option<f64>>)> {
+) -> Option<OwnFactors> {
     let given = &start.description;
     let whole = rows.whole();
-    let takes_part = |joint: &usize| start.evaluation.unexplained[given.torque_of[*joint]].is_some();
-    let joints: Vec<usize> = (0..given.dof()).filter(takes_part).collect();
-    let with = |scales: &[f64]| given.with_scales(1.0, &scales.iter().map(|scale| 1.0 / scale).collect::<Vec<_>>());
-    let mut scales = vec![1.0; given.dof()];
     let described = bodies.tables(&whole, given);
-    for widest in [WIDEST, NEAR] {
-        for &joint in &joints {
-            scales[joint] = fitted(&described, &whole, &with, &scales, joint, widest)?;
-        }
+    let alone = without_load(&described, rows);
+    let scaled = found.description.scaled().count();
+    if scaled == 0 && !differ(&alone) {
+        return None;
     }
-    let tables = free.tables(&whole, given);
-    for _ in 0..ROUNDS {
-        for &joint in &joints {
-            scales[joint] = fitted(&tables, &whole, &with, &scales, joint, NEAR)?;
+    let search = Search { free, bodies, rows, whole: &whole, described: &described, start, found };
+    search.of_few(&alone).or_else(|| search.of_all(&alone))
+}
+
+/// What the search for the factors of several torques asks.
+struct Search<'a> {
+    free: &'a Physics,
+    bodies: &'a Physics,
+    rows: &'a Rows,
+    whole: &'a Rows,
+    /// Tables of all rows under the described bodies.
+    described: &'a Tables,
+    start: &'a Tried,
+    found: &'a Tried,
+}
+
+impl Search<'_> {
+    /// Factors of some torques, where those of the most are those of the described bodies. `alone` are the factors without a load.
+    fn of_few(&self, alone: &[Option<f64>]) -> Option<OwnFactors> {
+        let given = &self.start.description;
+        let sizes = sizes(alone)?;
+        let median = sizes[sizes.len() / 2];
+        let own = |&joint: &usize| alone[joint].is_some_and(|f| f > 0.0 && (f / median).ln().abs() > SPREAD.ln());
+        let joints: Vec<usize> = (0..given.dof()).filter(own).collect();
+        let is_usual = (1.0 / REPORTED..REPORTED).contains(&median);
+        if !is_usual || joints.is_empty() || 2 * joints.len() > sizes.len() {
+            return None;
         }
+        let with = |scales: &[f64]| {
+            joints.iter().fold(given.clone(), |own, &joint| own.with(Change::JointScale(joint, scales[joint])))
+        };
+        let mut scales: Vec<f64> = alone.iter().map(|factor| 1.0 / factor.unwrap_or(1.0)).collect();
+        for _ in 0..ROUNDS {
+            for &joint in &joints {
+                scales[joint] = fitted(self.described, self.whole, &with, &scales, joint, NEAR)?;
+            }
+        }
+        // Bodies that are described too light, or a load, make a torque too large, and nothing makes one smaller than its bodies need.
+        let is_beyond_masses = joints.iter().all(|&joint| scales[joint] > PLAUSIBLE);
+        let after = self.accepted(with(&scales), joints.len(), is_beyond_masses)?;
+        Some(OwnFactors { after, factors: Vec::new() })
     }
-    let of_shared = |shared: f64| scales.iter().map(|scale| scale * shared).collect::<Vec<f64>>();
-    let shared = |shared: f64| merit(&described, &whole, &with(&of_shared(shared)));
-    let scales = of_shared(best(1.0, NEAR, shared)?);
-    // Bodies that are not like the torques know no size.
-    let of_bodies = Tried::new(bodies, rows, with(&scales)).filter(|tried| tried.share() < ALIKE)?;
-    let found_by_bodies = Tried::new(bodies, rows, found.description.clone())?;
-    let gain_of_bodies = compare(&found_by_bodies.evaluation, &of_bodies.evaluation, &rows.log)?;
-    let mut sizes: Vec<f64> = joints.iter().map(|&joint| scales[joint]).collect();
-    sizes.sort_by(f64::total_cmp);
-    let factors: Vec<f64> = scales.iter().map(|scale| 1.0 / scale).collect();
-    let mut all = given.with_scales(1.0 / sizes[sizes.len() / 2], &factors);
-    all.scale_is_partial = joints.len() < given.dof();
-    let after = Tried::new(free, rows, all)?;
-    let gain = compare(&start.evaluation, &after.evaluation, &rows.log)?;
-    let over_found = compare(&found.evaluation, &after.evaluation, &rows.log)?;
-    let explained = after.evaluation.unexplained.iter().flatten().all(|share| *share < EXPLAINED);
-    let known = |joint: usize| joints.contains(&joint).then(|| factors[joint]);
-    let better = gain.is_better(1, EXPLAINED) && gain.is_large(1) && over_found.gain > 0.0;
-    (explained && better && gain_of_bodies.is_large(joints.len() - 1))
-        .then(|| (after, (0..given.dof()).map(known).collect()))
+
+    /// A factor for every torque. The ratios are those under free bodies where these determine them, the common size is that of the described ones.
+    fn of_all(&self, alone: &[Option<f64>]) -> Option<OwnFactors> {
+        let given = &self.start.description;
+        let of_start = Tried::new(self.bodies, self.rows, given.clone())?;
+        let takes_part = |joint: &usize| of_start.evaluation.unexplained[given.torque_of[*joint]].is_some();
+        let joints: Vec<usize> = (0..given.dof()).filter(takes_part).collect();
+        let with = |scales: &[f64]| given.with_scales(1.0, &scales.iter().map(|scale| 1.0 / scale).collect::<Vec<_>>());
+        // A load hides the factors of a wrist, and a rough start those of others.
+        let rough: Vec<f64> = alone.iter().map(|factor| factor.map_or(1.0, |factor| 1.0 / factor.abs())).collect();
+        let mut scales = vec![1.0; given.dof()];
+        let of = |scales: &[f64]| merit(self.described, self.whole, &with(scales));
+        for widest in [WIDEST, NEAR] {
+            for &joint in &joints {
+                scales[joint] = fitted(self.described, self.whole, &with, &scales, joint, widest)?;
+            }
+        }
+        let mut from_alone = rough;
+        for &joint in joints.iter().cycle().take(ROUNDS * joints.len()) {
+            let widest = if alone[joint].is_some() { NEAR } else { WIDEST };
+            from_alone[joint] = fitted(self.described, self.whole, &with, &from_alone, joint, widest)?;
+        }
+        if of(&from_alone) < of(&scales) {
+            scales = from_alone;
+        }
+        let tables = self.free.tables(self.whole, given);
+        let mut ratios = scales.clone();
+        for &joint in joints.iter().cycle().take(ROUNDS * joints.len()) {
+            ratios[joint] = fitted(&tables, self.whole, &with, &ratios, joint, NEAR)?;
+        }
+        // Joints that move in turns determine no ratios.
+        let under_free = |scales: &[f64]| Tried::new(self.free, self.rows, with(scales));
+        let gain = compare(&under_free(&scales)?.evaluation, &under_free(&ratios)?.evaluation, &self.rows.log);
+        if gain.is_some_and(|gain| gain.is_distinct()) {
+            let of_shared = |shared: f64| ratios.iter().map(|scale| scale * shared).collect::<Vec<f64>>();
+            let shared = best(1.0, NEAR, |shared| of(&of_shared(shared)))?;
+            scales = of_shared(shared);
+        }
+        let mut sizes: Vec<f64> = joints.iter().map(|&joint| scales[joint]).collect();
+        sizes.sort_by(f64::total_cmp);
+        // A torque without bound to its factor has no part in the bodies: those of another arm come apart so.
+        if sizes[0] < 1.0 / WIDEST || sizes[sizes.len() - 1] > WIDEST {
+            return None;
+        }
+        // Of torques that are friction for the most part the factors are not known well enough to deny the masses.
+        let mut known: Vec<f64> =
+            joints.iter().filter(|&&joint| alone[joint].is_some()).map(|&joint| scales[joint]).collect();
+        known.sort_by(f64::total_cmp);
+        // A single one may be a body that is described wrongly.
+        let is_beyond_masses = match known[..] {
+            [least, second, .., last, most] => last > PLAUSIBLE * least || most > PLAUSIBLE * second,
+            _ => false,
+        };
+        let factors: Vec<f64> = scales.iter().map(|scale| 1.0 / scale).collect();
+        let mut all = given.with_scales(1.0 / sizes[sizes.len() / 2], &factors);
+        all.scale_is_partial = joints.len() < given.dof();
+        let after = self.accepted(all, joints.len() - 1, is_beyond_masses)?;
+        let known = |joint: usize| joints.contains(&joint).then(|| factors[joint]);
+        Some(OwnFactors { after, factors: (0..given.dof()).map(known).collect() })
+    }
+
+    /// A description with so many factors under free bodies, where they are clearly better under the described ones, and either free bodies
+    /// show it too, or no masses make such factors.
+    fn accepted(&self, description: Description, factors: usize, is_beyond_masses: bool) -> Option<Tried> {
+        let under = |description: &Description| Tried::new(self.bodies, self.rows, description.clone());
+        // Bodies that are not like the torques know no size.
+        let of_bodies = under(&description).filter(|tried| tried.share() < ALIKE)?;
+        let log = &self.rows.log;
+        let gain = |from: &Tried, to: &Tried| compare(&from.evaluation, &to.evaluation, log);
+        let changes = factors.saturating_sub(self.found.description.changes.len()).max(1);
+        let over_start = gain(&under(&self.start.description)?, &of_bodies)?;
+        let over_found = gain(&under(&self.found.description)?, &of_bodies)?;
+        let after = Tried::new(self.free, self.rows, description)?;
+        let explained = after.evaluation.unexplained.iter().flatten().all(|share| *share < EXPLAINED);
+        let of_free = gain(self.start, &after)?;
+        let shown = of_free.is_better(1, EXPLAINED) && of_free.is_large(1) && explained;
+        let over_free = gain(self.found, &after)?;
+        let no_worse = !gain(&after, self.start).is_some_and(|loss| loss.is_distinct());
+        let clearly = match shown && over_free.gain > 0.0 {
+            true => true,
+            false => {
+                let better = over_start.is_better(self.described.joints.len(), EXPLAINED);
+                is_beyond_masses && no_worse && better && over_start.is_large_beyond(WRONG_MASSES)
+            }
+        };
+        (clearly && over_start.is_large_in_all(changes) && over_found.is_large_in_all(changes)).then_some(after)
+    }
 }
 
 #[cfg(test)]
@@ -161,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_factor_is_one_that_fits_better_than_no_coupling_beyond_what_is_reported() {
-        let found = |at: f64, depth: f64| determined(valley(at, depth));
+        let found = |at: f64, depth: f64| determined(valley(at, depth), false);
         for at in [2.2, 80.0, 0.45, 0.01] {
             let factor = found(at, 1.0).unwrap();
             assert!((factor / at).ln().abs() < 0.02, "{factor} {at}");
@@ -170,5 +280,9 @@ mod tests {
         // A shallow valley, and one at the end of the range.
         assert!(found(80.0, 0.55).is_some() && found(80.0, 0.45).is_none());
         assert_eq!(found(1e6, 1.0), None);
+        // A torque that is too small for its bodies, by how much does not show.
+        let open = |factor: f64| if factor < 4.0 { 1.0 } else { 0.05 * (factor / 90.0_f64).ln().abs().min(1.0) };
+        assert_eq!(determined(open, false), None);
+        assert!((determined(open, true).unwrap() / 90.0).ln().abs() < 0.1);
     }
 }

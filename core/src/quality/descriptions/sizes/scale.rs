@@ -31,7 +31,7 @@ const UNEQUAL: f64 = 2.0;
 
 /// Ratio of the largest of the joints' factors to the smallest from which free bodies are asked whether each joint has its own: single
 /// masses are rarely wrong by more.
-const SPREAD: f64 = 3.0;
+pub(crate) const SPREAD: f64 = 3.0;
 
 /// Rounds over the joints, whose factors share the load.
 const ROUNDS: usize = 3;
@@ -53,15 +53,15 @@ pub(crate) struct Scaled {
 pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Scaled> {
     let whole = rows.whole();
     let tables = bodies.tables(&whole, start);
-    let alone = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect::<Vec<_>>();
+    let alone = without_load(&tables, rows);
     let first = first(&alone)?;
     let before = Tried::new(bodies, rows, start.clone())?;
     let scaled = |factor: f64| start.with(Change::TorqueScale(1.0 / factor));
     let shared = best(first, WIDEST, |factor| merit(&tables, &whole, &scaled(factor)))?;
     // Factors that differ much are far from one that all share: a load that makes up for it is hard to leave.
     let of_each = |factors: &[f64]| merit(&tables, &whole, &start.with_scales(shared, factors));
-    let without_load: Vec<f64> = alone.iter().map(|factor| factor.map_or(shared, f64::abs)).collect();
-    let starts = [vec![shared; start.dof()], without_load];
+    let own: Vec<f64> = alone.iter().map(|factor| factor.map_or(shared, f64::abs)).collect();
+    let starts = [vec![shared; start.dof()], own];
     let mut each = starts.into_iter().min_by(|a, b| of_each(a).total_cmp(&of_each(b)))?;
     for _ in 0..ROUNDS {
         for joint in 0..each.len() {
@@ -80,27 +80,27 @@ pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
     let candidates = [(scaled(shared), vec![Some(shared)]), (own, each_known)];
     let [one, differing] = candidates.map(|(description, factors)| {
         let after = Tried::new(bodies, rows, description)?;
-        implausible(&factors).map(|_| (after, factors))
+        Some((after, factors))
     });
-    let differs = |(one, own): (&(Tried, _), &(Tried, Vec<Option<f64>>))| {
-        own.1.iter().flatten().any(|factor| (factor / shared).ln().abs() > UNEQUAL.ln())
-            && compare(&one.0.evaluation, &own.0.evaluation, &rows.log).is_some_and(|own| own.is_distinct())
-    };
-    let (after, factors) = match (one, differing) {
-        (Some(one), Some(own)) => Some(if differs((&one, &own)) { own } else { one }),
-        (one, own) => one.or(own),
-    }?;
+    let (one, differing) = (one?, differing?);
+    let differs = differing.1.iter().flatten().any(|factor| (factor / shared).ln().abs() > UNEQUAL.ln())
+        && compare(&one.0.evaluation, &differing.0.evaluation, &rows.log).is_some_and(|own| own.is_distinct());
+    // Where each joint has its own, a single one is that of none.
+    let (after, factors) = if differs { differing } else { one };
+    implausible(&factors)?;
     let gain = compare(&before.evaluation, &after.evaluation, &rows.log)?;
     let credible = after.share() < ALIKE;
     (credible && gain.is_better(TRIED, EXPLAINED) && gain.is_distinct()).then_some(Scaled { before, after, factors })
 }
 
-/// Whether the torques of the joints are so many times larger or smaller than those of the described bodies that masses alone do not
-/// make the difference from joint to joint.
-pub(crate) fn differ(bodies: &Physics, rows: &Rows, start: &Description) -> bool {
-    let tables = bodies.tables(rows, start);
-    let alone: Vec<_> = tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect();
-    sizes(&alone).is_some_and(|sizes| is_spread(&sizes))
+/// Whether factors are so unlike that masses alone do not make the difference from joint to joint.
+pub(crate) fn differ(factors: &[Option<f64>]) -> bool {
+    sizes(factors).is_some_and(|sizes| is_spread(&sizes))
+}
+
+/// How many times larger the torque of every joint is than that of the bodies without a load; none where it is not alike.
+pub(crate) fn without_load(tables: &Tables, rows: &Rows) -> Vec<Option<f64>> {
+    tables.joints.iter().enumerate().map(|(joint, table)| factor(table, joint, rows)).collect()
 }
 
 /// Whether ascending factors are spread by more than masses that are described wrongly.
@@ -116,7 +116,7 @@ fn first(factors: &[Option<f64>]) -> Option<f64> {
 }
 
 /// The known factors without their signs, ascending, where enough joints have one.
-fn sizes(factors: &[Option<f64>]) -> Option<Vec<f64>> {
+pub(crate) fn sizes(factors: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut known: Vec<f64> = factors.iter().flatten().map(|factor| factor.abs()).collect();
     if known.len() < factors.len().min(2) || known.len() * 3 < factors.len() {
         return None;

@@ -9,7 +9,7 @@ use super::super::fitting::{Physics, Rows};
 use super::super::tried::Tried;
 use super::golden::golden;
 use super::scale::merit as merit_of;
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Vector2, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -25,9 +25,13 @@ const VALLEYS: usize = 4;
 /// Rows of the search over the sphere: it places valleys, which all rows compare.
 const ROWS: usize = 400;
 
-/// Steps of the search within a valley, degrees: the first ones with few rows, the last ones with all.
-const FIRST_STEPS: [f64; 2] = [20.0, 10.0];
-const LAST_STEPS: [f64; 3] = [5.0, 2.5, 1.25];
+/// Radii of the circles on which the shape of a valley is measured, degrees: the first ones with few rows, the last ones with all.
+const FIRST_CIRCLES: [f64; 5] = [20.0, 20.0, 10.0, 10.0, 5.0];
+const LAST_CIRCLES: [f64; 4] = [5.0, 2.5, 1.25, 0.6];
+
+/// Directions on such a circle, and how many radii a step goes at most.
+const SIDES: usize = 8;
+const FARTHEST: f64 = 2.0;
 
 /// Directions nearer than this to one that is tried anyway, degrees, are that one: smaller tilts of a base are asked of the
 /// physics, not of the description.
@@ -60,17 +64,21 @@ impl Merit<'_> {
         merit_of(&tables, self.rows, &description)
     }
 
-    /// The direction downhill from a place, by steps that are each repeated while they help.
-    fn lowest_from(&self, start: Vector3<f64>, steps: &[f64]) -> (f64, Vector3<f64>) {
+    /// The lowest place of a valley from a place in it, by steps of Newton's method with the slope and the curvature on circles: valleys are narrow,
+    /// and run in any direction.
+    fn lowest_from(&self, start: Vector3<f64>, circles: &[f64]) -> (f64, Vector3<f64>) {
         let (mut least, mut best) = (self.of(&start), start);
-        for step in steps.iter().map(|step| step.to_radians()) {
-            for _ in 0..4 {
-                let turned = (0..4).map(|side| turned(&best, step, 0.5 * PI * f64::from(side)));
-                let tried = turned.map(|direction| (self.of(&direction), direction));
-                match tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                    Some((merit, direction)) if merit < least => (least, best) = (merit, direction),
-                    _ => break,
-                }
+        for radius in circles.iter().map(|radius| radius.to_radians()) {
+            let side = |place: usize| TAU * place as f64 / SIDES as f64;
+            let around: [f64; SIDES] = std::array::from_fn(|place| self.of(&turned(&best, radius, side(place))));
+            let on_circle = (0..SIDES).map(|place| (around[place], turned(&best, radius, side(place))));
+            let step = newton_step(least, around).map(|step| {
+                let direction = turned(&best, radius * step.norm().min(FARTHEST), step.y.atan2(step.x));
+                (self.of(&direction), direction)
+            });
+            match on_circle.chain(step).min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((merit, direction)) if merit < least => (least, best) = (merit, direction),
+                _ => {}
             }
         }
         (least, best)
@@ -106,8 +114,8 @@ pub(crate) fn lowest(physics: &Physics, rows: &Rows, from: &Description) -> Vec<
     lowest.sort_by(|&a, &b| merits[a].total_cmp(&merits[b]));
     lowest.truncate(VALLEYS);
     let refined = |&place: &usize| {
-        let (_, direction) = quick.lowest_from(starts[place], &FIRST_STEPS);
-        whole.lowest_from(direction, &LAST_STEPS)
+        let (_, direction) = quick.lowest_from(starts[place], &FIRST_CIRCLES);
+        whole.lowest_from(direction, &LAST_CIRCLES)
     };
     let mut found: Vec<(f64, Vector3<f64>)> = lowest.par_iter().map(refined).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -131,7 +139,12 @@ pub(crate) fn along_the_valley(physics: &Physics, rows: &Rows, from: &Descriptio
     let merit = Merit { physics, rows: &few, from, size };
     let center = from.gravity / size;
     let least = merit.of(&center);
+    // Slow motion shows the sense of gravity by inertia alone, which free bodies take up.
+    let opposite = -center;
     let mut out: Vec<Vector3<f64>> = Vec::new();
+    if merit.of(&opposite) < least + ABOUT_AS_WELL {
+        out.push(opposite);
+    }
     for radius in CIRCLES.map(f64::to_radians) {
         let step = TAU / ON_CIRCLE as f64;
         let at = |angle: f64| turned(&center, radius, angle);
@@ -167,6 +180,24 @@ pub(crate) fn is_another_direction(a: &Tried, b: &Tried) -> bool {
 pub(crate) fn is_near(a: &Description, b: &Description) -> bool {
     let (of_a, of_b) = (a.gravity.normalize(), b.gravity.normalize());
     a.gravity.norm() > 0.0 && within(&of_a, &of_b, NEAR) && a.with_gravity(b.gravity).same_as(b)
+}
+
+/// The step from the center of a circle to the lowest place of the paraboloid through the values on it and in its center, in radii; none where that
+/// has no lowest place.
+fn newton_step(center: f64, around: [f64; SIDES]) -> Option<Vector2<f64>> {
+    let sum = |weight: &dyn Fn(f64) -> f64| -> f64 {
+        let of = |place: usize| around[place] * weight(TAU * place as f64 / SIDES as f64);
+        (0..SIDES).map(of).sum::<f64>() / SIDES as f64
+    };
+    let slope = 2.0 * Vector2::new(sum(&f64::cos), sum(&f64::sin));
+    // Half of the sum of both curvatures, half of their difference, and the mixed one.
+    let [mean, difference, mixed] = [
+        2.0 * (sum(&|_| 1.0) - center),
+        4.0 * sum(&|angle| (2.0 * angle).cos()),
+        4.0 * sum(&|angle| (2.0 * angle).sin()),
+    ];
+    let curvature = Matrix2::new(mean + difference, mixed, mixed, mean - difference);
+    curvature.cholesky().map(|curvature| -curvature.solve(&slope))
 }
 
 /// A direction turned by an angle, toward a side given by another.
@@ -207,6 +238,20 @@ mod tests {
         for direction in over_the_sphere(1000) {
             assert!(starts.iter().any(|start| within(start, &direction, 20.0)), "{direction}");
         }
+    }
+
+    #[test]
+    fn the_lowest_place_of_a_paraboloid_is_one_step_away() {
+        let lowest = Vector2::new(0.7, -1.2);
+        let curvature = Matrix2::new(9.0, 3.5, 3.5, 1.6);
+        let value = |place: Vector2<f64>| 5.0 + (place - lowest).dot(&(curvature * (place - lowest)));
+        let around = std::array::from_fn(|side| {
+            let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
+            value(Vector2::new(cos, sin))
+        });
+        let step = newton_step(value(Vector2::zeros()), around).unwrap();
+        assert!((step - lowest).norm() < 1e-9, "{step}");
+        assert_eq!(newton_step(5.0, [4.0; SIDES]), None, "a summit");
     }
 
     #[test]

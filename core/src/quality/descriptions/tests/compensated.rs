@@ -2,6 +2,30 @@
 
 use super::*;
 
+/// A torque without any gravity, of bodies that are not those described.
+#[test]
+fn a_torque_without_gravity_shows_though_masses_are_wrong() {
+    let robot = irb();
+    for seed in [1, 2] {
+        let actual = scales::with_other_masses(&robot, seed);
+        let logs = [0, 1].map(|log| {
+            let mut log = simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log);
+            let motion = Motion::at_rest(log.recording.q.clone());
+            let gravity = inverse_dynamics(&Chain::new(&actual), &actual.inertial_parameters(), &motion);
+            for joint in 0..robot.dof() {
+                let tau = log.recording.tau.channel_mut(joint).iter_mut();
+                tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
+            }
+            log
+        });
+        let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
+        let verdict = together.verdict.unwrap();
+        assert_eq!(verdict.description.changes, [Change::WithoutGravity], "{seed}");
+        let others = together.reports[0].findings.iter().any(|finding| finding.kind == Kind::OtherRobot);
+        assert!(!others, "{:?}", together.reports[0].findings);
+    }
+}
+
 #[test]
 fn gravity_that_a_controller_takes_off_is_nothing_else() {
     let mut wrong = Vec::new();

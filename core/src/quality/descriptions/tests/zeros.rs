@@ -1,6 +1,7 @@
 //! Logs of joints whose zero is another than that of the description.
 
 use super::*;
+use crate::quality::Severity;
 
 /// The offsets of a verdict, degrees, by joint.
 fn offsets(verdict: &Verdict) -> Vec<f64> {
@@ -71,6 +72,12 @@ fn a_zero_is_not_applied_where_the_bodies_are_others() {
         logs.iter_mut().for_each(|log| wrong.apply(&mut log.recording));
         let verdict = examine_together(&[&logs[0], &logs[1]], Some(described)).unwrap().verdict.unwrap();
         assert_eq!(verdict.beyond_doubt, applied, "{verdict:?}");
+        // Where the log may be another arm's, that is said first, and a zero is a possibility.
+        let report = &examine_together(&[&logs[0], &logs[1]], Some(described)).unwrap().reports[0];
+        let zero = report.findings.iter().find(|finding| finding.kind == Kind::PositionZero).unwrap();
+        let another = report.findings.iter().any(|f| f.kind == Kind::OtherRobot && f.severity > Severity::Note);
+        assert_eq!(zero.severity > Severity::Note, !(another && verdict.unlike_bodies), "{:?}", report.findings);
+        assert!(applied || report.findings[0].kind == Kind::OtherRobot, "{:?}", report.findings);
     }
 }
 

@@ -2,19 +2,23 @@
 
 use super::quantity::{QUANTITIES, Quantity, TORQUE, TRUE};
 use super::unit::{Unit, is_unit};
-use super::words::{SEPARATORS, without_unit, words};
+use super::words::{SEPARATORS, without_tuple, without_unit, words};
 
 /// Words for the current of a motor, which stands in for its torque.
-const CURRENT: [&str; 10] = [
+const CURRENT: [&str; 14] = [
     "current",
     "currents",
     "motor_current",
     "motor_currents",
+    "current_motor",
     "axis_current",
     "drive_current",
+    "effort_current",
+    "control_output",
     "amps",
     "cur",
     "curr",
+    "i",
     "macur",
 ];
 
@@ -25,12 +29,17 @@ const UNIT_WORDS: [&str; 26] = [
 ];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
-const MEASURED: [&str; 18] = [
+const MEASURED: [&str; 23] = [
     "actual",
     "act",
+    "applied",
     "measured",
     "meas",
     "msr",
+    "present",
+    "ist",
+    "out",
+    "output",
     "real",
     "sensor",
     "sensed",
@@ -49,31 +58,7 @@ const MEASURED: [&str; 18] = [
 /// Those of them that mean a place.
 const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
 
-/// Words that mean a value was wanted, computed or is that of another thing, and not measured at a joint.
-const WANTED: [&str; 20] = [
-    "target",
-    "desired",
-    "des",
-    "ref",
-    "reference",
-    "cmd",
-    "command",
-    "commanded",
-    "goal",
-    "setpoint",
-    "disturbance",
-    "error",
-    "err",
-    "tcp",
-    "cartesian",
-    "temperature",
-    "temperatures",
-    "temp",
-    "voltage",
-    "action",
-];
-
-/// Those of them that mean that a controller wanted or computed the value: a torque of this kind is taken where none was measured.
+/// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
 const OF_CONTROLLER: [&str; 12] = [
     "target",
     "desired",
@@ -83,22 +68,30 @@ const OF_CONTROLLER: [&str; 12] = [
     "cmd",
     "command",
     "commanded",
+    "computed",
     "goal",
     "setpoint",
     "disturbance",
-    "d",
 ];
 
-/// The same of names with a number at their end, as `tau_J_d_0` and `tau_ext_hat_filtered_0` of a Panda.
-const WANTED_NUMBERED: [&str; 4] = ["d", "ext", "hat", "filtered"];
+/// Words that mean that a value is that of another thing, and not of a joint.
+const OF_OTHERS: [&str; 9] =
+    ["error", "err", "tcp", "cartesian", "temperature", "temperatures", "temp", "voltage", "action"];
 
-/// Parts of a path that name a message or a group and no joint.
-const GROUPS: [&str; 14] = [
-    "joint_states",
-    "joint_state",
+/// What a controller wanted, in names with a number at their end, as `tau_J_d_0` of a Panda.
+const WANTED: &str = "d";
+
+/// The same of names with a number at their end: wanted, or computed as `tau_ext_hat_filtered_0`.
+const WANTED_NUMBERED: [&str; 4] = [WANTED, "ext", "hat", "filtered"];
+
+/// Words of those parts of a path that name a message or a group and no joint, as `joint_states` and `measured_joint_state`.
+const OF_GROUPS: [&str; 16] = [
+    "joint",
+    "joints",
+    "robot",
     "state",
     "states",
-    "robot_state",
+    "dynamic",
     "field",
     "msg",
     "message",
@@ -106,6 +99,7 @@ const GROUPS: [&str; 14] = [
     "observation",
     "obs",
     "measured",
+    "actual",
     "feedback",
     "header",
 ];
@@ -161,6 +155,7 @@ impl Meaning {
 
 /// All ways to understand a column's name, the most likely first.
 pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
+    let column = &without_tuple(column);
     let (column, unit) = without_unit(column);
     let mut out = Vec::new();
     // The unit may stand before the number of the joint.
@@ -195,7 +190,8 @@ fn in_unit(mut readings: Vec<Meaning>, unit: Option<&str>) -> Vec<Meaning> {
 fn readings(column: &str) -> Vec<Meaning> {
     let (truth, name) = column.strip_suffix(TRUE).map_or((false, column), |name| (true, name));
     let own = words(name);
-    let wanted = own.iter().any(|word| WANTED.contains(&word.as_str()))
+    let is_wanted = |word: &str| OF_CONTROLLER.contains(&word) || OF_OTHERS.contains(&word);
+    let wanted = own.iter().any(|word| is_wanted(word))
         || (index(name).is_some() && own.iter().any(|word| WANTED_NUMBERED.contains(&word.as_str())));
     let mut out = Vec::new();
     if !wanted {
@@ -217,7 +213,11 @@ fn readings(column: &str) -> Vec<Meaning> {
 /// `target_moment_0`, `tau_J_d_0`, `elbow_effort_cmd`: torques that a controller wanted or computed.
 fn of_controller(name: &str) -> Vec<Meaning> {
     let parts = || name.split(['_', ' ']);
-    let measured: Vec<&str> = parts().filter(|word| !OF_CONTROLLER.contains(&word.to_lowercase().as_str())).collect();
+    let of_joint = |word: &&str| {
+        let word = word.to_lowercase();
+        word != WANTED && !OF_CONTROLLER.contains(&word.as_str())
+    };
+    let measured: Vec<&str> = parts().filter(of_joint).collect();
     if measured.len() == parts().count() {
         return Vec::new();
     }
@@ -327,8 +327,7 @@ fn segments(name: &str) -> Vec<&str> {
 }
 
 fn is_group(part: &str) -> bool {
-    let words = words(part).join("_");
-    GROUPS.contains(&words.as_str()) || words == "joint" || words == "joints" || words == "robot"
+    words(part).iter().all(|word| OF_GROUPS.contains(&word.as_str()))
 }
 
 /// The quantity that words stand for, and whether it is a current; words that mean only that it was measured may stand around.
@@ -341,15 +340,15 @@ fn quantity(words: &[String]) -> Option<(usize, bool)> {
         }
         (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
     };
-    let whole = lookup(words);
-    if whole.is_some() {
-        return whole;
-    }
-    let front = words.iter().take_while(measured).count();
     // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
     let of_value = |word: &&String| measured(word) && !OF_JOINT.contains(&word.as_str());
-    let back = words[front..].iter().rev().take_while(of_value).count();
-    lookup(&words[front..words.len() - back])
+    let front = words.iter().take_while(measured).count();
+    let back = words.iter().rev().take_while(of_value).count();
+    // The most words that have a meaning together: `axis_act` is one, and `meas` of `axis_act_meas` is none of it.
+    let parts = (0..=front).flat_map(|from| (0..=back).map(move |behind| (from, behind)));
+    let mut parts: Vec<(usize, usize)> = parts.filter(|(from, behind)| from + behind < words.len()).collect();
+    parts.sort_by_key(|(from, behind)| from + behind);
+    parts.into_iter().find_map(|(from, behind)| lookup(&words[from..words.len() - behind]))
 }
 
 /// The number at the end of a name, as in `q0`, `q_0`, `q[0]`, `q.0`, with what stands before it.

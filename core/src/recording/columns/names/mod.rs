@@ -15,5 +15,5 @@ mod words;
 pub(crate) use meaning::{Joint, Meaning, meanings};
 pub(crate) use quantity::{ACCELERATION, POSITION, QUANTITIES, Quantity, TORQUE, TRUE, VELOCITY};
 pub(crate) use time::{INDEX, OWN_TIME, Part, Time, time};
-pub(crate) use unit::{INCH, KILOGRAM_FORCE, POUND_FORCE, Unit, is_unit};
+pub(crate) use unit::{Unit, is_unit};
 pub(crate) use words::unit_of;

@@ -34,10 +34,23 @@ fn numbers_behind_the_quantity() {
         ("torques[0]", TORQUE, 0),
         ("$TORQUE_AXIS_ACT[1]", TORQUE, 1),
         ("$VEL_AXIS_ACT[1]", VELOCITY, 1),
+        ("$AXIS_ACT_MEAS[1]", POSITION, 1),
+        ("('q', 0)", POSITION, 0),
+        ("present_position_1", POSITION, 1),
+        ("Actual Joint Positions 2", POSITION, 2),
+        ("measured_joint_state.position[0]", POSITION, 0),
+        ("joint_torque_measured[3]", TORQUE, 3),
+        ("applied_torque_0", TORQUE, 0),
+        ("actuator_force[2]", TORQUE, 2),
+        ("tau_out_1", TORQUE, 1),
+        ("feedback_pos_4", POSITION, 4),
+        ("dof_force_1", TORQUE, 1),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Number(number))), "{column}");
     }
-    assert!(meanings("actual_current_2")[0].current);
+    for column in ["actual_current_2", "i_actual[0]", "joint_control_output_3", "$CURR_ACT[1]", "effort_current_5"] {
+        assert!(meanings(column)[0].current, "{column}");
+    }
 }
 
 #[test]
@@ -60,6 +73,10 @@ fn names_before_and_behind_the_quantity() {
         ("TorqueAct_A1", TORQUE, "A1"),
         ("MotorTorque_A1", TORQUE, "A1"),
         ("TORQUE_AXIS_ACT_A1", TORQUE, "A1"),
+        ("rob1_1 position", POSITION, "rob1_1"),
+        ("('elbow', 'effort')", TORQUE, "elbow"),
+        ("/dynamic_joint_states/elbow/velocity", VELOCITY, "elbow"),
+        ("jointpos_elbow", POSITION, "elbow"),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Name(name.to_owned()))), "{column}");
     }
@@ -102,6 +119,7 @@ fn torques_of_a_controller_are_known_as_that() {
         ("tau_J_d_3", Joint::Number(3)),
         ("torque_cmd_2", Joint::Number(2)),
         ("desired_torque[1]", Joint::Number(1)),
+        ("computed_torque_1", Joint::Number(1)),
         ("elbow_effort_cmd", Joint::Name("elbow".into())),
     ] {
         let meaning = of(column).unwrap_or_else(|| panic!("{column}"));
@@ -142,9 +160,17 @@ fn units_in_names() {
 #[test]
 fn columns_of_time() {
     let factor = |column: &str| time(column, 1).map(|time| time.factor);
-    for column in
-        ["t", "Time", "timestamp", "stamp", "__time", "%time", "rosbagTimestamp", "/joint_states/header/stamp"]
-    {
+    for column in [
+        "t",
+        "Time",
+        "('t', '')",
+        "timestamp",
+        "stamp",
+        "__time",
+        "%time",
+        "rosbagTimestamp",
+        "/joint_states/header/stamp",
+    ] {
         assert_eq!(factor(column), Some(None), "{column}");
     }
     for (column, expected) in [
@@ -154,6 +180,8 @@ fn columns_of_time() {
         ("Time (ms)", 1e-3),
         ("t[s]", 1.0),
         ("time_sec", 1.0),
+        ("t_min", 60.0),
+        ("utime", 1e-6),
     ] {
         assert_eq!(factor(column), Some(Some(expected)), "{column}");
     }

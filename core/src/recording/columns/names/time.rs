@@ -1,6 +1,6 @@
 //! Which part of time a column holds, from its name.
 
-use super::words::{without_unit, words};
+use super::words::{without_tuple, without_unit, words};
 
 /// What a column of time holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +34,7 @@ pub(crate) const INDEX: u8 = 9;
 
 /// The meaning of a column's name as time.
 pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
+    let column = &*without_tuple(column);
     let time = |rank, factor, part| Some(Time { rank, factor, part });
     if column.eq_ignore_ascii_case("t") || column.eq_ignore_ascii_case("time") {
         return time(OWN_TIME, None, Part::Whole);
@@ -48,6 +49,8 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         "ms" | "msec" | "millis" | "milliseconds" => Some(1e-3),
         "us" | "usec" | "µs" | "micros" | "microseconds" => Some(1e-6),
         "ns" | "nsec" | "nanos" | "nanoseconds" => Some(1e-9),
+        "min" | "mins" | "minute" | "minutes" => Some(60.0),
+        "h" | "hour" | "hours" => Some(3600.0),
         _ => None,
     };
     let whole = words.join("_");
@@ -71,9 +74,13 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
             factor = factor_of(&whole);
             STAMP
         }
-        // The interpolation cycle of a KUKA controller, in ms.
+        // The interpolation cycle of a KUKA controller, in ms, and the clock of LCM messages, in us.
         "ipoc" => {
             factor = Some(1e-3);
+            STAMP
+        }
+        "utime" => {
+            factor = Some(1e-6);
             STAMP
         }
         "zeit" | "temps" | "tiempo" | "tempo" => STAMP,
@@ -82,9 +89,9 @@ pub(crate) fn time(column: &str, place: usize) -> Option<Time> {
         "t" | "time" => STAMP,
         "header_stamp" | "field_header_stamp" | "joint_states_header_stamp" | "msg_header_stamp" => OF_MESSAGE,
         "timestamp" | "timestamps" | "time_stamp" | "stamp" | "times" | "robot_timestamp" | "timestamp_robot"
-        | "elapsed" | "elapsed_time" | "controller_time" | "robot_time" | "sim_time" | "state_time"
-        | "time_from_start" | "ts" | "tick" | "ticks" | "epoch" | "epoch_time" | "unix_time" | "timestamp_utc"
-        | "time_utc" => STAMP,
+        | "elapsed" | "seconds_elapsed" | "rel_time" | "relative_time" | "simulation_time" | "elapsed_time"
+        | "controller_time" | "robot_time" | "sim_time" | "state_time" | "time_from_start" | "ts" | "tick"
+        | "ticks" | "epoch" | "epoch_time" | "unix_time" | "timestamp_utc" | "time_utc" => STAMP,
         "ros_time" | "rosbag_timestamp" | "log_time" | "recv_time" | "receive_time" | "publish_time" | "wall_time"
         | "datetime" | "date_time" | "date" | "duration" => OF_LOGGER,
         _ => return None,

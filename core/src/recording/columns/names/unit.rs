@@ -15,9 +15,9 @@ pub(crate) struct Unit {
 }
 
 /// Force of a kilogram and of a pound under standard gravity, N, and an inch, m.
-pub(crate) const KILOGRAM_FORCE: f64 = 9.806_65;
-pub(crate) const POUND_FORCE: f64 = 0.453_592_37 * KILOGRAM_FORCE;
-pub(crate) const INCH: f64 = 0.0254;
+const KILOGRAM_FORCE: f64 = 9.806_65;
+const POUND_FORCE: f64 = 0.453_592_37 * KILOGRAM_FORCE;
+const INCH: f64 = 0.0254;
 
 const DEGREE: f64 = PI / 180.0;
 
@@ -69,7 +69,7 @@ const OF_TIME: [&str; 5] = ["s", "sec", "ms", "us", "ns"];
 
 impl Unit {
     /// The unit of a quantity by its text. A velocity of which the name says `deg` alone is in deg/s.
-    pub(in crate::recording::columns) fn of(text: &str, quantity: usize) -> Option<Unit> {
+    pub(crate) fn of(text: &str, quantity: usize) -> Option<Unit> {
         let text = bare(text);
         let find = |quantity: usize, text: &str| {
             let row = UNITS.iter().find(|row| row.0 == quantity && row.4.contains(&text))?;
@@ -79,6 +79,11 @@ impl Unit {
             VELOCITY => find(VELOCITY, &format!("{}/s", find(POSITION, &text)?.symbol)),
             _ => None,
         })
+    }
+
+    /// The units of a quantity, as a list.
+    pub(crate) fn symbols(quantity: usize) -> String {
+        UNITS.iter().filter(|row| row.0 == quantity).map(|row| row.1).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether it is one of a motor current.

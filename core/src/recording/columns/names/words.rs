@@ -1,5 +1,7 @@
 //! The words of a column's name, and its unit.
 
+use std::borrow::Cow;
+
 /// What stands between words.
 pub(super) const SEPARATORS: [char; 6] = ['/', '.', '_', ' ', '[', ']'];
 
@@ -20,6 +22,18 @@ pub(super) fn words(name: &str) -> Vec<String> {
     }
     out.retain(|word| !word.is_empty());
     out
+}
+
+/// The name of a column that is a tuple of labels, as pandas writes those of several levels: `q_0` of `('q', 0)`, and `t` of `('t', '')`.
+pub(super) fn without_tuple(name: &str) -> Cow<'_, str> {
+    let Some(inside) = name.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')) else { return name.into() };
+    let label = |part: &str| part.trim().trim_matches(['\'', '"']).trim().to_owned();
+    let labels: Vec<String> = inside.split(',').map(label).filter(|label| !label.is_empty()).collect();
+    let is_number = |label: &String| label.bytes().all(|byte| byte.is_ascii_digit());
+    match labels.last() {
+        Some(last) if inside.contains(',') => labels.join(if is_number(last) { "_" } else { "/" }).into(),
+        _ => name.into(),
+    }
 }
 
 /// A name without the unit in brackets or behind a blank at its end, and the unit: `q1 [rad]`, `time (ms)`.

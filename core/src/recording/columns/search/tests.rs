@@ -35,6 +35,13 @@ fn joint_names_in_columns() {
 }
 
 #[test]
+fn the_number_of_a_joint_among_others_in_its_name() {
+    let header = "Time (ms),rob1_2 position,rob1_1 position,rob1_1 torque,rob1_2 torque";
+    let layout = find(header, Some(&["a", "b"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![2, 1], vec![3, 4]));
+}
+
+#[test]
 fn other_columns_are_noted() {
     let layout = find("t,q1,tau1,current,q_reference,,status", None).unwrap();
     assert_eq!(layout.notes, ["columns not used: current, q_reference, (column 6), status"]);

@@ -82,9 +82,9 @@ fn missing_velocities_cost_their_joint_or_their_rows() {
         assert_eq!([0, 1].map(|joint| sieved.recording.has_velocity(joint)), [true, false], "{word}");
         assert!((sieved.recording.qd.unwrap().channel(0)[100] - 1f64.cos()).abs() < 1e-12);
         assert!(
-            sieved.mended.iter().any(|note| note.contains(word) && note.contains("joint_2")),
+            sieved.corrections.iter().any(|note| note.contains(word) && note.contains("joint_2")),
             "{:?}",
-            sieved.mended
+            sieved.corrections
         );
     }
     let few = log("qd1,qd2", &|k, t| {
@@ -95,7 +95,7 @@ fn missing_velocities_cost_their_joint_or_their_rows() {
     assert_eq!([0, 1].map(|joint| few.recording.has_velocity(joint)), [true, true]);
     let torque = read_torque_with_gaps();
     assert_eq!((torque.recording.samples(), torque.rejected.len()), (200, 0));
-    assert_eq!([0, 1].map(|joint| torque.recording.has_torque(joint)), [true, false], "{:?}", torque.mended);
+    assert_eq!([0, 1].map(|joint| torque.recording.has_torque(joint)), [true, false], "{:?}", torque.corrections);
     let none = log("qd1,qd2", &|k, _| if k % 3 == 0 { ",".to_owned() } else { "1,1".to_owned() });
     assert_eq!((none.recording.samples(), none.recording.qd), (200, None));
 }

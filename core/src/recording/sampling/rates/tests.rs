@@ -38,7 +38,7 @@ fn assert_read(sieved: &Sieved, rate: f64, words: &[&str]) {
             assert!((log.tau.channel(joint)[row] - torque(t, joint)).abs() < 1e-9, "{t}");
         }
     }
-    let said = sieved.mended.join("; ");
+    let said = sieved.corrections.join("; ");
     assert!(words.iter().all(|word| said.contains(word)), "{said}");
 }
 
@@ -54,7 +54,7 @@ fn torques_in_every_fourth_row() {
         let then = 0.002 * row.saturating_sub((row + 3) % 4) as f64;
         vec![format!("{t},{},{},{},{}", q[0], q[1], torque(then, 0), torque(then, 1))]
     });
-    assert!(repeated.mended.iter().any(|note| note.contains("change at 125.0 Hz")), "{:?}", repeated.mended);
+    assert!(repeated.corrections.iter().any(|note| note.contains("change at 125.0 Hz")), "{:?}", repeated.corrections);
     assert!((repeated.recording.rate_hz() - 125.0).abs() < 0.1);
     let late = |row: usize| (repeated.recording.tau.channel(0)[row] - torque(repeated.recording.time[row], 0)).abs();
     assert!((10..900).all(|row| late(row) < 1e-9));
@@ -95,11 +95,11 @@ fn gaps_and_torques_of_few_digits_are_no_rate() {
     });
     assert_eq!((broken.rejected.len(), broken.recording.samples()), (600, 3400));
     let coarse = read(&|_, t, q, tau| vec![format!("{t},{},{},{:.1},{:.1}", q[0], q[1], tau[0], tau[1])]);
-    assert_eq!((coarse.recording.samples(), coarse.mended.len()), (COUNT, 0), "{:?}", coarse.mended);
+    assert_eq!((coarse.recording.samples(), coarse.corrections.len()), (COUNT, 0), "{:?}", coarse.corrections);
     // A constant speed changes a coarse position at even steps.
     let ramp = read(&|row, t, _, tau| {
         let position = 0.01 * (row as f64 / 2.67).floor();
         vec![format!("{t},{position:.2},{:.2},{},{}", 2.0 * position, tau[0], tau[1])]
     });
-    assert_eq!((ramp.recording.samples(), ramp.mended.len()), (COUNT, 0), "{:?}", ramp.mended);
+    assert_eq!((ramp.recording.samples(), ramp.corrections.len()), (COUNT, 0), "{:?}", ramp.corrections);
 }

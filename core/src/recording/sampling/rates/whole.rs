@@ -227,7 +227,7 @@ mod tests {
             let found = sieved.recording.rate_hz();
             assert!((found / rate - 1.0).abs() < 0.02, "{found} for {rate}");
             assert!(off(&sieved) < 3e-4, "{rate}: {}", off(&sieved));
-            assert!(sieved.mended.iter().any(|note| note.contains("rows a second")), "{:?}", sieved.mended);
+            assert!(sieved.corrections.iter().any(|note| note.contains("rows a second")), "{:?}", sieved.corrections);
         }
         // One row in 25 is repeated: that shows no rate for certain, and the rows stay at their times.
         let near = read(|row| (0.002 * row as f64 * 480.0 + 1e-6).floor() / 480.0, 12);
@@ -287,13 +287,13 @@ mod tests {
         let sieved = read(|row| 0.002 * is_held(row).unwrap_or(row) as f64, 12);
         assert_eq!(sieved.recording.samples(), 5000 - 3 * 6);
         assert!(
-            sieved.mended[0].contains("18 rows repeat") && sieved.mended[0].contains("line 703"),
+            sieved.corrections[0].contains("18 rows repeat") && sieved.corrections[0].contains("line 703"),
             "{:?}",
-            sieved.mended
+            sieved.corrections
         );
         assert!(off(&sieved) < 1e-9, "{}", off(&sieved));
         // Values of few digits repeat at uneven steps.
         let coarse = read(|row| 0.002 * row as f64, 2);
-        assert_eq!((coarse.recording.samples(), coarse.mended.len()), (5000, 0), "{:?}", coarse.mended);
+        assert_eq!((coarse.recording.samples(), coarse.corrections.len()), (5000, 0), "{:?}", coarse.corrections);
     }
 }

@@ -300,7 +300,7 @@ pub(super) fn next_experiment(
         return format!("to tell {} from {}: {how}", about.name, other.family.effect);
     }
     if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
-        return "the held-out logs do not go with the training logs: check that all are of one arm with one load, and give them as training \
+        return "the held-out logs disagree with the training logs: check that all are of one arm with one load, and give them as training \
                 logs, or the others as --reference, to ask what changed"
             .into();
     }
@@ -322,14 +322,14 @@ pub(super) fn next_experiment(
             off(joint)
         ),
         (true, Some(joint)) => format!(
-            "the description is off ({} is left with {:.1} times as much as with re-identified inertias and friction): extended.urdf holds \
+            "the description is off (the residual of {} is {:.1} times that with re-identified inertias and friction): extended.urdf holds \
              these. To tell a payload or one wrong link: --trust nominal, or logs from before it as --reference",
             robot.joints[joint].name,
             off(joint)
         ),
         (true, None) => "a longer or livelier motion lowers the minimum detectable sizes".into(),
         (false, _) => {
-            "record a new motion and repeat the diagnosis with --scenario extended.toml: nothing should be left".into()
+            "record a new motion and repeat the diagnosis with --scenario extended.toml: no residual above the noise should remain".into()
         }
     }
 }

@@ -42,7 +42,7 @@ pub(crate) fn equal_states(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.scope.equal_states.map(|share| {
         format!(
             "the logs follow the motions of the reference logs: {:.0} % of the rows have an equal state there, and residuals are differences \
-             from these. What the model lacks before and after cancels; the noise is that of two rows",
+             from these. What the model lacks both before and after cancels; the noise is that of two rows",
             100.0 * share
         )
     })
@@ -93,8 +93,8 @@ pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<St
         .collect();
     (!each.is_empty()).then(|| {
         format!(
-            "dry friction changes its direction over some speed, as tanh(v / width), not at once: that is included in the baseline, not reported as a \
-             finding. Simulators write friction so; on a real arm look for friction at low speed with slower motions. Widths: {}",
+            "Coulomb friction is smoothed as tanh(v / width), as simulators write it. That is included in the baseline, not reported as a finding. On \
+             a real arm, look for friction at low speed with slower motions. Widths: {}",
             each.join(", ")
         )
     })
@@ -110,8 +110,8 @@ pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<Stri
     let open: Vec<String> = open.collect();
     (!open.is_empty()).then(|| {
         format!(
-            "the training logs do not determine all that the held-out motions take; there the model is unsure of {}: what is said of these \
-             joints is as unsure. Identify from motions as rich as those; inertias that are believed (--trust nominal) ask less of them",
+            "the training logs do not determine the held-out torque, with a standard deviation above the noise, of {}: conclusions on these joints \
+             are as uncertain. Train with motions as rich as the held-out ones; inertias taken from the URDF (--trust nominal) need less of them",
             open.join(", ")
         )
     })

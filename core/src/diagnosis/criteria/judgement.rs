@@ -61,9 +61,9 @@ impl Gate {
     pub fn reason(self) -> &'static str {
         match self {
             Gate::FamilyWise => "is not significant",
-            Gate::AtBound => "is best at a bound of its law, where it is not that law any more",
+            Gate::AtBound => "fits best at a bound of its parameters, where it is another law",
             Gate::Flat => "is not flat where the model exceeds the limit",
-            Gate::Influence => "rests on a moment or two",
+            Gate::Influence => "depends on two influential blocks",
             Gate::EarlierSigns => "gives an earlier finding a sign that it cannot have",
             Gate::EarlierParameters => "leaves parameters of an earlier finding undetermined",
             Gate::HeldOutGain => "explains too little of the held-out logs",

@@ -64,7 +64,7 @@ pub(crate) fn read_log(py: Python<'_>, path: PathBuf, joints: Option<Vec<String>
     }
     let read = py.detach(|| lenient::load(&path, joints.as_deref(), &ColumnMap::default()));
     let sieved = read.map_err(|error| raised(&error))?;
-    let mut notes = sieved.mended;
+    let mut notes = sieved.corrections;
     let rows =
         sieved.rejected.iter().map(|row| format!("line {}: {}: {}: left out", row.line, row.column, row.problem));
     notes.extend(rows);

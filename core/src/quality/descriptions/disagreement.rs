@@ -3,7 +3,7 @@
 use super::change::Description;
 use super::compare::EXPLAINED_ALONE;
 use super::fitting::{Evaluation, Fit, Physics, Rows};
-use super::known::WRONG_MASSES;
+use super::shares::WRONG_MASSES;
 use super::tried::Tried;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;

@@ -9,7 +9,7 @@
 use super::change::Change;
 use super::compare::{Comparison, compare};
 use super::fitting::{Physics, Rows};
-use super::sizes::ALIKE;
+use super::shares::{ALIKE, WRONG_MASSES};
 use super::tried::Tried;
 
 /// Under described bodies a torque may have this many times the residual that it has under free ones, and all torques together, as a
@@ -20,10 +20,6 @@ const AS_GOOD_TOGETHER: f64 = 1.2;
 
 /// A residual below this share of the torque is as good as any: no drive's torque is known better.
 const GOOD: f64 = 0.02;
-
-/// Under described bodies a torque of which less than this share is unexplained accuses nothing: masses that are wrong by a fifth
-/// leave as much, and what changes the model a little always makes up for some of that.
-pub(super) const WRONG_MASSES: f64 = 0.15;
 
 /// What is known of an arm.
 #[derive(Clone, Copy)]

@@ -30,6 +30,7 @@ mod known;
 mod motion_units;
 mod search;
 mod settle;
+mod shares;
 mod sizes;
 mod tried;
 mod verdict;

@@ -9,7 +9,7 @@ use super::compare::{Comparison, EXPLAINED, EXPLAINED_ALONE, compare};
 use super::fitting::{Fit, Physics, Rows};
 use super::jumps::contradicts;
 use super::known::Known;
-use super::sizes::ALIKE;
+use super::shares::ALIKE;
 use super::sizes::factors;
 use super::sizes::tilt;
 use super::sizes::zeros;

@@ -3,9 +3,10 @@
 use super::change::Description;
 use super::compare::compare;
 use super::fitting::{Physics, Rows};
-use super::known::{Known, WRONG_MASSES};
+use super::known::Known;
 use super::search::{Found, Outcome};
-use super::sizes::{ALIKE, tilt};
+use super::shares::{ALIKE, WRONG_MASSES};
+use super::sizes::tilt;
 use super::tried::Tried;
 use super::weights;
 

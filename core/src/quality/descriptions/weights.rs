@@ -7,7 +7,7 @@
 use super::change::{Change, Description, along_axes};
 use super::compare::compare;
 use super::fitting::{Fit, Physics, Rows};
-use super::sizes::ALIKE;
+use super::shares::ALIKE;
 use super::tried::Tried;
 use super::verdict::Shown;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};

@@ -7,9 +7,9 @@
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows, Tables};
-use super::super::known::WRONG_MASSES;
+use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
-use super::scale::{ALIKE, PLAUSIBLE, SPREAD, STEP, best, between, differ, merit, sizes, spread, without_load};
+use super::scale::{PLAUSIBLE, SPREAD, STEP, best, between, differ, merit, sizes, spread, without_load};
 
 /// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
 const REPORTED: f64 = 2.0;

@@ -15,5 +15,3 @@ mod golden;
 pub(super) mod scale;
 pub(super) mod tilt;
 pub(super) mod zeros;
-
-pub(super) use scale::ALIKE;

@@ -6,14 +6,12 @@
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Fit, JointTable, Physics, Rows, Tables};
+use super::super::shares::ALIKE;
 use super::super::tried::Tried;
 use super::golden::golden;
 use nalgebra::{DMatrix, DVector};
 
-/// The bodies' torque counts where the residual of a joint's fit, or the mean of all joints, is less than this of its torque ..
-pub(crate) const ALIKE: f64 = 0.35;
-
-/// .. and that of the fit without it is this many times more.
+/// The residual of the fit without the bodies is at least this many times that with them, where they count.
 const NEEDED: f64 = 2.0;
 
 /// Masses of a URDF are wrong by less than this factor, unless they are placeholders, whose torque is not alike.

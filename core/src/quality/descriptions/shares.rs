@@ -1,0 +1,8 @@
+//! Shares of the torques that decide about a description.
+
+/// The bodies' torque counts where the residual of a joint's fit, or the mean of all joints, is less than this of its torque.
+pub(super) const ALIKE: f64 = 0.35;
+
+/// Under described bodies a torque of which less than this share is unexplained accuses nothing: masses that are wrong by a fifth
+/// leave as much, and what changes the model a little always makes up for some of that.
+pub(super) const WRONG_MASSES: f64 = 0.15;

@@ -45,6 +45,8 @@ fn predicted([real, described]: [&Robot; 2], trust: Trust, log: &Recording, plac
     let [true_model, mut model] =
         [&true_model, &model].map(|model| EffectModel::new(model, trust, &[log], preparation, placed.clone()).unwrap());
     model.set_baseline(true_model.baseline());
+    let bodies = model.found_arm();
+    let model = model.with_bodies(bodies);
     let linear = [model.baseline().to_vec(), model.get(&model.amplitudes())].concat();
     let rows = model.regression().unwrap();
     // The log's torque is zero: what is known is taken off it.

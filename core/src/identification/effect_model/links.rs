@@ -40,7 +40,7 @@ impl EffectModel<'_> {
     }
 
     /// The arm with the parameters as last solved for.
-    pub(super) fn found_arm(&self) -> Arm {
+    pub(crate) fn found_arm(&self) -> Arm {
         let mut arm = Arm::new(self.model.robot(), self.trust);
         arm.take(self.model, &self.baseline_of_arm());
         arm

@@ -40,7 +40,7 @@ impl<'a> Parts<'a> {
             unit.parameters[k] = 1.0;
             all.push(unit);
         }
-        let mut torques = arm.contributions(&all, &prepared.time, &prepared.motion);
+        let mut torques = owner.bodies.contributions(&all, &prepared.time, &prepared.motion);
         let units = torques.split_off(silent.len());
         let with_units = units.iter().zip(owner.amplitudes());
         let amplitudes = with_units.map(|(unit, (effect, _))| {

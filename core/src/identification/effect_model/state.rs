@@ -1,5 +1,6 @@
 //! The model with its effects and their present parameters.
 
+use super::arm::Arm;
 use super::arm_parameters::{ArmParameter, Trust, arm_name, arm_parameters, drive_of, is_merged, leader, stands_for};
 use crate::effects::{Gear, Placed, Role, Scope, Site};
 use crate::error::Result;
@@ -47,6 +48,8 @@ pub struct EffectModel<'a> {
     pub(super) nominal: Vec<(ArmParameter, f64)>,
     /// The arm's parameters as last solved for.
     pub(super) baseline: Vec<f64>,
+    /// The arm whose bodies laws at the joints follow.
+    pub(super) bodies: Arm,
     /// Those that the logs do not determine, with the values at which they are held; None before a regression was seen.
     undetermined: Option<Vec<(usize, f64)>>,
 }
@@ -76,7 +79,15 @@ impl<'a> EffectModel<'a> {
         let (nominal, arm): (Vec<_>, Vec<_>) =
             arm_parameters(model, trust).into_iter().partition(|(p, _)| stood_for(*p));
         let (arm, baseline) = arm.into_iter().unzip();
-        Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, undetermined: None })
+        let bodies = Arm::new(model.robot(), trust);
+        Ok(EffectModel { model, trust, logs, preparation, placed, arm, nominal, baseline, bodies, undetermined: None })
+    }
+
+    /// Lets laws at the joints follow the bodies of `arm` instead of those described.
+    #[must_use]
+    pub(crate) fn with_bodies(mut self, arm: Arm) -> Self {
+        self.bodies = arm;
+        self
     }
 
     /// Leaves out the rows that see a reversal or slow motion, except on joints where they are to be `kept`.
@@ -157,15 +168,10 @@ impl<'a> EffectModel<'a> {
         places.iter().map(|&(effect, parameter)| self.placed[effect].parameters[parameter]).collect()
     }
 
-    /// Whether the regression itself depends on the linear parameters (under elastic gears, clipping sensors and friction that goes with the
-    /// load of estimated bodies), so that solving takes more than one round.
+    /// Whether the regression itself depends on the linear parameters (under elastic gears and clipping sensors), so that
+    /// solving takes more than one round.
     pub fn settles(&self) -> bool {
-        let of_load = |placed: &Placed| {
-            let about = placed.effect.about();
-            about.site == Site::Joint && about.uses_acceleration
-        };
-        (self.trust == Trust::Structure && self.placed.iter().any(of_load))
-            || (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
+        (0..self.model.dof()).any(|joint| self.gear(joint).is_some() || self.sensors(joint).next().is_some())
     }
 
     /// Holds the arm's parameters that `regression`, the first one, does not separate from others.

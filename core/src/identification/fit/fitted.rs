@@ -1,9 +1,9 @@
 //! Fits on demand: the arm's parameters and named effects from training logs, judged on held-out logs.
 
 use super::separable::{EffectFit, fit};
-use crate::effects::Placed;
+use crate::effects::{Placed, Site};
 use crate::error::Result;
-use crate::identification::effect_model::{EffectModel, Preparation, Trust};
+use crate::identification::effect_model::{Arm, EffectModel, Preparation, Trust};
 use crate::identification::model::Model;
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::recording::Recording;
@@ -78,8 +78,19 @@ pub fn fit_effects_in(
     placed: Vec<Placed>,
     kept: &[bool],
 ) -> Result<Fitted> {
+    // Friction that goes with the load follows the bodies as estimated without it: they would chase each other.
+    let bodies = match trust == Trust::Structure && placed.iter().any(goes_with_load) {
+        true => {
+            let mut plain = EffectModel::new(model, trust, logs.train, preparation, Vec::new())?.with_reversals(kept);
+            let found = fit(&mut plain)?;
+            plain.set_baseline(&found.estimate.beta);
+            plain.found_arm()
+        }
+        false => Arm::new(model.robot(), trust),
+    };
     let along = |logs, placed, kept: &[bool]| -> Result<EffectModel> {
-        Ok(EffectModel::new(model, trust, logs, preparation, placed)?.with_reversals(kept))
+        let model = EffectModel::new(model, trust, logs, preparation, placed)?;
+        Ok(model.with_reversals(kept).with_bodies(bodies.clone()))
     };
     let mut reversals = kept.to_vec();
     let mut training = along(logs.train, placed, &reversals)?;
@@ -114,6 +125,12 @@ impl Fitted {
         }
         robot
     }
+}
+
+/// Whether the law of an effect depends on the inertias of the arm.
+fn goes_with_load(placed: &Placed) -> bool {
+    let about = placed.effect.about();
+    about.site == Site::Joint && about.uses_acceleration
 }
 
 /// The residual of a fit on the logs of `model`: root mean square per joint, and row by row.

@@ -166,9 +166,9 @@ impl Search<'_> {
                 scales[joint] = fitted(self.described, self.whole, &with, &scales, joint, NEAR)?;
             }
         }
-        // Bodies that are described too light, or a load, make a torque too large, and nothing makes one smaller than its bodies need.
-        let is_beyond_masses = joints.iter().all(|&joint| scales[joint] > PLAUSIBLE);
-        let after = self.accepted(with(&scales), joints.len(), is_beyond_masses)?;
+        // Described bodies alone do not show the factor of a few torques: a load, or bodies described too light, make a torque too large, and a
+        // balancer makes one too small.
+        let after = self.accepted(with(&scales), joints.len(), false)?;
         Some(OwnFactors { after, factors: Vec::new() })
     }
 

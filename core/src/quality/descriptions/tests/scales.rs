@@ -64,7 +64,6 @@ fn the_factor_of_one_torque_is_found_from_twice_on_though_masses_are_wrong() {
 /// Free bodies do not see the factor of the last torque, and a small one may be friction for the most part: then it is no other change.
 #[test]
 fn the_factor_of_any_torque_is_that_or_nothing() {
-    let mut count = 0;
     for joint in [0, 3, 4, 5] {
         for factor in [0.01, 30.0] {
             let mut factors = [1.0; 6];
@@ -73,10 +72,8 @@ fn the_factor_of_any_torque_is_that_or_nothing() {
             let found = of_single(&verdict);
             let [(own, times)] = found[..] else { panic!("{joint} {factor}: {verdict:?}") };
             assert!(own == joint && (times * factor).ln().abs() < 0.5 && !verdict.beyond_doubt, "{found:?} {factor}");
-            count += 1;
         }
     }
-    assert!(count > 0, "{count}");
 }
 
 /// The verdict on torques with these factors, each found to a factor of two: the last joints' torque is mostly friction, and a load makes

@@ -9,7 +9,7 @@ use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows, Tables};
 use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
-use super::scale::{PLAUSIBLE, SPREAD, STEP, best, between, differ, merit, sizes, spread, without_load};
+use super::scale::{PLAUSIBLE, STEP, best, between, differ, merit, spread, without_load};
 
 /// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
 const REPORTED: f64 = 2.0;
@@ -46,8 +46,7 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
             return None;
         }
         let mut scales = from.torque_scale.clone();
-        let is_described = matches!(physics, Physics::Bodies(_));
-        scales[joint] = determined(merit_of(&tables, rows, &with, &scales, joint), is_described)?;
+        scales[joint] = determined(merit_of(&tables, rows, &with, &scales, joint))?;
         // The factor changes what those found before are.
         let earlier: Vec<usize> = from.scaled().collect();
         for _ in 0..if earlier.is_empty() { 0 } else { ROUNDS } {
@@ -88,9 +87,9 @@ fn merit_of(
     }
 }
 
-/// The factor beyond what is reported under which `merit` is least, where it is determined. Bodies that are described need their torque: one
-/// that is too small for them is so though its size does not show.
-fn determined(merit: impl Fn(f64) -> f64, is_described: bool) -> Option<f64> {
+/// The factor beyond what is reported under which `merit` is least, where it is determined. A torque that is too small for described bodies
+/// by an amount that does not show is none: a balancer takes as much.
+fn determined(merit: impl Fn(f64) -> f64) -> Option<f64> {
     let (grid, merits) = spread(1.0, WIDEST, &merit);
     let least = (0..grid.len()).min_by(|&a, &b| merits[a].total_cmp(&merits[b]))?;
     // Ends of the range are no valley, and one around no factor gives none that is reported.
@@ -99,15 +98,14 @@ fn determined(merit: impl Fn(f64) -> f64, is_described: bool) -> Option<f64> {
     }
     let factor = between(grid[least] / STEP, grid[least] * STEP, &merit);
     let decoupled = merits[0].min(merits[merits.len() - 1]);
-    let other = if is_described && factor > PLAUSIBLE { merit(1.0) } else { decoupled };
-    (merit(factor) < other - DETERMINED && factor.ln().abs() > REPORTED.ln()).then_some(factor)
+    (merit(factor) < decoupled - DETERMINED && factor.ln().abs() > REPORTED.ln()).then_some(factor)
 }
 
 /// Torques with factors of their own.
 pub(crate) struct OwnFactors {
     /// The description with the factors.
     pub after: Tried,
-    /// How many times larger each logged torque is, where all have another scale; empty where the most have that of the described bodies.
+    /// How many times larger each logged torque is.
     pub factors: Vec<Option<f64>>,
 }
 
@@ -130,7 +128,7 @@ pub(crate) fn of_joints(
         return None;
     }
     let search = Search { free, bodies, rows, whole: &whole, described: &described, start, found };
-    search.of_few(&alone).or_else(|| search.of_all(&alone))
+    search.of_all(&alone)
 }
 
 /// What the search for the factors of several torques asks.
@@ -146,32 +144,6 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Factors of some torques, where those of the most are those of the described bodies. `alone` are the factors without a load.
-    fn of_few(&self, alone: &[Option<f64>]) -> Option<OwnFactors> {
-        let given = &self.start.description;
-        let sizes = sizes(alone)?;
-        let median = sizes[sizes.len() / 2];
-        let own = |&joint: &usize| alone[joint].is_some_and(|f| f > 0.0 && (f / median).ln().abs() > SPREAD.ln());
-        let joints: Vec<usize> = (0..given.dof()).filter(own).collect();
-        let is_usual = (1.0 / REPORTED..REPORTED).contains(&median);
-        if !is_usual || joints.is_empty() || 2 * joints.len() > sizes.len() {
-            return None;
-        }
-        let with = |scales: &[f64]| {
-            joints.iter().fold(given.clone(), |own, &joint| own.with(Change::JointScale(joint, scales[joint])))
-        };
-        let mut scales: Vec<f64> = alone.iter().map(|factor| 1.0 / factor.unwrap_or(1.0)).collect();
-        for _ in 0..ROUNDS {
-            for &joint in &joints {
-                scales[joint] = fitted(self.described, self.whole, &with, &scales, joint, NEAR)?;
-            }
-        }
-        // Described bodies alone do not show the factor of a few torques: a load, or bodies described too light, make a torque too large, and a
-        // balancer makes one too small.
-        let after = self.accepted(with(&scales), joints.len(), false)?;
-        Some(OwnFactors { after, factors: Vec::new() })
-    }
-
     /// A factor for every torque. The ratios are those under free bodies where these determine them, the common size is that of the described ones.
     fn of_all(&self, alone: &[Option<f64>]) -> Option<OwnFactors> {
         let given = &self.start.description;
@@ -271,7 +243,7 @@ mod tests {
 
     #[test]
     fn a_factor_is_one_that_fits_better_than_no_coupling_beyond_what_is_reported() {
-        let found = |at: f64, depth: f64| determined(valley(at, depth), false);
+        let found = |at: f64, depth: f64| determined(valley(at, depth));
         for at in [2.2, 80.0, 0.45, 0.01] {
             let factor = found(at, 1.0).unwrap();
             assert!((factor / at).ln().abs() < 0.02, "{factor} {at}");
@@ -282,7 +254,6 @@ mod tests {
         assert_eq!(found(1e6, 1.0), None);
         // A torque that is too small for its bodies, by how much does not show.
         let open = |factor: f64| if factor < 4.0 { 1.0 } else { 0.05 * (factor / 90.0_f64).ln().abs().min(1.0) };
-        assert_eq!(determined(open, false), None);
-        assert!((determined(open, true).unwrap() / 90.0).ln().abs() < 0.1);
+        assert_eq!(determined(open), None);
     }
 }

@@ -181,7 +181,8 @@ pub(super) fn withdraw(
         let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
         let VerdictCriteria { explained, explained_above_noise, .. } = criteria.verdict;
         let least = if excess(after) > noise[joint].powi(2) { explained_above_noise } else { explained };
-        Judgement::at_least(Gate::Explained, 1.0 - excess(after) / excess(before), least)
+        // Where nothing is left there is nothing to explain.
+        Judgement::at_least(Gate::Explained, 1.0 - excess(after) / excess(before), least).or(excess(after) == 0.0)
     };
     for one in found.iter_mut().filter(|one| one.impacts.is_none()) {
         let joints = one.member.candidate.joints();
@@ -203,7 +204,8 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     let joints = found.member.candidate.joints();
     let [before, after] =
         found.rms.each_ref().map(|rms| joints.iter().map(|&j| (rms[j] / noise[j]).powi(2)).sum::<f64>());
-    Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2))
+    // What does not grow is not worse, also where both are zero.
+    Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
 }
 
 /// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
@@ -370,6 +372,8 @@ mod tests {
         // Of 3, 0.95 or 0.85: less than the noise.
         assert_eq!(left(3.0, 0.95, &[structure(true)]), Verdict::Unexplained);
         assert_eq!(left(3.0, 0.85, &[structure(true)]), Verdict::Named);
+        // Without an excess there is nothing to explain.
+        assert_eq!(left(0.0, 0.0, &[structure(true)]), Verdict::Named);
     }
 
     #[test]
@@ -393,6 +397,9 @@ mod tests {
         withdraw(&mut found, &[], [&[1.0, 1.0], &[1.0, 1.0]], &[0.5, 0.5], &Criteria::default());
         let stay: Vec<bool> = found.iter().map(|one| one.verdict == Verdict::Named).collect();
         assert_eq!(stay, [false, false, true, true]);
+        let mut silent = [spring([0.0, 1.0], [0.0, 1.0])];
+        withdraw(&mut silent, &[], [&[0.0, 1.0], &[0.0, 1.0]], &[0.5, 0.5], &Criteria::default());
+        assert_eq!(silent[0].verdict, Verdict::Named, "no residual grows");
         assert_eq!(found[0].withdrawn.map(|failed| failed.gate), Some(Gate::Predicts));
     }
 }

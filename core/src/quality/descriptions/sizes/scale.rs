@@ -29,7 +29,7 @@ const UNEQUAL: f64 = 2.0;
 
 /// Ratio of the largest of the joints' factors to the smallest from which free bodies are asked whether each joint has its own: single
 /// masses are rarely wrong by more.
-pub(crate) const SPREAD: f64 = 3.0;
+const SPREAD: f64 = 3.0;
 
 /// Rounds over the joints, whose factors share the load.
 const ROUNDS: usize = 3;
@@ -114,7 +114,7 @@ fn first(factors: &[Option<f64>]) -> Option<f64> {
 }
 
 /// The known factors without their signs, ascending, where enough joints have one.
-pub(crate) fn sizes(factors: &[Option<f64>]) -> Option<Vec<f64>> {
+fn sizes(factors: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut known: Vec<f64> = factors.iter().flatten().map(|factor| factor.abs()).collect();
     if known.len() < factors.len().min(2) || known.len() * 3 < factors.len() {
         return None;

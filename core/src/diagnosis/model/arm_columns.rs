@@ -5,11 +5,9 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{
-    Along, Contribution, Placed, Scope, Site, behind_encoder, behind_gears, contributions, direction,
-};
+use crate::effects::{Along, Contribution, Placed, Scope, Site, behind_encoder, behind_gears, direction};
 use crate::error::Result;
-use crate::identification::effect_model::{Arm, Geared, Trust, law_site};
+use crate::identification::effect_model::{Arm, Geared, Trust, law_sites, laws};
 use crate::identification::model::Model;
 use crate::identification::standard::{COULOMB, STANDARD};
 use crate::signal::second_derivative;
@@ -144,12 +142,10 @@ impl Arm {
     /// If a log is too short to differentiate.
     pub fn added_in(&self, acting: Range<usize>, placed: &[Placed], rows: &Rows, moved: Moved) -> Result<Vec<Column>> {
         // What laws may ask about a motion is worked out once for all batches, where there are such laws.
-        let asked = [Site::Joint, Site::Integrator]
-            .map(|site| placed.iter().any(|one| law_site(one) == Some(site)).then_some(site));
+        let asked: Vec<Site> = law_sites(placed).collect();
         let sites = rows.logs.iter().enumerate().map(|(k, log)| {
-            let asked = asked.into_iter().flatten().filter(|_| acting.contains(&k));
-            let along = asked.map(|site| (site, self.laws_along(site, &log.time, &log.motion)));
-            along.collect()
+            let asked = asked.iter().filter(|_| acting.contains(&k));
+            asked.map(|site| (*site, self.laws_along(*site, &log.time, &log.motion))).collect()
         });
         let sites: Vec<Vec<(Site, Along)>> = sites.collect();
         let jobs: Vec<&[Placed]> = placed.chunks(BATCH).collect();
@@ -175,20 +171,9 @@ impl Arm {
         sites: &[(Site, Along)],
         moved: Moved,
     ) -> Result<Vec<Contribution>> {
-        let mut out: Vec<Option<Contribution>> = vec![None; batch.len()];
-        for (site, along) in sites {
-            let of_site: Vec<usize> = (0..batch.len()).filter(|&k| law_site(&batch[k]) == Some(*site)).collect();
-            if of_site.is_empty() {
-                continue;
-            }
-            let placed: Vec<Placed> = of_site.iter().map(|&k| batch[k].clone()).collect();
-            for (k, torque) in of_site.into_iter().zip(contributions(&placed, along)) {
-                out[k] = Some(torque);
-            }
-        }
         let (mut plain, mut to_move) = (None, None);
         let mut all = Vec::with_capacity(batch.len());
-        for (placed, done) in batch.iter().zip(out) {
+        for (placed, done) in batch.iter().zip(laws(batch, sites)) {
             let torque = match done {
                 Some(torque) => torque,
                 None => {

@@ -116,17 +116,9 @@ impl Arm {
 
     /// Torque of effects along a motion, one each: that of laws at joints, on bodies and in the integrator, none of gears and sensors.
     pub(super) fn contributions(&self, placed: &[Placed], time: &[f64], motion: &Motion) -> Vec<Contribution> {
-        let mut all = vec![Contribution::default(); placed.len()];
-        for site in [Site::Joint, Site::Integrator] {
-            let here: Vec<usize> = (0..placed.len()).filter(|&k| law_site(&placed[k]) == Some(site)).collect();
-            if here.is_empty() {
-                continue;
-            }
-            let laws: Vec<Placed> = here.iter().map(|&k| placed[k].clone()).collect();
-            let torques = contributions(&laws, &self.laws_along(site, time, motion));
-            here.into_iter().zip(torques).for_each(|(k, torque)| all[k] = torque);
-        }
-        all
+        let sites: Vec<(Site, Along)> =
+            law_sites(placed).map(|site| (site, self.laws_along(site, time, motion))).collect();
+        laws(placed, &sites).into_iter().map(Option::unwrap_or_default).collect()
     }
 
     /// Torque that the gears of the arm as found carry, `[joint][time]`: that of the bodies alone.
@@ -162,12 +154,31 @@ impl Arm {
 }
 
 /// Where the law of an effect has torque along a known motion: at the joints or in the integrator. None for effects in gears and sensors.
-pub(crate) fn law_site(placed: &Placed) -> Option<Site> {
+fn law_site(placed: &Placed) -> Option<Site> {
     match placed.effect.about().site {
         Site::Body | Site::Joint => Some(Site::Joint),
         Site::Integrator => Some(Site::Integrator),
         _ => None,
     }
+}
+
+/// The sites at which some of these effects have laws.
+pub(crate) fn law_sites(placed: &[Placed]) -> impl Iterator<Item = Site> {
+    [Site::Joint, Site::Integrator].into_iter().filter(|site| placed.iter().any(|one| law_site(one) == Some(*site)))
+}
+
+/// Torque of effects, one each, by what their laws ask at each of their sites; None for effects in gears and sensors.
+pub(crate) fn laws(placed: &[Placed], sites: &[(Site, Along)]) -> Vec<Option<Contribution>> {
+    let mut all = vec![None; placed.len()];
+    for (site, along) in sites {
+        let here: Vec<usize> = (0..placed.len()).filter(|&k| law_site(&placed[k]) == Some(*site)).collect();
+        if here.is_empty() {
+            continue;
+        }
+        let laws: Vec<Placed> = here.iter().map(|&k| placed[k].clone()).collect();
+        here.into_iter().zip(contributions(&laws, along)).for_each(|(k, torque)| all[k] = Some(torque));
+    }
+    all
 }
 
 #[cfg(test)]

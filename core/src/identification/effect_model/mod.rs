@@ -13,7 +13,7 @@ mod sensing;
 mod signals;
 mod state;
 
-pub(crate) use arm::{Arm, law_site};
+pub(crate) use arm::{Arm, law_sites, laws};
 pub use arm_parameters::Trust;
 pub(crate) use links::Geared;
 pub use state::{EffectModel, Place, Preparation};

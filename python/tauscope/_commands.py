@@ -35,7 +35,7 @@ def diagnose(
 ) -> Answer:
     """Says from logs what the model of an arm misses: effect, joint, size.
 
-    ``train`` and ``test`` are logs or paths, or lists of them; without ``test`` the last part of every training log is held out.
+    ``train`` and ``test`` are logs or paths, or lists of them; without ``test`` 30 % of every training log is held out.
     ``reference`` logs are from before a change: the question is then what changed. ``scenario`` is the simulation as it stands: a
     file, a dictionary, or an earlier answer. ``trust`` is "structure" (estimate the inertias) or "nominal" (take them from the robot).
     ``budget`` is the time for the search, s. An interrupt ends the search.

@@ -2,7 +2,7 @@
 
 use super::{SETUP, logs, with};
 use tauscope::channels::Channels;
-use tauscope::diagnosis::Diagnosis;
+use tauscope::diagnosis::{Diagnosis, ExtendedModel};
 use tauscope::dynamics::Motion;
 use tauscope::effects::{Placed, Site, find};
 use tauscope::identification::effect_model::Trust;
@@ -10,7 +10,6 @@ use tauscope::random;
 use tauscope::robot::with_parameters;
 use tauscope::scenario::{Scenario, Setup};
 use tauscope::simulation::engine::EngineKind;
-use tauscope_core::internal::diagnosis::torque;
 
 fn random_motion(dof: usize, samples: usize) -> Motion {
     use rand::RngExt;
@@ -37,9 +36,10 @@ fn check(trust: Trust) {
     let motion = random_motion(6, 50);
     let time: Vec<f64> = (0..50).map(f64::from).collect();
     let mut effects = setup.effects.clone();
-    effects.retain(|placed| placed.effect.about().site == Site::Joint);
+    effects.retain(|placed| placed.effect.about().site == Site::Joint && placed.effect.of_drive().is_none());
     assert!(effects.iter().any(|placed| placed.effect.about().name == "stribeck_friction"));
-    let (own, loaded) = (extended.torque(&time, &motion), torque(&setup.plant, &effects, &time, &motion));
+    let loaded = ExtendedModel { robot: setup.plant.clone(), effects };
+    let (own, loaded) = (extended.torque(&time, &motion), loaded.torque(&time, &motion));
     for (a, b) in own.as_slice().iter().zip(loaded.as_slice()) {
         assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{a} {b}");
     }

@@ -252,6 +252,34 @@ fn amplitudes_enter_linearly() {
 }
 
 #[test]
+fn a_law_of_one_joint_has_torque_on_that_joint_alone() {
+    let arm = Arm::new(1);
+    let dof = arm.robot.dof();
+    let values = |scale: f64| (0..dof).map(|joint| scale * (1.0 + 0.3 * joint as f64)).collect::<Vec<f64>>();
+    let (q, qd, qdd, load) = (values(0.4), values(-0.7), values(1.3), values(11.0));
+    let direction = vec![-1.0; dof];
+    for &effect in LIBRARY.iter().filter(|effect| effect.about().scope == Scope::Joint) {
+        for joint in (0..dof).filter(|&joint| effect.can_be_on(joint, &arm.robot)) {
+            let x = tauscope::effects::Instant {
+                t: 0.5,
+                q: &q,
+                qd: &qd,
+                qdd: &qdd,
+                direction: &direction,
+                load: &load,
+                robot: &arm.robot,
+                chain: &arm.chain,
+                frames: None,
+            };
+            let mut out = vec![0.0; dof];
+            effect.torque(&Placed::typical(effect, joint).parameters, joint, &x, &vec![0.1; effect.memory()], &mut out);
+            let elsewhere = (0..dof).find(|&other| other != joint && out[other] != 0.0);
+            assert_eq!(elsewhere, None, "{} on joint {joint}", effect.about().name);
+        }
+    }
+}
+
+#[test]
 fn friction_never_adds_energy_over_a_cycle() {
     // The first period only warms the memory up.
     let arm = Arm::new(2);

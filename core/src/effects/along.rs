@@ -1,6 +1,6 @@
 //! An effect along a motion that is known: the model's side of the law.
 
-use super::{Instant, Placed};
+use super::{Instant, Placed, Scope};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::robot::{Pose, Robot};
@@ -113,6 +113,9 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Contribution> {
     let needs_load = placed.iter().any(|one| one.effect.about().uses_acceleration);
     let mut torques: Vec<Contribution> = placed.iter().map(|one| altered_bodies(one, along)).collect();
     let mut memories: Vec<Vec<f64>> = placed.iter().map(|one| vec![0.0; one.effect.memory()]).collect();
+    // Most laws act on one joint: the others need not be looked at, sample by sample.
+    let only = |one: &Placed| (one.effect.about().scope == Scope::Joint).then_some(one.joint);
+    let reach: Vec<Option<usize>> = placed.iter().map(only).collect();
     let remembers = memories.iter().any(|memory| !memory.is_empty());
     let needs_frames = placed.iter().any(|one| one.effect.uses_frames());
     let acting = placed.iter().map(|one| one.effect.acts_between(&one.parameters));
@@ -139,12 +142,13 @@ pub fn contributions(placed: &[Placed], along: &Along) -> Vec<Contribution> {
             }
         }
         let instant = now.instant(along);
-        for ((one, memory), torque) in placed.iter().zip(&memories).zip(&mut torques) {
-            out.fill(0.0);
+        for (((one, memory), torque), reach) in placed.iter().zip(&memories).zip(&mut torques).zip(&reach) {
+            let channels = reach.map_or(0..dof, |joint| joint..joint + 1);
+            out[channels.clone()].fill(0.0);
             one.effect.torque(&one.parameters, one.joint, &instant, memory, &mut out);
-            for (channel, &value) in out.iter().enumerate() {
-                if value != 0.0 {
-                    torque.on_mut(channel, samples)[sample] += value;
+            for channel in channels {
+                if out[channel] != 0.0 {
+                    torque.on_mut(channel, samples)[sample] += out[channel];
                 }
             }
         }

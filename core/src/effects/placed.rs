@@ -60,6 +60,13 @@ impl Placed {
     }
 }
 
+impl PartialEq for Placed {
+    fn eq(&self, other: &Self) -> bool {
+        let own = |placed: &Placed| (placed.effect.about().name, placed.joint);
+        own(self) == own(other) && self.parameters == other.parameters
+    }
+}
+
 impl std::fmt::Debug for Placed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} on {}: {:?}", self.effect.about().name, self.joint, self.parameters)

@@ -31,7 +31,7 @@ pub(crate) fn lines(
     lines.extend(robot.notes.iter().map(|note| format!("Note: {note}.")));
     lines.extend(fault_lines(faults));
     if diagnosis.logs.held_out_from_training {
-        lines.push("No test log was given: the last part of every training log was held out.".into());
+        lines.push("No test log was given: 30 % of every training log was held out.".into());
     }
     lines.extend(diagnosis.logs.passband.map(|low_pass| {
         format!(

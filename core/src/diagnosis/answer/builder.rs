@@ -83,7 +83,7 @@ impl<'a> DiagnosisBuilder<'a> {
         self
     }
 
-    /// Adds held-out logs of other motions. Default: the last part of every training log.
+    /// Adds held-out logs of other motions. Default: parts of every training log.
     pub fn test<L: Into<GivenLog<'a>>>(mut self, logs: impl IntoIterator<Item = L>) -> Self {
         self.test.extend(logs.into_iter().map(L::into));
         self

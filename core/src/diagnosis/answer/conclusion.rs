@@ -190,7 +190,7 @@ struct Circumstances {
     before: Vec<Found>,
     /// What re-identified inertias gain where those trusted are wrong as a whole.
     inertias: Option<Gain>,
-    /// Whether the last part of the training logs was held out.
+    /// Whether parts of the training logs were held out.
     held_out_from_training: bool,
     /// Effects that the simulation has already.
     present: Vec<Placed>,

@@ -74,7 +74,7 @@ pub struct LogSummary {
     /// Whether each joint has an equation: its torque is logged, and it moves. The numbers of a joint without one
     /// mean nothing.
     pub equations: Vec<bool>,
-    /// Whether the last part of the training logs was held out for want of test logs.
+    /// Whether parts of the training logs were held out for want of test logs.
     pub held_out_from_training: bool,
 }
 

@@ -278,7 +278,7 @@ impl Document {
             nearest: diagnosis.nearest(left.joint).map(|minor| minor.found.member.candidate.family().effect),
         });
         let mut data_quality = qualities(robot, faults);
-        let held_out = "no test log was given: the last part of every training log was held out";
+        let held_out = "no test log was given: 30 % of every training log was held out";
         let notices = [
             (
                 "held_out_from_training",

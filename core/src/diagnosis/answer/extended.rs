@@ -5,8 +5,8 @@ use crate::channels::Channels;
 use crate::diagnosis::model::{Member, Session, linear};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::gram;
-use crate::dynamics::{Chain, Motion, inverse_dynamics};
-use crate::effects::{Along, DriveParameter, Placed, Role, Site, contributions};
+use crate::dynamics::Motion;
+use crate::effects::{DriveParameter, Placed, Role, Site};
 use crate::error::Result;
 use crate::identification::consistent;
 use crate::identification::effect_model::{Arm, Trust};
@@ -18,7 +18,7 @@ use nalgebra::DMatrix;
 const ROUNDING: f64 = 1e-6;
 
 /// A model of the arm that can be simulated.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ExtendedModel {
     /// Bodies that can exist, drives and gravity.
     pub robot: Robot,
@@ -60,23 +60,13 @@ impl ExtendedModel {
     /// Torque along a motion that is known: bodies, drives, and effects at the joints (those in gears and sensors are left
     /// out), `[joint][time]`.
     pub fn torque(&self, time: &[f64], motion: &Motion) -> Channels {
-        let mut effects = crate::effects::drive_friction(&self.robot);
-        effects.extend(self.effects.iter().filter(|placed| placed.effect.about().site == Site::Joint).cloned());
-        torque(&self.robot, &effects, time, motion)
+        let arm = Arm::new(&self.robot, Trust::Nominal);
+        let at_joints = self.effects.iter().filter(|placed| placed.effect.about().site == Site::Joint);
+        let effects: Vec<Placed> = at_joints.cloned().collect();
+        let mut sum = arm.torque(motion, motion);
+        arm.contributions(&effects, time, motion).iter().for_each(|torque| torque.add_to(1.0, &mut sum));
+        sum
     }
-}
-
-/// Torque of bodies, rotors and effects along a motion, `[joint][time]`.
-pub fn torque(robot: &Robot, effects: &[Placed], time: &[f64], motion: &Motion) -> Channels {
-    let chain = Chain::new(robot);
-    let mut sum = inverse_dynamics(&chain, &robot.inertial_parameters(), motion);
-    for (joint, spec) in robot.joints.iter().enumerate() {
-        let qdd = motion.qdd.channel(joint);
-        sum.channel_mut(joint).iter_mut().zip(qdd).for_each(|(value, a)| *value += spec.drive.armature * a);
-    }
-    let along = Along::new(robot, &chain, time, motion, 0.0);
-    contributions(effects, &along).iter().for_each(|torque| torque.add_to(1.0, &mut sum));
-    sum
 }
 
 /// Bodies, rotors, friction and gravity go into the arm, all else into the scenario. An effect that is there already grows.

@@ -21,7 +21,7 @@ mod searched;
 pub use builder::DiagnosisBuilder;
 pub use diagnosis::{Diagnosis, Errors, LogSummary, Scope};
 pub use document::{DIAGNOSIS_SCHEMA, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF};
-pub use extended::{ExtendedModel, torque};
+pub use extended::ExtendedModel;
 pub use findings::{Finding, NOT_SIZED, NamedAlternative, NamedParameter, finding, findings, joints};
 pub use inertias::Gain;
 pub use outcome::{Answer, Conclusion, Measured, Outcome};

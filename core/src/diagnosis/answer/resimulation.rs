@@ -95,8 +95,11 @@ impl Replay {
     /// If the baseline or the extended model cannot be simulated.
     pub(super) fn run(&self, diagnosis: &Diagnosis, simulator: &impl Simulator) -> Result<Resimulation> {
         let [baseline, extended] = [&self.baseline, &self.extended].map(|model| model.as_ref().map_err(Error::clone));
-        let fitted = resimulate(simulator, &[baseline?, extended?], &self.rows)?;
-        let (baseline, extended) = (&fitted[0], &fitted[1]);
+        let mut models = vec![baseline?, extended?];
+        // Where nothing was found they are the same.
+        models.dedup();
+        let fitted = resimulate(simulator, &models, &self.rows)?;
+        let (baseline, extended) = (&fitted[0], &fitted[models.len() - 1]);
         let noise = &diagnosis.errors.noise_floor;
         let (before, after) = (&baseline.residual, &extended.residual);
         let residuals = Residuals { before, after, valid: &baseline.valid, noise };

@@ -38,7 +38,7 @@ pub(crate) fn check_held_out(what: &str, logs: &[Screened]) -> Result<()> {
         return Ok(());
     }
     let problem = format!(
-        "the logs last {seconds:.1} s together; give {SHORTEST_HELD_OUT_S} s at the least, or none: the last part of every \
+        "the logs last {seconds:.1} s together; give {SHORTEST_HELD_OUT_S} s at the least, or none: 30 % of every \
          training log is held out then"
     );
     Err(Error::request(what, problem))

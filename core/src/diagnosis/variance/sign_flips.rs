@@ -29,6 +29,9 @@ const LEAST_ROWS: usize = 2;
 const DRAWS: usize = 4999;
 const TAIL: usize = 50;
 
+/// Draws worked out in one product of matrices.
+const TOGETHER: usize = 256;
+
 /// Fewest blocks: with fewer there are not enough sign patterns for any p-value that counts.
 const FEWEST_BLOCKS: usize = 12;
 
@@ -122,27 +125,24 @@ fn blocks(design: &Design) -> Vec<Range<usize>> {
     blocks
 }
 
-/// Sum of each column's products with the residual, block by block.
+/// Sum of each column's products with the residual, block by block: `[block, column]`.
 fn scores(columns: &DMatrix<f64>, residual: &DVector<f64>, blocks: &[Range<usize>]) -> DMatrix<f64> {
     let of_block =
         |block: &Range<usize>| columns.rows(block.start, block.len()).tr_mul(&residual.rows(block.start, block.len()));
-    DMatrix::from_columns(&blocks.iter().map(of_block).collect::<Vec<DVector<f64>>>())
+    DMatrix::from_columns(&blocks.iter().map(of_block).collect::<Vec<DVector<f64>>>()).transpose()
 }
 
-/// Probability of a squared sum of `scores`, one per block, as large as the one `observed` under flipped signs. Where few draws are as large it is that of an
-/// exponential tail (peaks over a threshold: Pickands, Annals of Statistics 3, 1975), as quadratic forms have, its mean excess two standard
-/// errors above the estimate.
+/// Probability of a squared sum of `scores`, `[block, column]`, as large as the one `observed` under flipped signs. Where few draws are as
+/// large it is that of an exponential tail (peaks over a threshold: Pickands, Annals of Statistics 3, 1975), as quadratic forms have, its
+/// mean excess two standard errors above the estimate.
 fn p_value(observed: f64, scores: &DMatrix<f64>, seed: u64, index: u64) -> f64 {
     let mut source = stream(seed, "variance_components", index);
-    let mut draw = || {
-        let mut sum = DVector::zeros(scores.nrows());
-        for block in scores.column_iter() {
-            let sign = if source.random::<bool>() { 1.0 } else { -1.0 };
-            sum.axpy(sign, &block, 1.0);
-        }
-        sum.norm_squared()
-    };
-    let mut drawn: Vec<f64> = (0..DRAWS).map(|_| draw()).collect();
+    let mut drawn = Vec::with_capacity(DRAWS);
+    while drawn.len() < DRAWS {
+        let count = TOGETHER.min(DRAWS - drawn.len());
+        let signs = DMatrix::from_fn(scores.nrows(), count, |_, _| if source.random::<bool>() { 1.0 } else { -1.0 });
+        drawn.extend(transposed_product(scores, &signs).column_iter().map(|sum| sum.norm_squared()));
+    }
     drawn.sort_by(|a, b| b.total_cmp(a));
     let threshold = drawn[TAIL];
     if observed <= threshold {
@@ -209,8 +209,8 @@ mod tests {
         // One column whose blocks are alike but for signs: flipped sums are normal, their squares chi-square of one degree.
         for (surplus, expected) in [(26, 0.01), (33, 1e-3), (44, 1e-5)] {
             let signs = (0..400).map(|block| if 2 * block < 400 + 2 * surplus { 0.05 } else { -0.05 });
-            let scores = DMatrix::from_row_slice(1, 400, &signs.collect::<Vec<f64>>());
-            let p = p_value(scores.column_sum().norm_squared(), &scores, 1, 0);
+            let scores = DMatrix::from_column_slice(400, 1, &signs.collect::<Vec<f64>>());
+            let p = p_value(scores.row_sum().norm_squared(), &scores, 1, 0);
             assert!(p > 0.7 * expected && p < 30.0 * expected, "{surplus}: {p}");
         }
     }

@@ -115,7 +115,7 @@ impl Arm {
     }
 
     /// Torque of effects along a motion, one each: that of laws at joints, on bodies and in the integrator, none of gears and sensors.
-    pub(super) fn contributions(&self, placed: &[Placed], time: &[f64], motion: &Motion) -> Vec<Contribution> {
+    pub(crate) fn contributions(&self, placed: &[Placed], time: &[f64], motion: &Motion) -> Vec<Contribution> {
         let sites: Vec<(Site, Along)> =
             law_sites(placed).map(|site| (site, self.laws_along(site, time, motion))).collect();
         laws(placed, &sites).into_iter().map(Option::unwrap_or_default).collect()

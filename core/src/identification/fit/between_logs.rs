@@ -6,6 +6,7 @@
 //! A practitioner's guide to cluster-robust inference, Journal of Human Resources 50, 2015): what a model lacks is not white. With more
 //! parameters than blocks a fit takes much of the residual of each, so that it is the one without the block in the fit (CR3, the jackknife).
 
+use super::blocks::{blocks_of, log_rows};
 use crate::error::Result;
 use crate::identification::numerics::scaled_normal::ScaledNormal;
 use crate::identification::regression::joint_regression::JointRegression;
@@ -63,18 +64,6 @@ pub struct BetweenLogs {
     /// What that comes to.
     #[serde(flatten)]
     pub agreement: Agreement,
-}
-
-/// The rows of each log, which rows without a time separate.
-fn log_rows(times: &[f64]) -> Vec<Range<usize>> {
-    let mut logs: Vec<Range<usize>> = Vec::new();
-    for row in (0..times.len()).filter(|&row| times[row].is_finite()) {
-        match logs.last_mut().filter(|log| log.end == row) {
-            Some(log) => log.end = row + 1,
-            None => logs.push(row..row + 1),
-        }
-    }
-    logs
 }
 
 /// Sums over a block of rows.
@@ -151,7 +140,8 @@ impl<'a> Sums<'a> {
         for (log, rows) in logs.iter().enumerate() {
             let step = rows.len().div_ceil(ROWS).max(1);
             let mut normal = DMatrix::zeros(count, count);
-            for block in block_rows(times, rows) {
+            let seconds = times[rows.end - 1] - times[rows.start];
+            for block in blocks_of(rows, (seconds / BLOCK_S).floor().max(FEWEST_BLOCKS) as usize) {
                 let parts: Vec<JointRegression> = joints.iter().map(|joint| joint.part(block.clone(), step)).collect();
                 let problem = LinearProblem::new(&parts, sigma, count);
                 let residuals: Vec<Vec<f64>> = parts.iter().map(|part| part.residual(beta)).collect();
@@ -262,14 +252,6 @@ impl<'a> Sums<'a> {
             false => Agreement::Pinned,
         }
     }
-}
-
-/// Blocks of the rows of a log.
-fn block_rows(times: &[f64], rows: &Range<usize>) -> Vec<Range<usize>> {
-    let duration = times[rows.end - 1] - times[rows.start];
-    let count = (duration / BLOCK_S).floor().max(FEWEST_BLOCKS) as usize;
-    let bound = |block: usize| rows.start + rows.len() * block / count;
-    (0..count).map(|block| bound(block)..bound(block + 1)).filter(|block| !block.is_empty()).collect()
 }
 
 #[cfg(test)]

@@ -44,13 +44,17 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
     let mut equations = with_torque(robot.dof(), all);
     let unlogged = robot.joints.iter().zip(&equations).filter(|(_, logged)| !**logged);
     let mut notes: Vec<String> = unlogged.map(|(spec, _)| format!("joint `{}`: {}", spec.name, no_torque())).collect();
-    let mut rows = vec![0usize; robot.dof()];
+    let (mut rows, mut forward) = (vec![0usize; robot.dof()], vec![0usize; robot.dof()]);
     for log in logs.train {
         let prepared = prepare::measured(log, preparation.smoothing, preparation.band)?;
         let own: Vec<usize> =
             (0..robot.dof()).map(|joint| prepared.rows_to_use(joint).into_iter().filter(|&ok| ok).count()).collect();
         notes.extend(too_fast(log, &prepared.motion, &own));
         rows.iter_mut().zip(own).for_each(|(rows, own)| *rows += own);
+        for (joint, forward) in forward.iter_mut().enumerate() {
+            let used = prepared.rows_to_use(joint).into_iter().zip(prepared.row_motion(joint)?[1].clone());
+            *forward += used.filter(|(used, speed)| *used && *speed > 0.0).count();
+        }
     }
     let model = Model::with_equations(robot, &equations);
     for (joint, spec) in robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint)) {
@@ -66,12 +70,28 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
                  own torque is left out, and its friction and rotor stay as described",
                 spec.name, rows[joint]
             ));
+        } else if let Some(way) = one_way(forward[joint], rows[joint]) {
+            notes.push(format!(
+                "joint `{}` surely moves {way} only: Coulomb friction is a constant torque then, which gravity and offsets hold too, and \
+                 errors of the model are in it; move it both ways",
+                spec.name
+            ));
         }
     }
     let none = equations.iter().all(|has| !has);
     match none || (0..robot.dof()).all(|joint| equations[joint] == model.has_equation(joint)) {
         true => Ok(Observed { model, notes: if none { Vec::new() } else { notes } }),
         false => Ok(Observed { model: Model::with_equations(robot, &equations), notes }),
+    }
+}
+
+/// The way in which a joint moves in nearly all of its `rows`, of which so many are `forward`.
+fn one_way(forward: usize, rows: usize) -> Option<&'static str> {
+    let other = ONE_WAY * rows as f64;
+    match ((forward as f64) < other, ((rows - forward) as f64) < other) {
+        (true, _) => Some("backward"),
+        (_, true) => Some("forward"),
+        _ => None,
     }
 }
 
@@ -105,5 +125,19 @@ const SAMPLES_IN_A_SWING: f64 = 12.0;
 /// Fewest rows of a joint that determine its friction, a moment's motion.
 const FEWEST: usize = 30;
 
+/// Share of a joint's rows below which a direction says nothing.
+const ONE_WAY: f64 = 0.02;
+
 /// Parameters of a drive: rotor inertia, viscous and Coulomb friction.
 const DRIVE: usize = 3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_that_moves_one_way_only() {
+        assert_eq!((one_way(0, 100), one_way(99, 100)), (Some("backward"), Some("forward")));
+        assert_eq!((one_way(2, 100), one_way(98, 100)), (None, None));
+    }
+}

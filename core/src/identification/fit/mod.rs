@@ -1,7 +1,9 @@
 //! Fits on demand. An arm, training logs and held-out logs come in; the arm's parameters, those of named effects and both residuals
 //! go out, and the joints that have an equation.
 
+mod between_blocks;
 mod between_logs;
+mod blocks;
 mod constants;
 pub mod equations;
 mod fitted;

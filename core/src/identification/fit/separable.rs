@@ -2,6 +2,7 @@
 //! every step, Levenberg-Marquardt searches the few nonlinear ones. All stay within the bounds that make sense for the
 //! effect; one that ends at a bound is held there, and the others are as certain as they are with it held.
 
+use super::between_blocks::between_blocks;
 use super::between_logs::{BetweenLogs, between_logs};
 use super::constants::{Constant, constants};
 use super::reversals;
@@ -342,6 +343,8 @@ fn finish(model: &mut EffectModel, nonlinear: &[Place], sigma: &[f64]) -> Result
     let (free, free_names) = without(&regression, &held, &names);
     let estimate = weighted_least_squares(&free, &free_names)?;
     let times = model.row_times()?;
+    let scatter = between_blocks(&free, [&estimate.beta, &estimate.sigma], &times);
+    let estimate = estimate.at_least(&scatter.unwrap_or_default());
     let mut each = between_logs(&free, [&estimate.beta, &estimate.sigma], &times, &free_names)?.into_iter();
     let estimate = estimate.with_held(&held, names.len());
     let residual_rms = regression.iter().map(|joint| joint.residual_rms(&estimate.beta)).collect();

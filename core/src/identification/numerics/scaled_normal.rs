@@ -107,3 +107,13 @@ fn tied(weakest: &[f64], names: &[String]) -> Error {
         "the motion does not separate these parameters; use a richer motion (each joint with durations of its own)",
     )
 }
+
+/// Lower Cholesky factor of a matrix, found on its version with a unit diagonal.
+pub(in crate::identification) fn unit_cholesky(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let size = matrix.diagonal().map(f64::sqrt);
+    if size.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+        return None;
+    }
+    let unit = DMatrix::from_fn(size.len(), size.len(), |i, j| matrix[(i, j)] / (size[i] * size[j]));
+    Some(DMatrix::from_diagonal(&size) * unit.cholesky()?.l())
+}

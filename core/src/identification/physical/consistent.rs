@@ -13,7 +13,8 @@ use crate::error::{Error, Result};
 use crate::identification::effect_model::{EffectModel, Preparation, Trust};
 use crate::identification::fit::{Fitted, Logs};
 use crate::identification::model::Model;
-use crate::identification::model::standard::STANDARD;
+use crate::identification::model::standard::{ROTOR, STANDARD};
+use crate::identification::numerics::scaled_normal::unit_cholesky;
 use crate::identification::regression::joint_regression::JointRegression;
 use crate::identification::regression::linear_problem::LinearProblem;
 use crate::robot::{PARAMETERS, Robot};
@@ -102,7 +103,8 @@ pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Con
     let unchanged = program.unchanged(&point);
     let exact = program.is_feasible(&program.parameters(&unchanged));
     let point = if exact { unchanged } else { point };
-    let standard: Vec<f64> = program.parameters(&point).component_mul(&program.scale).as_slice().to_vec();
+    let mut standard: Vec<f64> = program.parameters(&point).component_mul(&program.scale).as_slice().to_vec();
+    with_described_frictions(model, &mut standard);
     let beta = model.base().values(&standard);
     let cost = point.rows(0, program.fitted).norm_squared();
     let gap = 2.0 * BARRIER * (CONDITIONS * model.dof()) as f64;
@@ -116,6 +118,32 @@ pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Con
         train_rms: Vec::new(),
         test_rms: Vec::new(),
     })
+}
+
+/// Leaves frictions and rotor inertias that torque does not show as described: those of a joint without an equation, and those of a joint
+/// that follows another, of which only the sum with the other's is determined. The joint whose parameter is kept takes the difference where
+/// its own stays positive.
+fn with_described_frictions(model: &Model, standard: &mut [f64]) {
+    let (base, described) = (model.base(), Model::standard_values(model.robot()));
+    let is_friction = |k: usize| k % STANDARD > ROTOR;
+    for k in (0..standard.len()).filter(|&k| k % STANDARD >= PARAMETERS && !base.kept().contains(&k)) {
+        let shares = base.regrouping().column(k);
+        // A rotor's inertia is in sums with those of bodies, which must stay bodies.
+        if !is_friction(k) && shares.iter().any(|share| *share != 0.0) {
+            continue;
+        }
+        let more = standard[k] - described[k];
+        let moved: Vec<(usize, f64)> = base
+            .kept()
+            .iter()
+            .zip(base.carried(shares.as_slice()))
+            .map(|(&kept, share)| (kept, share * more))
+            .collect();
+        if moved.iter().all(|&(kept, by)| by == 0.0 || standard[kept] + by > 0.0) {
+            moved.into_iter().for_each(|(kept, by)| standard[kept] += by);
+            standard[k] = described[k];
+        }
+    }
 }
 
 /// The program in the coordinates u: deviation of the base parameters in units of their uncertainty, then the standard
@@ -268,16 +296,6 @@ impl Program {
     }
 }
 
-/// Lower Cholesky factor of a matrix, found on its version with a unit diagonal.
-pub(super) fn unit_cholesky(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let size = matrix.diagonal().map(f64::sqrt);
-    if size.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
-        return None;
-    }
-    let unit = DMatrix::from_fn(size.len(), size.len(), |i, j| matrix[(i, j)] / (size[i] * size[j]));
-    Some(DMatrix::from_diagonal(&size) * unit.cholesky()?.l())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -319,6 +337,15 @@ mod tests {
         for (a, b) in model.base().values(&found.standard).iter().zip(&fitted) {
             assert!((a - b).abs() < 1e-10 * b.abs().max(1.0), "{a} {b}");
         }
+    }
+
+    #[test]
+    fn the_drive_of_a_joint_without_torque_stays_as_described() {
+        let described = irb().robot().clone();
+        let model = Model::with_equations(&described, &[true, true, false, true, true, true]);
+        let fitted = model.base().values(&Model::standard_values(&described));
+        let found = solve(&model, &normal(&fitted), &fitted).unwrap().robot(&described);
+        assert_eq!(found.joints[2].drive, described.joints[2].drive);
     }
 
     #[test]

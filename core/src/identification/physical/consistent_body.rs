@@ -1,7 +1,8 @@
 //! The body that can exist nearest to ten fitted parameters.
 
-use super::consistent::{Program, unit_cholesky};
+use super::consistent::Program;
 use super::pseudo_inertia::pseudo_inertia;
+use crate::identification::numerics::scaled_normal::unit_cholesky;
 use crate::robot::{Inertia, PARAMETERS};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 

@@ -27,7 +27,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub struct Estimate {
     /// Base parameters.
     pub beta: Vec<f64>,
-    /// Covariance of the base parameters, with the colour of the residual taken into account.
+    /// Covariance of the base parameters, with the colour of the residual taken into account; where a fit takes the scatter between
+    /// blocks too, with the larger of both standard deviations.
     pub covariance: DMatrix<f64>,
     /// Standard deviation of the residual of each joint, the inverse root of its weight, N m.
     pub sigma: Vec<f64>,
@@ -41,6 +42,19 @@ impl Estimate {
     /// Standard deviation of each base parameter.
     pub fn std(&self) -> Vec<f64> {
         self.covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
+    }
+
+    /// The same with no standard deviation below that of `least`, in the order of the parameters: the covariance keeps its correlations.
+    pub(in crate::identification) fn at_least(mut self, least: &[f64]) -> Self {
+        let own = self.std();
+        let factor = |k: usize| match least.get(k) {
+            Some(least) if own[k] > 0.0 => (least / own[k]).max(1.0),
+            _ => 1.0,
+        };
+        let factors: Vec<f64> = (0..own.len()).map(factor).collect();
+        self.covariance =
+            DMatrix::from_fn(own.len(), own.len(), |i, j| factors[i] * self.covariance[(i, j)] * factors[j]);
+        self
     }
 
     /// The same with parameters that are held put back in their places, without uncertainty.

@@ -2,7 +2,7 @@
 
 use super::bare;
 use super::names::{self, Joint, Meaning};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A column that is the signal of a joint, as one reading of its name has it.
 #[derive(Debug)]
@@ -43,7 +43,14 @@ pub(super) fn candidates<'a>(
         let (meaning, joint) = readings.iter().find_map(|meaning| Some((meaning, place(meaning)?)))?;
         ((meaning.truth, meaning.quantity) == (truth, quantity)).then_some(Candidate { column, meaning, joint })
     };
-    meanings.iter().enumerate().filter_map(of).collect()
+    let mut all: Vec<Candidate> = meanings.iter().enumerate().filter_map(of).collect();
+    // On two topics that are called like no group, a joint may be that of either of two arms.
+    let topics = all.iter().filter(|candidate| candidate.meaning.behind_topic);
+    let topics: BTreeSet<&str> = topics.map(|candidate| candidate.meaning.family.as_str()).collect();
+    if topics.len() > 1 {
+        all.retain(|candidate| !candidate.meaning.behind_topic);
+    }
+    all
 }
 
 /// Of columns that could be the same quantity, those that are called alike: measured torques before those of a controller, torques before

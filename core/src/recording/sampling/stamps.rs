@@ -1,7 +1,7 @@
 //! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
-use super::{set, unit, wrapped};
+use super::{restarts, set, unit, wrapped};
 use crate::error::{Error, Result};
 use crate::recording::columns::{ColumnMap, Layout};
 use crate::recording::formats::text::Text;
@@ -103,6 +103,7 @@ pub(crate) fn clock(
     let mut stamps = std::mem::take(&mut columns[time]);
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
     clock.corrections.extend(set::undo(&mut stamps, &signals));
+    clock.corrections.extend(restarts::undo(&mut stamps));
     columns[time] = stamps;
     clock.corrections.extend(bursts(&mut columns[time]));
     let same = |row: usize| used.iter().all(|&column| columns[column][row] == columns[column][row - 1]);

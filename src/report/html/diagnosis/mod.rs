@@ -238,7 +238,7 @@ fn quality(robot: &Robot, diagnosis: &Diagnosis, given: Logs) -> Section {
     }
     if diagnosis.logs.held_out_from_training {
         blocks.push(Block::text(
-            "No test log was given: the last part of every training log was held out. A log of another motion is a harder \
+            "No test log was given: 30 % of every training log was held out. A log of another motion is a harder \
              test.",
         ));
     }

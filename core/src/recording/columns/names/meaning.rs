@@ -132,8 +132,10 @@ pub(crate) struct Meaning {
     pub of_controller: bool,
     /// The unit that the name gives.
     pub unit: Option<Unit>,
-    /// Counts only for a joint of exactly this name: else it would be a value that was wanted.
+    /// Counts only for a joint of exactly this name: else it would be a value that was wanted, or none of a joint.
     pub exact_only: bool,
+    /// What stands before the joint is taken for a topic: counts where the joint has this quantity on one topic only.
+    pub behind_topic: bool,
 }
 
 impl Meaning {
@@ -149,6 +151,7 @@ impl Meaning {
             of_controller: false,
             unit: None,
             exact_only: false,
+            behind_topic: false,
         }
     }
 }
@@ -205,9 +208,50 @@ fn readings(column: &str) -> Vec<Meaning> {
         out.extend(of_controller(name));
     } else {
         out.extend(named(name));
+        out.extend(behind_topic(name));
+        out.extend(around_quantity(name));
     }
     out.iter_mut().for_each(|meaning| meaning.truth = truth);
     out
+}
+
+/// `/torque_states/elbow/effort`, `/torques/elbow`: behind a topic that is called like no group the joint is the part beside the quantity.
+fn behind_topic(name: &str) -> Option<Meaning> {
+    let all = segments(name);
+    let [topic @ .., joint, last] = all.as_slice() else { return None };
+    let (quantity, current) = quantity(&words(last))?;
+    let family = format!("{}/#/{last}", topic.join("/"));
+    let joint = Joint::Name((*joint).to_owned());
+    (!topic.is_empty()).then(|| Meaning {
+        rank: 3,
+        current,
+        behind_topic: true,
+        ..Meaning::new(quantity, joint, family)
+    })
+}
+
+/// `actuator_force_elbow`, `X_force`: several words of a quantity, or one that means others too, around a name. It counts where that is a
+/// joint's.
+fn around_quantity(name: &str) -> Vec<Meaning> {
+    let force = |words: &[String]| match words {
+        [force] if force == "force" || force == "forces" => Some((TORQUE, false)),
+        _ => None,
+    };
+    let of = |around: &str| {
+        let words = words(around);
+        quantity(&words).or_else(|| force(&words))
+    };
+    let reading = |found: Option<(usize, bool)>, joint: &str, family: String| {
+        let (quantity, current) = found.filter(|_| !joint.is_empty())?;
+        let joint = Joint::Name(joint.to_owned());
+        Some(Meaning { rank: 3, current, exact_only: true, ..Meaning::new(quantity, joint, family) })
+    };
+    let cuts = name.char_indices().filter(|(_, letter)| ['_', ' '].contains(letter)).map(|(place, _)| place);
+    let both = cuts.flat_map(|place| {
+        let (before, behind) = (&name[..place], &name[place + 1..]);
+        [reading(of(before), behind, format!("{before}_#")), reading(of(behind), before, format!("#_{behind}"))]
+    });
+    both.flatten().collect()
 }
 
 /// `target_moment_0`, `tau_J_d_0`, `elbow_effort_cmd`: torques that a controller wanted or computed.

@@ -42,6 +42,28 @@ fn the_number_of_a_joint_among_others_in_its_name() {
 }
 
 #[test]
+fn joints_on_topics_of_their_own() {
+    let header = "t,/joint_states/a/position,/joint_states/b/position,/torque_states/a/effort,/torque_states/b/effort";
+    for joints in [Some(&["a", "b"] as &[&str]), None] {
+        let layout = find(header, joints).unwrap();
+        assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
+    }
+    // The joints of which of two arms?
+    let two = "t,/joint_states/a/position,/left/torques/a/effort,/right/torques/a/effort";
+    assert!(problem(two, Some(&["a"])).contains("tau1: missing column"));
+}
+
+#[test]
+fn quantities_of_several_words_around_a_known_joint() {
+    let header = "t,qpos_X,qpos_fl,actuator_force_X,actuator_force_fl";
+    assert_eq!(find(header, Some(&["X", "fl"])).unwrap().tau, [3, 4]);
+    assert_eq!(find("t,X_position,Z_position,X_force,Z_force", Some(&["X", "Z"])).unwrap().tau, [3, 4]);
+    // A force at the tool is none of a joint.
+    let tool = find("t,q_a,tau_a,force_x,force_y", Some(&["a"])).unwrap();
+    assert_eq!((tool.tau, tool.notes), (vec![2], vec!["columns not used: force_x, force_y".to_owned()]));
+}
+
+#[test]
 fn other_columns_are_noted() {
     let layout = find("t,q1,tau1,current,q_reference,,status", None).unwrap();
     assert_eq!(layout.notes, ["columns not used: current, q_reference, (column 6), status"]);

@@ -76,10 +76,13 @@ impl Groups {
         if let Some(topic) = topic {
             groups.retain(|group| group.topic == topic);
         }
-        let has_all = |group: &Group| joints.is_none_or(|joints| joints.iter().all(|j| group.names.contains(j)));
-        if groups.iter().any(has_all) {
-            groups.retain(has_all);
-        }
+        // A gripper may have a topic of its own.
+        let wanted = |group: &Group| match joints {
+            Some(joints) => joints.iter().filter(|joint| group.names.contains(joint)).count(),
+            None => 0,
+        };
+        let most = groups.iter().map(wanted).max().unwrap_or(0);
+        groups.retain(|group| wanted(group) == most);
         if groups.iter().any(Group::has_effort) {
             groups.retain(Group::has_effort);
         }
@@ -161,5 +164,36 @@ impl Group {
             columns.extend(values);
         }
         Table { topic: self.topic, start_ns, header, columns, numbers: self.numbers, notes, ..Table::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn group(topic: &str, names: &[&str]) -> Group {
+        Group {
+            topic: topic.to_owned(),
+            names: names.iter().map(|name| (*name).to_owned()).collect(),
+            numbers: vec![1, 2],
+            stamps: vec![0, 10],
+            logged: vec![0, 10],
+            values: std::array::from_fn(|_| vec![vec![0.5, 0.6]; names.len()]),
+        }
+    }
+
+    #[test]
+    fn the_topic_of_the_joints_that_are_wanted() {
+        let all = || vec![group("/gripper/joint_states", &["finger"]), group("/joint_states", &["a", "b"])];
+        let chosen = |joints: Option<&[&str]>| {
+            let groups = Groups { all: all(), ..Groups::default() };
+            let joints: Option<Vec<String>> = joints.map(|all| all.iter().map(|&name| name.to_owned()).collect());
+            groups.choose(Path::new("log"), &[], joints.as_deref(), None).map(|table| table.topic)
+        };
+        // A robot with its gripper, of which no topic has all joints, and the arm alone.
+        assert_eq!(chosen(Some(&["a", "b", "finger"])).unwrap(), "/joint_states");
+        assert_eq!(chosen(Some(&["a", "b"])).unwrap(), "/joint_states");
+        assert_eq!(chosen(Some(&["finger"])).unwrap(), "/gripper/joint_states");
+        assert!(chosen(None).unwrap_err().to_string().contains("choose one"));
     }
 }

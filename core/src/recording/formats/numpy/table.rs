@@ -90,7 +90,9 @@ fn table(path: &Path, arrays: Vec<Array>) -> Result<Table> {
         arrays.iter().find(|array| OF_COLUMNS.contains(&array.name.as_str())).map_or(&[], |array| &array.texts);
     let mut table = Table::default();
     for array in &arrays {
-        let (count, step) = match *array.shape.as_slice() {
+        // One of one arm, as simulators of many have it: (time, 1, joint).
+        let shape: Vec<usize> = array.shape.iter().copied().filter(|size| *size != 1).collect();
+        let (count, step) = match *shape.as_slice() {
             [own] if own == rows => (1, [1, 0]),
             [own, count] if own == rows => (count, [count, 1]),
             [count, own] if own == rows => (count, [1, rows]),

@@ -82,6 +82,16 @@ fn arrays_under_their_names() {
 }
 
 #[test]
+fn one_arm_of_a_simulator_of_many() {
+    let t = array("'<f8'", "False", "(3,)", &doubles(&[0.0, 0.1, 0.2]));
+    let q = array("'<f8'", "False", "(3, 1, 2)", &doubles(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    let many = array("'<f8'", "False", "(3, 2, 1)", &doubles(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    let table = read(&archive(&[("t.npy", t), ("q.npy", q), ("tau.npy", many)], 9), "log.npz").unwrap();
+    assert_eq!(table.header, ["t", "q[0]", "q[1]", "tau[0]", "tau[1]"]);
+    assert_eq!(table.columns[2], [2.0, 4.0, 6.0]);
+}
+
+#[test]
 fn names_of_joints_in_an_array() {
     let letters: Vec<u8> = "ab".chars().flat_map(|letter| (letter as u32).to_le_bytes()).collect();
     let table = read(

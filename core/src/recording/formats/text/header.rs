@@ -8,6 +8,9 @@ use crate::recording::columns::names;
 const LINES: usize = 60;
 const ROWS: usize = 3;
 
+/// Lines of names at most: labels of two levels, and the name of the index in a line of its own, as pandas writes them.
+const MOST_LINES: usize = 3;
+
 fn is_number(cell: &[u8]) -> bool {
     number(cell, true).is_some() || date(cell).is_some()
 }
@@ -43,7 +46,7 @@ pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
         lines[..first].iter().map(|(start, line)| (*start, line.len(), count(line, separator) == width)).collect();
     let fits: Vec<(usize, usize)> =
         above.iter().filter(|(.., fits)| *fits).map(|&(start, len, _)| (start, len)).collect();
-    if fits.is_empty() || fits.len() > 2 || above.iter().rev().take(fits.len()).any(|(.., fits)| !fits) {
+    if fits.is_empty() || fits.len() > MOST_LINES || above.iter().rev().take(fits.len()).any(|(.., fits)| !fits) {
         return;
     }
     let titles: Vec<(usize, usize)> =
@@ -51,14 +54,16 @@ pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
     for (start, length) in titles {
         bytes[start..start + length].fill(b'\r');
     }
-    if let [(name_start, name_length), (below_start, below_length)] = fits[..] {
-        let names = bytes[name_start..name_start + name_length].to_vec();
-        let below = bytes[below_start..below_start + below_length].to_vec();
-        if let Some(joined) = joined(&names, &below, separator) {
-            bytes[below_start..below_start + below_length].fill(b'\r');
-            bytes.splice(name_start..name_start + name_length, joined);
-        }
+    let [(name_start, name_length), below @ ..] = &fits[..] else { return };
+    let mut names = bytes[*name_start..name_start + name_length].to_vec();
+    for (start, length) in below {
+        let Some(longer) = joined(&names, &bytes[*start..start + length], separator) else { return };
+        names = longer;
     }
+    for (start, length) in below {
+        bytes[*start..start + length].fill(b'\r');
+    }
+    bytes.splice(*name_start..name_start + name_length, names);
 }
 
 /// The separator, the cells of a row, and the first line of numbers among those with content; None where the rows are not alike, or
@@ -125,6 +130,8 @@ mod tests {
         assert_eq!(read(&format!("t,q1,tau1\ns,deg,Nm\n{rows}")), format!("t [s],q1 [deg],tau1 [Nm]\n\n{rows}"));
         let two = format!("time,position,effort\n,elbow,elbow\n{rows}");
         assert_eq!(read(&two), format!("time,position/elbow,effort/elbow\n\n{rows}"));
+        let three = format!(",position,effort\n,elbow,elbow\ntime,,\n{rows}");
+        assert_eq!(read(&three), format!("time,position/elbow,effort/elbow\n\n\n{rows}"));
         // One line of names, no line of names, rows of other lengths: as they are.
         for text in
             [format!("t,q1,tau1\n{rows}"), rows.to_owned(), format!("a\nb\n{rows}"), "t,q1\nx\n0,1\n".to_owned()]

@@ -315,7 +315,49 @@ pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) ->
     })
 }
 
-/// Tables for people: the residual of each joint, and the effects' parameters.
+/// A table of the friction and, where it stands alone, the rotor of every joint, with standard deviations.
+fn drives(robot: &Robot, fitted: &Fitted) -> String {
+    let std = fitted.fit.estimate.std();
+    let cell = |joint: usize, symbol: &str| {
+        let name = format!("{symbol}{}", joint + 1);
+        // A sum is called by its first part.
+        let is_own = |own: &String| own.split_whitespace().next() == Some(name.as_str());
+        let Some(index) = fitted.fit.names.iter().position(is_own) else { return "-".to_owned() };
+        let value = significant(fitted.fit.estimate.beta[index]);
+        match (fitted.fit.undetermined[index], fitted.fit.at_bound[index]) {
+            (true, _) => format!("{value} (as described)"),
+            (_, true) => format!("{value} (at its bound)"),
+            _ => format!("{value} +- {}", significant(std[index])),
+        }
+    };
+    let unit = |unit: &'static str| match robot.joints.iter().map(|joint| joint.kind.unit(unit)).collect::<Vec<_>>() {
+        units if units.windows(2).all(|pair| pair[0] == pair[1]) => {
+            units.first().copied().unwrap_or_default().to_owned()
+        }
+        _ => "SI".to_owned(),
+    };
+    let header = [
+        "identified".to_owned(),
+        format!("viscous friction, {}", unit("N m s/rad")),
+        format!("Coulomb friction, {}", unit("N m")),
+        format!("rotor inertia, {}", unit("kg m2")),
+    ];
+    let mut rows: Vec<Vec<String>> = (0..robot.dof())
+        .map(|joint| {
+            let cells = ["Fv", "Fc", "Ia"].map(|symbol| cell(joint, symbol));
+            [robot.joints[joint].name.clone()].into_iter().chain(cells).collect()
+        })
+        .collect();
+    let mut header: Vec<&str> = header.iter().map(String::as_str).collect();
+    // Rotors that are in sums with their links' inertias alone are no column.
+    if rows.iter().all(|row| row[3] == "-") {
+        header.pop();
+        rows.iter_mut().for_each(|row| row.truncate(3));
+    }
+    table(&header, rows)
+}
+
+/// Tables for people: the residual of each joint, its drive, and the effects' parameters.
 pub fn tables(robot: &Robot, found: Found) -> String {
     let Found { plain, extended, consistent } = found;
     let (unit, names) = by_joint(robot);
@@ -360,6 +402,7 @@ pub fn tables(robot: &Robot, found: Found) -> String {
         };
         text += &format!("\n\nidentified.urdf: {cost}");
     }
+    text += &format!("\n\n{}", drives(robot, extended.unwrap_or(plain)));
     if let Some(fitted) = extended {
         let std = fitted.fit.estimate.std();
         let rows: Vec<Vec<String>> = fitted

@@ -174,7 +174,8 @@ impl LoggedArm {
         }
         let mut paths = paths.to_vec();
         paths.dedup();
-        let names = |path: &&Path| Ok(lenient::joint_names(path, &map)?.names);
+        let known: Vec<String> = self.description.moving().into_iter().map(|joint| joint.name.clone()).collect();
+        let names = |path: &&Path| Ok(lenient::joint_names(path, &known, &map)?.names);
         let named = paths.iter().map(names).collect::<Result<Vec<_>>>()?;
         let in_all = |(name, _): &(String, JointKind)| named.iter().all(|names| names.contains(name));
         let others: Vec<(String, JointKind)> = others.into_iter().filter(in_all).collect();
@@ -284,8 +285,10 @@ fn studied(
     logs: &[PathBuf],
 ) -> Result<(Option<Vec<String>>, Vec<String>)> {
     let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
-    let found = logs.iter().map(|log| lenient::joint_names(log, &map)).collect::<Result<Vec<JointNames>>>()?;
     let moving: Vec<&str> = file.moving().iter().map(|joint| joint.name.as_str()).collect();
+    let known: Vec<String> = moving.iter().map(|&name| name.to_owned()).collect();
+    let names = |log| lenient::joint_names(log, &known, &map);
+    let found = logs.iter().map(names).collect::<Result<Vec<JointNames>>>()?;
     let masters: Vec<String> = file.masters().iter().map(|joint| joint.name.clone()).collect();
     let in_all = |name: &&str| found.iter().all(|one| one.names.iter().any(|own| own == *name));
     let named: Vec<String> = moving.iter().copied().filter(in_all).map(str::to_owned).collect();

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[command(next_help_heading = "Arm")]
 pub(crate) struct ArmArguments {
     /// Robot file, URDF or MJCF. Default: that of the dataset or of the scenario.
-    #[arg(long, value_name = "URDF")]
+    #[arg(long, value_name = "ROBOT")]
     pub robot: Option<PathBuf>,
     /// Joints under study, comma-separated; all others are held. Default: those that the logs name, without those that stand
     /// still in all of them.

@@ -247,8 +247,12 @@ fn where_it_lives(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
     let joint = (0..of.len()).max_by(|&a, &b| excess(a).total_cmp(&excess(b))).filter(|&j| excess(j) > 1.5)?;
     let (variable, share) = of[joint].follows.most();
     let worst = of[joint].worst?;
-    let who =
-        if diagnosis.verdict == Verdict::Unexplained { "the residual" } else { "the error of the arm as described" };
+    let who = match diagnosis.verdict {
+        Verdict::Unexplained => "the residual",
+        // What identification alone takes away is no missing effect.
+        Verdict::None => "the error of the arm as described, before identification,",
+        _ => "the error of the arm as described",
+    };
     Some(format!(
         "On {}, {who} follows {variable} most ({:.0} %) and is largest from {:.1} to {:.1} s of held-out log {}.",
         robot.joints[joint].name,

@@ -299,7 +299,12 @@ pub(super) fn next_experiment(
         let about = found.member.placed.effect.about();
         let how = about.rivals.iter().find(|rival| rival.name == other.family.effect).map(|rival| rival.how_to_tell);
         let how = how.unwrap_or("record motions of other speeds, ranges and loads");
-        return format!("to tell {} from {}: {how}", about.name, other.family.effect);
+        let on = |effect: &str, joint: usize| match found.member.candidate.family().effect == other.family.effect {
+            true => format!("{effect} on {}", robot.joints[joint].name),
+            false => effect.to_owned(),
+        };
+        let [own, other] = [on(about.name, found.member.placed.joint), on(other.family.effect, other.family.joint)];
+        return format!("to tell {own} from {other}: {how}");
     }
     if unexplained.iter().any(|left| left.structure == LOGS_DISAGREE) {
         return "the held-out logs disagree with the training logs: check that all are of one arm with one load, and give them as training \

@@ -1,7 +1,7 @@
 //! Which joints have an equation in a diagnosis: those whose torque is logged and that move for long enough. The others
 //! move with them and are left out, with a line each.
 
-use crate::diagnosis::logs::{Consequence, DataFault, FEWEST_ROWS, Input, Rows, cutoff, split};
+use crate::diagnosis::logs::{Consequence, DataFault, FEWEST_ROWS, FEWEST_TEST_ROWS, Input, Rows, cutoff, split};
 use crate::error::Result;
 use crate::identification::equations::{no_torque, with_torque};
 use crate::identification::model::Model;
@@ -21,6 +21,8 @@ pub(super) struct Observed {
 /// What is reported of a joint that is left out, and where.
 const HARDLY_MOVES: &str =
     "the joint hardly moves: nothing is looked for in its drive, its torque is left out, and the others are diagnosed";
+const MOVES_ONCE: &str = "the joint moves once, and what is held out of the logs to judge by has none of it: nothing is looked for in its drive, its \
+                          torque is left out, and the others are diagnosed; move it again, or give a log of another motion as --test";
 const ALL: &str = "all logs";
 
 /// The joints of `robot` with an equation in the logs; those in `still` hardly move. Where no joint has one all keep theirs, and
@@ -40,15 +42,23 @@ pub(super) fn observed(robot: &Robot, input: &Input, still: &[usize]) -> Result<
     };
     let unlogged = (0..robot.dof()).filter(|&joint| !equations[joint]);
     let mut left_out: Vec<DataFault> = unlogged.map(|joint| without(joint, Kind::NoTorque, no_torque())).collect();
-    let early = if input.test.is_empty() { split(&input.train).0 } else { Vec::new() };
+    let (early, late) = if input.test.is_empty() { split(&input.train) } else { Default::default() };
     let train = if input.test.is_empty() { early.iter().collect() } else { input.train.clone() };
     let train: Vec<&Recording> = input.reference.iter().copied().chain(train).collect();
-    let moving = Rows::new(&train, cutoff(&all)?, 0)?.valid;
+    let cutoff_hz = cutoff(&all)?;
+    let counts = |logs: &[&Recording]| -> Result<Vec<usize>> {
+        let valid = Rows::new(logs, cutoff_hz, 0)?.valid;
+        Ok(valid.iter().map(|valid| valid.iter().filter(|&&ok| ok).count()).collect())
+    };
+    let moving = counts(&train)?;
+    let judged = if late.is_empty() { None } else { Some(counts(&late.iter().collect::<Vec<_>>())?) };
     for joint in 0..robot.dof() {
-        let moves = moving[joint].iter().filter(|&&ok| ok).count() >= FEWEST_ROWS;
-        if equations[joint] && (still.contains(&joint) || !moves) {
+        let moves = moving[joint] >= FEWEST_ROWS;
+        let is_judged = judged.as_ref().is_none_or(|judged| judged[joint] >= FEWEST_TEST_ROWS);
+        if equations[joint] && (still.contains(&joint) || !moves || !is_judged) {
             equations[joint] = false;
-            left_out.push(without(joint, Kind::HardlyMoves, HARDLY_MOVES.to_owned()));
+            let text = if moves && !still.contains(&joint) { MOVES_ONCE } else { HARDLY_MOVES };
+            left_out.push(without(joint, Kind::HardlyMoves, text.to_owned()));
         }
     }
     let none = equations.iter().all(|has| !has);

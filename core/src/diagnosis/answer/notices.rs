@@ -105,7 +105,7 @@ pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<Stri
     let each = diagnosis.errors.prediction_std.iter().zip(&diagnosis.errors.noise_floor).zip(&robot.joints);
     let open = each.filter(|((std, noise), _)| std > noise).map(|((std, noise), joint)| match std.is_finite() {
         true => format!("{} by {} (noise {})", joint.name, effort(joint, *std), effort(joint, *noise)),
-        false => format!("{} by any amount", joint.name),
+        false => format!("{} (not determined at all)", joint.name),
     });
     let open: Vec<String> = open.collect();
     (!open.is_empty()).then(|| {

@@ -4,7 +4,10 @@
 use super::structure::Unexplained;
 use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::logs::Rows;
-use crate::diagnosis::regression::{Column, rms};
+use crate::diagnosis::model::{Member, Session};
+use crate::diagnosis::noise::Whitener;
+use crate::diagnosis::regression::{Column, rms, solve};
+use crate::error::Result;
 
 /// What is said of such a joint.
 pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
@@ -13,26 +16,50 @@ pub const LOGS_DISAGREE: &str = "is in the held-out logs alone";
 /// a load or another arm is there for longer.
 const AVERAGED: usize = 25;
 
-/// What a model leaves of one kind of rows.
-type Left<'a> = (&'a Rows, &'a Column);
+/// Parts of the training rows that are left out one after the other: each is about as long as what is held out of a log.
+const PARTS: usize = 4;
 
-/// The joints on which the model leaves far more of the held-out rows than of the training rows, of its noise and of what it is unsure of
-/// (root mean square, `[joint]`, N m), and not much less than the `baseline` leaves of the held-out rows.
+/// What the residuals of the training and the held-out rows are compared with, root mean square, `[joint]`, N m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Expected<'a> {
+    /// The noise.
+    pub noise: &'a [f64],
+    /// Standard deviation of the predicted held-out torque.
+    pub prediction_std: &'a [f64],
+}
+
+/// The joints on which the model with `members` leaves far more of the held-out rows than of the training rows, of its noise and of what it is
+/// unsure of, not much less than the `baseline` leaves of the held-out rows, and more than a fit without it leaves of any part of the
+/// training rows: what errors of the positions do to poorly excited parameters is in no standard deviation.
+///
+/// # Errors
+/// If a log is too short to differentiate.
 pub(crate) fn disagreement(
-    [train, test]: [Left; 2],
+    session: &Session,
+    (members, whitener): (&[Member], &Whitener),
+    [trained, held_out]: [&Column; 2],
     baseline: &Column,
-    noise: &[f64],
-    prediction_std: &[f64],
+    expected: Expected,
     criteria: &StructureCriteria,
-) -> Vec<Unexplained> {
+) -> Result<Vec<Unexplained>> {
+    let [train, test] = [(&session.logs.train.rows, trained), (&session.logs.test.rows, held_out)];
     let on_joint = |joint: usize| {
         let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
         let expected = (criteria.foreign * trained)
-            .max(criteria.above_noise * noise[joint])
-            .max(criteria.foreign * prediction_std[joint]);
+            .max(criteria.above_noise * expected.noise[joint])
+            .max(criteria.foreign * expected.prediction_std[joint]);
         let expected = expected.max(criteria.carried_on * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
-        (held_out > expected).then(|| Unexplained {
+        (held_out > expected).then_some((joint, held_out))
+    };
+    let apart: Vec<(usize, f64)> = (0..train.0.dof()).filter_map(on_joint).collect();
+    if apart.is_empty() {
+        return Ok(Vec::new());
+    }
+    let left_out = parts_left_out(session, members, whitener)?;
+    let unexplained = apart.into_iter().filter(|&(joint, held_out)| held_out > left_out[joint]);
+    Ok(unexplained
+        .map(|(joint, held_out)| Unexplained {
             joint,
             share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
             structure: LOGS_DISAGREE,
@@ -40,8 +67,31 @@ pub(crate) fn disagreement(
             certain: true,
             instead_of: Vec::new(),
         })
-    };
-    (0..train.0.dof()).filter_map(on_joint).collect()
+        .collect())
+}
+
+/// The most that fits to the other parts leave of a part of the training rows, averaged like the residuals, `[joint]`, N m.
+fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) -> Result<Vec<f64>> {
+    let data = &session.logs.train;
+    let columns = session.model.columns(data, members)?;
+    let mut most = vec![0.0f64; data.rows.dof()];
+    for part in 0..PARTS {
+        let own = part * data.rows.len() / PARTS..(part + 1) * data.rows.len() / PARTS;
+        let (mut others, mut left_out) = (data.rows.clone(), data.rows.clone());
+        others.valid.iter_mut().for_each(|valid| valid[own.clone()].fill(false));
+        left_out.valid.iter_mut().for_each(|valid| {
+            valid[..own.start].fill(false);
+            valid[own.end..].fill(false);
+        });
+        let whitener = whitener.on(&others);
+        let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&data.torque));
+        let residual = data.residual(&columns, &solved.values);
+        for (joint, most) in most.iter_mut().enumerate() {
+            *most = most.max(averages(&left_out, &residual, joint));
+        }
+    }
+    tracing::debug!(?most, "parts of the training rows by fits without them");
+    Ok(most)
 }
 
 /// Root mean square of the residual of a joint, averaged over the valid rows of each half second.

@@ -42,23 +42,24 @@ pub(crate) fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
         vec![(0..end, false), (end..log.samples(), true)]
     };
     let last: Vec<Parts> = logs.iter().map(last).collect();
+    let joints = logs.first().map_or(0, |log| log.joints());
     let paths = |parts: &[Parts]| -> Vec<[f64; 2]> {
-        let joints = logs.first().map_or(0, |log| log.joints());
         let along = |joint: usize, held: bool| -> f64 {
             let own = logs.iter().zip(parts).flat_map(|(log, parts)| parts.iter().map(move |part| (log, part)));
             own.filter(|(_, part)| part.1 == held).map(|(log, (rows, _))| path(log, rows, joint)).sum()
         };
         (0..joints).map(|joint| [along(joint, false), along(joint, true)]).collect()
     };
-    let both_move = |parts: &[Parts]| {
-        paths(parts).into_iter().all(|[early, late]| {
+    let in_both = |parts: &[Parts]| {
+        let is_in_both = |[early, late]: &[f64; 2]| {
             let all = early + late;
-            all == 0.0 || (LEAST_PATH * all..=LARGEST_PATH * all).contains(&late)
-        })
+            all == 0.0 || (LEAST_PATH * all..=LARGEST_PATH * all).contains(late)
+        };
+        paths(parts).iter().filter(|paths| is_in_both(paths)).count()
     };
-    let parts = match both_move(&last) {
-        true => last,
-        false => Some(windows(logs)).filter(|parts| both_move(parts)).unwrap_or(last),
+    let parts = match in_both(&last) {
+        all if all == joints => last,
+        some => Some(windows(logs)).filter(|parts| in_both(parts) > some).unwrap_or(last),
     };
     let cut = |held: bool| -> Vec<Recording> {
         let own = logs.iter().zip(&parts).flat_map(|(log, parts)| parts.iter().map(move |part| (log, part)));

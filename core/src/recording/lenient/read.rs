@@ -37,15 +37,16 @@ pub struct Sieved {
     pub spoilt: Option<String>,
 }
 
-/// The joints of which a log holds positions, from its header alone where the format has one.
+/// The joints of which a log holds positions, from its header alone where the format has one. Of several topics in a bag it is the one with
+/// most joints of the robot, `known`.
 ///
 /// # Errors
 /// Those of [`load`] about the file and its header.
-pub fn joint_names(path: impl AsRef<Path>, map: &ColumnMap) -> Result<JointNames> {
+pub fn joint_names(path: impl AsRef<Path>, known: &[String], map: &ColumnMap) -> Result<JointNames> {
     if let Some(q) = &map.q {
         return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
     }
-    Ok(columns::joint_names(source::open(path.as_ref(), None, map)?.header()))
+    Ok(columns::joint_names(source::open(path.as_ref(), Some(known), map)?.header()))
 }
 
 /// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the

@@ -13,17 +13,17 @@ const APART_S: f64 = 10.0;
 
 /// Puts recordings behind each other whose times in seconds all begin anew; returns what was done.
 pub(super) fn undo(time: &mut [f64]) -> Option<String> {
+    let first = *time.first()?;
     let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
     let usual = size_quantile(steps.filter(|step| *step > 0.0), 0.5);
     let mut starts = vec![0];
     starts.extend((1..time.len()).filter(|&row| time[row] < time[row - 1]));
     let ends = starts.iter().skip(1).copied().chain([time.len()]);
     let are_long = starts.iter().zip(ends).all(|(start, end)| end - start >= FEWEST);
-    let begin_anew = starts.iter().all(|&start| (time[start] - time[0]).abs() <= STEPS * usual);
+    let begin_anew = starts.iter().all(|&start| (time[start] - first).abs() <= STEPS * usual);
     if starts.len() < 2 || !are_long || !begin_anew || !time.iter().all(|time| time.is_finite()) {
         return None;
     }
-    let first = time[0];
     for &start in &starts[1..] {
         let by = time[start - 1] + APART_S - time[start];
         time[start..].iter_mut().for_each(|time| *time += by);

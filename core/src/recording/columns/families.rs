@@ -115,10 +115,14 @@ fn numbers_of(name: &str) -> Vec<(String, usize)> {
 const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
 
 /// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
-/// by the file's behind one: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
-pub(super) fn behind_prefix(meanings: &[Vec<Meaning>], names: &[String]) -> Option<(BTreeMap<String, usize>, String)> {
+/// by the file's behind one, in columns of a quantity: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
+pub(super) fn behind_prefix(
+    meanings: &[Vec<Meaning>],
+    names: &[String],
+    quantity: usize,
+) -> Option<(BTreeMap<String, usize>, String)> {
     let own: Vec<&str> = {
-        let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == names::POSITION);
+        let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == quantity);
         let named = readings.filter_map(|meaning| match &meaning.joint {
             Joint::Name(name) => Some(name.as_str()),
             Joint::Number(_) => None,

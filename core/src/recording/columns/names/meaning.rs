@@ -29,7 +29,7 @@ const UNIT_WORDS: [&str; 26] = [
 ];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
-const MEASURED: [&str; 23] = [
+const MEASURED: [&str; 18] = [
     "actual",
     "act",
     "applied",
@@ -43,11 +43,6 @@ const MEASURED: [&str; 23] = [
     "real",
     "sensor",
     "sensed",
-    "joint",
-    "joints",
-    "jnt",
-    "robot",
-    "arm",
     "feedback",
     "raw",
     "true",
@@ -55,7 +50,7 @@ const MEASURED: [&str; 23] = [
     "estimated",
 ];
 
-/// Those of them that mean a place.
+/// Words that mean a place, before a quantity; behind it they begin a joint's name.
 const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
 
 /// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
@@ -310,9 +305,21 @@ fn named(name: &str) -> Option<Meaning> {
         return meaning(found, behind, format!("{before}_#"), 1);
     }
     let (before, behind) = part.rsplit_once(['_', ' '])?;
-    let found = quantity(&words(behind))?;
+    let Some(found) = quantity(&words(behind)) else { return behind_words(part) };
     let joint = before.strip_suffix("_actual").or(before.strip_suffix("_measured")).unwrap_or(before);
     meaning(found, joint, format!("#_{behind}"), 2)
+}
+
+/// `actuator_force_elbow`: several words before a joint's name.
+fn behind_words(part: &str) -> Option<Meaning> {
+    let splits = part.match_indices(['_', ' ']).skip(1);
+    let mut readings = splits.filter_map(|(at, _)| {
+        let (before, joint) = (&part[..at], part[at..].trim_matches(SEPARATORS));
+        let (quantity, current) = quantity(&words(before)).filter(|_| !joint.is_empty())?;
+        let meaning = Meaning::new(quantity, Joint::Name(joint.to_owned()), format!("{before}_#"));
+        Some(Meaning { rank: 1, current, ..meaning })
+    });
+    readings.next()
 }
 
 /// Whether a word is a letter and a number, as controllers call axes.
@@ -332,7 +339,8 @@ fn is_group(part: &str) -> bool {
 
 /// The quantity that words stand for, and whether it is a current; words that mean only that it was measured may stand around.
 fn quantity(words: &[String]) -> Option<(usize, bool)> {
-    let measured = |word: &&String| MEASURED.contains(&word.as_str());
+    let of_value = |word: &&String| MEASURED.contains(&word.as_str());
+    let before = |word: &&String| of_value(word) || OF_JOINT.contains(&word.as_str());
     let lookup = |words: &[String]| {
         let joined = words.join("_");
         if CURRENT.contains(&joined.as_str()) {
@@ -341,8 +349,7 @@ fn quantity(words: &[String]) -> Option<(usize, bool)> {
         (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
     };
     // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
-    let of_value = |word: &&String| measured(word) && !OF_JOINT.contains(&word.as_str());
-    let front = words.iter().take_while(measured).count();
+    let front = words.iter().take_while(before).count();
     let back = words.iter().rev().take_while(of_value).count();
     // The most words that have a meaning together: `axis_act` is one, and `meas` of `axis_act_meas` is none of it.
     let parts = (0..=front).flat_map(|from| (0..=back).map(move |behind| (from, behind)));

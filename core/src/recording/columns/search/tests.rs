@@ -42,6 +42,24 @@ fn the_number_of_a_joint_among_others_in_its_name() {
 }
 
 #[test]
+fn several_words_before_a_joint_of_any_name() {
+    let header = "t,qpos_J1,qpos_lift,actuator_force_J1,actuator_force_lift";
+    let layout = find(header, Some(&["J1", "lift"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
+}
+
+#[test]
+fn torques_of_another_topic() {
+    let columns = |topic: &str, field: &str| format!(",/{topic}/a/{field},/{topic}/b/{field}");
+    let (positions, torques) = (columns("joint_states", "position"), columns("iiwa/torque_states", "effort"));
+    let layout = find(&format!("t{positions}{torques}"), Some(&["a", "b"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
+    // Those of two arms are not told apart.
+    let other = columns("other/torque_states", "effort");
+    assert!(find(&format!("t{positions}{torques}{other}"), Some(&["a", "b"])).is_err());
+}
+
+#[test]
 fn other_columns_are_noted() {
     let layout = find("t,q1,tau1,current,q_reference,,status", None).unwrap();
     assert_eq!(layout.notes, ["columns not used: current, q_reference, (column 6), status"]);

@@ -141,7 +141,7 @@ fn the_sign_of_the_last_axis_is_found_where_its_body_shows_it() {
     let mut robot = irb();
     // Moments about the axis act on the joints below, too.
     for (center, moment, shows) in
-        [(Vector3::new(0.06, 0.02, 0.05), 0.02, true), (Vector3::new(0.0, 0.0, 0.05), 1e-6, false)]
+        [(Vector3::new(0.05, 0.06, 0.02), 0.02, true), (0.05 * robot.joints[5].axis, 1e-6, false)]
     {
         let body = Inertia::from_center_of_mass(6.0, center, Matrix3::identity() * moment);
         robot.joints[5].inertia = body;

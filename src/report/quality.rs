@@ -58,11 +58,24 @@ struct Hypotheses {
     /// How many times larger the torque of each joint is than the robot's bodies need, where that is the change; null where it is not known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     factors: Vec<Factor>,
+    /// How well the logs determine the direction of gravity, where that is changed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gravity_direction: Option<Direction>,
     beyond_doubt: bool,
     /// Sets of changes that explain the logs as well.
     alternatives: Vec<Other>,
     /// The best set that is clearly worse.
     next: Option<Other>,
+}
+
+/// The set of directions of gravity that the logs do not separate.
+#[derive(Debug, Serialize)]
+struct Direction {
+    gravity_m_s2: [f64; 3],
+    /// All of them are within this angle of that one; null where some are farther than 25 degrees.
+    within_degrees: f64,
+    /// Directions along axes of the base, and the described one, that are among them.
+    includes_m_s2: Vec<[f64; 3]>,
 }
 
 /// The scale of a joint's torque.
@@ -88,6 +101,11 @@ impl Hypotheses {
             unexplained: [verdict.before, verdict.after],
             unexplained_by_column: verdict.each.clone(),
             factors: factors(verdict, joints),
+            gravity_direction: verdict.spread.as_ref().map(|spread| Direction {
+                gravity_m_s2: verdict.description.gravity.into(),
+                within_degrees: spread.degrees,
+                includes_m_s2: spread.includes.clone(),
+            }),
             beyond_doubt: verdict.beyond_doubt,
             alternatives: verdict.alternatives.iter().map(other).collect(),
             next: verdict.next.as_ref().map(other),
@@ -276,8 +294,10 @@ mod tests {
                 shown: None,
                 factors,
                 by_bodies: false,
+                spread: None,
                 assumed: Vec::new(),
                 unlike_bodies: false,
+                without_bodies: false,
                 beyond_doubt: false,
             };
             serde_json::to_value(Hypotheses::new(&verdict, &joints)).unwrap()["factors"].clone()

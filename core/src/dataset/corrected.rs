@@ -11,8 +11,8 @@ use crate::robot::{JointKind, Robot};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// Factors to N m that mean mN m, between bodies that are described five times too light and too heavy.
-const MILLINEWTON: [f64; 2] = [2e-4, 5e-3];
+/// Factors to N m that mean mN m, between bodies that are described twice too light and too heavy.
+const MILLINEWTON: [f64; 2] = [5e-4, 2e-3];
 
 impl Dataset {
     /// Whether the motors are coupled: a change of one joint is then none of one motor, and [`corrected`] refuses it.

@@ -4,7 +4,7 @@ use super::gear::{DAMPING_TIME_S, Gear};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::error::Result;
-use crate::signal::{ZeroPhaseLowPass, smooth_derivatives};
+use crate::signal::{ZeroPhaseLowPass, first_derivative, second_derivative, smooth_derivatives};
 use std::borrow::Cow;
 
 /// Most rounds in which the twists of elastic gears settle, and the change of the largest twist, over itself, at which they have.
@@ -48,6 +48,19 @@ pub(crate) trait GearTrain {
     /// # Errors
     /// If the log is too short for it.
     fn smoothed(&self, joint: usize, signal: &[f64]) -> Result<Vec<f64>>;
+}
+
+/// The motion with positions as measured and their central differences.
+///
+/// # Errors
+/// If there are too few samples to differentiate.
+pub(crate) fn unsmoothed(q: &Channels, period: f64) -> Result<Motion> {
+    let mut motion = Motion { q: q.clone(), qd: q.clone(), qdd: q.clone() };
+    for joint in 0..motion.joints() {
+        first_derivative(q.channel(joint), period, motion.qd.channel_mut(joint))?;
+        second_derivative(q.channel(joint), period, motion.qdd.channel_mut(joint))?;
+    }
+    Ok(motion)
 }
 
 /// Motion of the links: that of the motors less the twists of `gears` under the torque that they carry by the model. (The measured

@@ -47,7 +47,7 @@ pub use friction::{
     PositionDependentFriction, PreslidingHysteresis, StribeckFriction, ViscousFriction, drive_friction,
 };
 pub use gear::Gear;
-pub(crate) use gear_train::{GearTrain, behind_gears};
+pub(crate) use gear_train::{GearTrain, behind_gears, unsmoothed};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub use law::{Effect, Instant};
 pub use placed::Placed;

@@ -4,7 +4,7 @@ use super::channels::Jumps;
 use super::descriptions;
 use super::finding::{Finding, Kind, Severity};
 use super::motion::PositionUnits;
-use super::reading::{clock, joint_names};
+use super::reading::{clock, cycles, joint_names};
 use super::report::{Report, Together};
 use super::unit_changes::UnitChanges;
 use super::velocity::in_true_time;
@@ -168,16 +168,24 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let of_longest = longest.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = of_longest.as_ref().unwrap_or(&whole);
         units.time_factor = velocity::clock_factor(view, robot);
+        let mut time_unknown = false;
         // Nor are torques compared with positions in an unknown unit.
         let units_doubtful = match &in_si {
             Some(_) => PositionUnits::of(&whole, &motion::summaries(&whole, robot), robot, &endless).any(),
             None => position_units.any(),
         };
         if let Some(robot) = robot.filter(|_| view.log.qd.is_none() && !units_doubtful) {
-            units.time_factor = descriptions::clock_factor(view.log, robot)?;
-            let finding =
-                |factor| Finding::new(Kind::ClockFactor, Severity::Warning, "t", descriptions::clock_text(factor));
+            let shown = descriptions::clock_factor(view.log, robot)?;
+            units.time_factor = if sieved.may_count { shown.map(cycles::length_ms) } else { shown };
+            let text = if sieved.may_count { cycles::text } else { descriptions::clock_text };
+            let finding = |factor| Finding::new(Kind::ClockFactor, Severity::Warning, "t", text(factor));
             findings.extend(units.time_factor.map(finding));
+            if sieved.may_count && shown.is_none() {
+                let moving = motion::summaries(&whole, Some(robot));
+                let too_fast = cycles::too_fast(moving.iter().filter_map(|summary| summary.speed_share));
+                time_unknown = too_fast.is_some();
+                findings.extend(too_fast);
+            }
         }
         // Velocities are not compared with positions that stand or count something else.
         let mut incomparable = channels::with_frozen_position(view, &findings);
@@ -212,7 +220,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let corrected_view = corrected.as_ref().map(|log| View::new(log, robot)).transpose()?;
         let view = corrected_view.as_ref().unwrap_or(view);
         let moves = findings.iter().all(|finding| finding.severity != Severity::Fatal);
-        if moves && !positions_doubtful {
+        if moves && !positions_doubtful && !time_unknown {
             let (found, condition) = torque::findings(view, &mut summaries, robot);
             findings.extend(found);
             condition_number = condition;

@@ -337,6 +337,26 @@ fn a_joint_that_stops_is_not_frozen() {
     assert!(report.findings.iter().all(|finding| finding.kind != Kind::Frozen), "{:?}", report.findings);
 }
 
+/// A joint that waits for most of a log until it is its turn has the noise of its velocity meanwhile; one whose encoder hangs for as long a
+/// velocity.
+#[test]
+fn a_joint_that_waits_for_its_turn_is_not_frozen() {
+    let waiting = |speed: f64| {
+        let mut sieved = log(&irb(), 250.0, 12.0);
+        let samples = sieved.recording.samples();
+        let until = samples - samples / 30;
+        let (q, qd) = (&mut sieved.recording.q, sieved.recording.qd.as_mut().unwrap());
+        let (held, mut noise) = (q.channel(5)[until], random::stream(9, "waiting", 0));
+        q.channel_mut(5)[..until].fill(held);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut noise) };
+        qd.channel_mut(5)[..until].iter_mut().for_each(|qd| *qd = speed + 0.3 * normal());
+        let report = examine(&sieved, Some(&irb())).unwrap();
+        report.findings.iter().any(|finding| finding.kind == Kind::Frozen)
+    };
+    assert!(!waiting(0.0));
+    assert!(waiting(2.0));
+}
+
 /// Of torques without their signs nothing is said about signs; where all have lost theirs, that is one cause.
 #[test]
 fn unsigned_torques_have_no_wrong_sign() {

@@ -8,6 +8,11 @@ use crate::error::{Error, Result};
 
 const SUBJECT: &str = "finite difference";
 
+/// Finite changes of a signal from one sample to the next.
+pub(crate) fn changes(signal: &[f64]) -> impl Iterator<Item = f64> {
+    signal.windows(2).map(|pair| pair[1] - pair[0]).filter(|change| change.is_finite())
+}
+
 /// First derivative of `input`, `[time]`, in its units per second: central differences, one-sided of the same (second)
 /// order at both ends. Exact for quadratics; white noise of deviation s comes out as s / (sqrt(2) `sample_period_s`).
 ///

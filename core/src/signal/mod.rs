@@ -18,6 +18,7 @@ mod window;
 
 pub use bandwidth::{Bandwidth, bandwidth};
 pub use decimate::{block_means, downsample};
+pub(crate) use difference::changes;
 pub use difference::{first_derivative, second_derivative, smooth_derivatives};
 pub use filter::Filter;
 pub(crate) use hat::hat;

@@ -3,11 +3,10 @@
 use super::cutoffs::{ORDER, clear_of_noise};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
+use crate::effects::unsmoothed;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::signal::{
-    Slow, ZeroPhaseLowPass, block_means, first_derivative, noise_floor, second_derivative, smooth_derivatives,
-};
+use crate::signal::{Slow, ZeroPhaseLowPass, block_means, noise_floor, smooth_derivatives};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -149,12 +148,7 @@ impl Log {
         if let Some(unsmoothed) = self.unsmoothed.get() {
             return Ok(unsmoothed);
         }
-        let q = self.measured.clone();
-        let mut motion = Motion { qd: q.clone(), qdd: q.clone(), q };
-        for joint in 0..motion.joints() {
-            first_derivative(motion.q.channel(joint), self.period, motion.qd.channel_mut(joint))?;
-            second_derivative(motion.q.channel(joint), self.period, motion.qdd.channel_mut(joint))?;
-        }
+        let motion = unsmoothed(&self.measured, self.period)?;
         Ok(self.unsmoothed.get_or_init(|| motion))
     }
 

@@ -3,9 +3,9 @@
 use super::arm::Arm;
 use super::state::EffectModel;
 use crate::dynamics::Motion;
-use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears};
+use crate::effects::{Gear, GearTrain, behind_encoder, behind_gears, unsmoothed};
 use crate::error::Result;
-use crate::identification::preparation::prepare::{self, Prepared, Smoothing};
+use crate::identification::preparation::prepare::Prepared;
 use crate::recording::Recording;
 use std::borrow::Cow;
 
@@ -48,12 +48,12 @@ impl EffectModel<'_> {
 
     /// Its gears along a log.
     fn geared<'b>(&self, arm: &'b Arm, log: &'b Recording, prepared: &'b Prepared) -> Geared<'b> {
-        let band = self.preparation.band;
+        let period = 1.0 / log.rate_hz();
         Geared {
             arm,
             motors: &prepared.motion,
-            period: 1.0 / log.rate_hz(),
-            measured: Box::new(move || Ok(Cow::Owned(prepare::measured(log, Smoothing::None, band)?.motion))),
+            period,
+            measured: Box::new(move || Ok(Cow::Owned(unsmoothed(&log.q, period)?))),
             smoothed: Box::new(|_, signal| prepared.filtered_like_positions(signal)),
         }
     }

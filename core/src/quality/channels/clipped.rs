@@ -5,7 +5,7 @@ use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
 
 /// Consecutive samples at one extreme value, and samples there in all, that make a channel clipped.
-pub(super) const RUN: usize = 4;
+const RUN: usize = 4;
 const FEWEST: usize = 12;
 
 /// A torque whose range has fewer digits than this shows no noise while its joint rests.
@@ -23,8 +23,7 @@ pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
     }
     let (low, high) = extremes(tau);
     let at = |level: f64| {
-        let long = runs(tau).filter(|&(start, length)| tau[start] == level && length >= RUN);
-        let (count, first) = long
+        let (count, first) = runs_at(tau, level)
             .fold((0, 0), |(count, first), (start, length)| (count + length, if count == 0 { start } else { first }));
         (level, count, first)
     };
@@ -36,6 +35,11 @@ pub fn clipping(tau: &[f64]) -> Vec<(f64, usize, usize)> {
     // A sensor that never reads zero does not rest at its extreme unless it is cut off there.
     let levels = if low == high { vec![] } else { vec![low, high] };
     levels.into_iter().filter(|level| *level != 0.0).map(at).filter(is_limit).collect()
+}
+
+/// Runs of a torque at a level at which it is cut off: start and length.
+pub(super) fn runs_at(tau: &[f64], level: f64) -> impl Iterator<Item = (usize, usize)> {
+    runs(tau).filter(move |&(start, length)| tau[start] == level && length >= RUN)
 }
 
 pub(super) fn clipped(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {

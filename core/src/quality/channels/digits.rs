@@ -1,6 +1,6 @@
 //! Digits of a channel: its smallest change, its extremes, and runs of equal values.
 
-use crate::signal::size_quantile;
+use crate::signal::{changes, size_quantile};
 
 /// A channel most of whose changes are smaller than this many of its last digit is coarse.
 const COARSE: f64 = 3.5;
@@ -8,17 +8,17 @@ const COARSE: f64 = 3.5;
 /// Whether a channel has so few digits that most of its changes are by the last one: it then rests between them, and at
 /// its extremes, without anything being wrong.
 pub(super) fn coarse(values: &[f64]) -> bool {
-    size_quantile(changes(values), 0.5) < COARSE * resolution(values)
+    size_quantile(sizes(values), 0.5) < COARSE * resolution(values)
 }
 
 /// The smallest change of a channel.
 pub(super) fn resolution(values: &[f64]) -> f64 {
-    changes(values).fold(f64::INFINITY, f64::min)
+    sizes(values).fold(f64::INFINITY, f64::min)
 }
 
 /// Sizes of the changes of a channel from one sample to the next, where there are any.
-fn changes(values: &[f64]) -> impl Iterator<Item = f64> {
-    values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0)
+fn sizes(values: &[f64]) -> impl Iterator<Item = f64> {
+    changes(values).map(f64::abs).filter(|change| *change > 0.0)
 }
 
 /// Runs of equal values: start and length.

@@ -4,7 +4,7 @@ use super::finding::{Finding, Kind, Severity};
 use super::view::View;
 use crate::channels::Channels;
 use crate::recording::Recording;
-use crate::signal::size_quantile;
+use crate::signal::{changes, noise_floor, size_quantile};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -29,6 +29,9 @@ const FALLS_IN: usize = 3;
 /// A joint whose logged speed is below this share of its usual speed may stick: velocities have a last digit and an offset of
 /// their own, which add up to a path where nothing moves.
 const STICKS: f64 = 0.1;
+
+/// Standard deviations of a velocity's noise above which it is one.
+const SURELY: f64 = 3.0;
 
 /// Path that a joint or its neighbours must go meanwhile, rad or m.
 const PATH: f64 = 0.02;
@@ -138,7 +141,7 @@ fn places(signal: &[f64], is_spike: impl Fn(&[f64]) -> bool) -> impl Iterator<It
 
 fn spike(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
     let fastest = FASTEST * view.period;
-    let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
+    let typical = size_quantile(changes(q), 0.99);
     let limit = fastest.max(20.0 * typical);
     let is_spike = |x: &[f64]| {
         let (to, from) = (x[1] - x[0], x[2] - x[1]);
@@ -168,7 +171,7 @@ fn torque_spike(view: &View, joint: usize, logged: &Recording) -> Option<Finding
 /// Samples at which one of several torques, `[joint][time]`, stands out from both neighbours and no other changes as it rarely does.
 pub fn torque_spikes(tau: &Channels, joint: usize) -> Vec<usize> {
     let usual = |signal: &[f64]| {
-        let change = size_quantile(signal.windows(2).map(|pair| pair[1] - pair[0]), USUAL_CHANGE);
+        let change = size_quantile(changes(signal), USUAL_CHANGE);
         change.max(resolution(signal))
     };
     let own = tau.channel(joint);
@@ -221,25 +224,23 @@ pub(super) fn with_frozen_position(view: &View, found: &[Finding]) -> Vec<usize>
 /// motion is no fault of its own.
 pub(super) fn spoilt(view: &View, joint: usize) -> Vec<Range<usize>> {
     let (q, tau) = (view.log.q.channel(joint), view.log.tau.channel(joint));
-    let mut out = motor_off(q, tau, 1.0 / view.period);
+    let mut parts: Vec<(usize, usize)> = frozen_positions(view, joint, q).collect();
     if !coarse(tau) {
-        let levels: Vec<f64> = clipping(tau).into_iter().map(|(level, ..)| level).collect();
-        let clipped = |&(start, length): &(usize, usize)| length >= clipped::RUN && levels.contains(&tau[start]);
-        let clipped: Vec<(usize, usize)> = runs(tau).filter(clipped).collect();
-        out.extend(
-            clipped.into_iter().chain(frozen_torques(view, joint, tau)).map(|(start, length)| start..start + length),
-        );
+        let clipped = clipping(tau).into_iter().flat_map(|(level, ..)| clipped::runs_at(tau, level));
+        parts.extend(clipped.chain(frozen_torques(view, joint, tau)));
     }
-    out.extend(frozen_positions(view, joint, q).map(|(start, length)| start..start + length));
-    out
+    let frozen = parts.into_iter().map(|(start, length)| start..start + length);
+    motor_off(q, tau, 1.0 / view.period).into_iter().chain(frozen).collect()
 }
 
 /// Parts in which a position stands and then makes up for it in one step: start and length.
 fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
     let shortest = ((0.02 / view.period) as usize).max(5);
-    let typical = size_quantile(q.windows(2).map(|pair| pair[1] - pair[0]), 0.99);
+    let typical = size_quantile(changes(q), 0.99);
     let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
+    // A joint that waits for its turn has the noise of its velocity alone.
+    let noise = velocity.map_or(0.0, noise_floor);
     let tau = view.log.tau.channel(joint);
     runs(q).filter(move |(_, length)| *length >= shortest).filter(move |&(start, length)| {
         let end = start + length;
@@ -247,7 +248,7 @@ fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iter
         let runs_on = velocity.is_some_and(|qd| {
             // The first samples of a joint that stops may still have the speed of before.
             let speed = size_quantile(qd[start..end].iter().copied(), 0.5);
-            speed > STICKS * fastest && speed * length as f64 * view.period > PATH
+            speed > (STICKS * fastest).max(SURELY * noise) && speed * length as f64 * view.period > PATH
         });
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
         let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);

@@ -134,6 +134,15 @@ impl Description {
         out
     }
 
+    /// The description with the columns of all joints in reverse order, as of a recorder that begins at the tip: exchanges of which none explains
+    /// anything by itself. None where two are exchanged at most, or a torque is not `measured`.
+    pub fn in_reverse_order(&self, measured: &[bool]) -> Option<Description> {
+        let dof = self.dof();
+        let pairs = 0..dof / 2;
+        let all = pairs.len() > 1 && measured.iter().all(|measured| *measured);
+        all.then(|| pairs.fold(self.clone(), |out, joint| out.with(Change::JointExchange(joint, dof - 1 - joint))))
+    }
+
     /// The description with the direction of gravity, which it changes, refined.
     pub fn with_gravity(&self, gravity: Vector3<f64>) -> Description {
         let refined = |&change: &Change| match change {

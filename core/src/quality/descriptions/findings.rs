@@ -1,7 +1,7 @@
 //! Findings on a wrong description.
 
 use super::change::Change;
-use super::verdict::{Alternative, Shown, Verdict};
+use super::verdict::{Alternative, Shown, Spread, Verdict};
 use crate::quality::finding::{Finding, Kind, Severity};
 
 /// Alternatives that are named; more mean only that the logs do not decide.
@@ -12,6 +12,10 @@ const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [moto
 
 /// Said where the described bodies do not explain the torques of a changed motion.
 const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is the log that of another robot?";
+
+/// Said where a changed motion is all that is known.
+const WITHOUT_MASSES: &str =
+    "the robot's file has no masses, which could tell the log of another robot with such joints: is it of this one?";
 
 /// Said where the joints feel too little of gravity.
 const BY_BODIES: &str =
@@ -58,6 +62,25 @@ fn direction(gravity: [f64; 3]) -> String {
     }
 }
 
+/// How well the logs determine a direction of gravity.
+fn spread_words(spread: &Spread) -> String {
+    let named = |gravity: &[f64; 3]| direction(*gravity);
+    let among = match spread.includes.is_empty() {
+        true => String::new(),
+        false => format!(", {} among them", spread.includes.iter().map(named).collect::<Vec<_>>().join(" and ")),
+    };
+    let degrees = spread.degrees;
+    match (spread.is_narrow(), among.is_empty()) {
+        (true, true) => format!("the logs determine this direction to within {degrees:.0} degrees"),
+        (true, false) => format!("directions within {degrees:.0} degrees of this one explain the logs as well{among}"),
+        (false, _) => format!(
+            "the logs do not determine this direction well: some {} away explain them as well{among}; log a motion between more poses, or give the \
+             mounting as measured ([mounting] gravity_m_s2)",
+            if degrees.is_finite() { format!("up to {degrees:.0} degrees") } else { "more than 25 degrees".into() }
+        ),
+    }
+}
+
 fn scale(factor: f64) -> String {
     let (times, than) = times(factor);
     let than = if than == "small" { "smaller" } else { "larger" };
@@ -95,7 +118,7 @@ fn origin(factor: f64, factors: &[Option<f64>], joints: &[String]) -> String {
         );
     }
     let units = [(1e-3, "N mm, which are mN m: [units] torque = \"mNm\""), (1e3, "kN m: [units] torque = \"kNm\"")];
-    match units.into_iter().find(|(unit, _)| (0.2..5.0).contains(&(factor / unit))) {
+    match units.into_iter().find(|(unit, _)| (0.5..2.0).contains(&(factor / unit))) {
         Some((unit, name)) if unit < 1.0 => format!("they seem to be in {name} in a dataset"),
         unit => {
             let unit = unit.map_or(String::new(), |(_, name)| format!(", or in {name}"));
@@ -157,7 +180,9 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     };
     let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
     let next = if verdict.unlike_bodies { format!("{next}; {ANOTHER}") } else { next };
+    let next = if verdict.without_bodies { format!("{next}; {WITHOUT_MASSES}") } else { next };
     let next = if verdict.by_bodies { format!("{next}; {BY_BODIES}") } else { next };
+    let next = verdict.spread.as_ref().map_or(next.clone(), |spread| format!("{next}; {}", spread_words(spread)));
     let rivals: Vec<String> = verdict.alternatives.iter().take(NAMED).map(named).collect();
     // Positions that were assumed stand for the direction of gravity, and for a zero that would be as good as that.
     let of_held = held_position(verdict, joints, &gain, &rivals);

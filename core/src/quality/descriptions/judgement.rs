@@ -1,5 +1,6 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
+use super::bodies::compensation;
 use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};
@@ -10,9 +11,9 @@ use super::settle::settled;
 use super::shares::ALIKE;
 use super::sizes::factors::OwnFactors;
 use super::sizes::scale::Scaled;
-use super::sizes::{effort, factors, scale};
+use super::sizes::{effort, factors, scale, spread};
 use super::tried::Tried;
-use super::verdict::{Alternative, Shown, Verdict};
+use super::verdict::{Alternative, Shown, Spread, Verdict};
 use super::weights::{self, Weighed};
 use crate::quality::view::View;
 use crate::robot::Robot;
@@ -101,16 +102,28 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
             _ => found.gain.least_of_logs > 0.0,
         };
         let replicated = agree && found.is_determined && (!moved || (alike == Some(true) && separate(found)));
-        Confirmed { replicated, unlike_bodies: alike == Some(false), assumed: assumed(found) }
+        let without_bodies = moved && bodies.is_none();
+        Confirmed { replicated, unlike_bodies: alike == Some(false), without_bodies, assumed: assumed(found) }
     };
     let with_motion = jumps::with_motion(views);
     let Some(robot) = robot else {
         let outcome = search(Known::alone(&Physics::Alone), &rows, &with_motion, start)?;
-        return verdict(outcome, |_| Confirmed::default());
+        return verdict(outcome, None, |_| Confirmed::default());
+    };
+    let judged = |known: Known, bodies: Option<&Physics>, outcome: Outcome| {
+        let outcome = settled(known, bodies, &rows, outcome);
+        let best = outcome.found.as_ref().map(|found| &found.best);
+        let spread = best.and_then(|best| spread::around(known.physics, &rows, best, gravity));
+        verdict(outcome, spread, confirmed)
     };
     let free = Physics::free(robot);
     let known = Known { physics: &free, other: bodies.as_ref() };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
+    if outcome.found.is_none()
+        && let Some([before, after]) = compensation::judged(robot, &rows, &start)
+    {
+        return Some(untraced_verdict(&before, after, Vec::new()));
+    }
     // Free bodies know nothing of a factor that all joints share. What they see of several is a factor of the joint that differs most;
     // together with those described they show them all.
     let found = outcome.found.as_ref().map(|found| &found.best);
@@ -120,10 +133,12 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
         bodies.as_ref().and_then(under).is_none_or(|tried| tried.share() >= ALIKE)
     };
     let only_factors = found.is_none_or(|best| best.description.has_only_factors() || denied(best));
-    // Torques without gravity are small against those of the bodies, too.
+    // Torques without gravity are small against those of the bodies, too. What free bodies see of all torques is their sign.
+    let signed = found.filter(|best| best.description.changes == [Change::AllTorqueSigns]);
+    let signed = signed.map_or(&start, |best| &best.description);
     let of_all = |bodies: &Physics| {
-        let scaled = scale::judge(bodies, &rows, &start)?;
-        let weightless = Tried::new(bodies, &rows, start.with(Change::WithoutGravity));
+        let scaled = scale::judge(bodies, &rows, signed)?;
+        let weightless = Tried::new(bodies, &rows, signed.with(Change::WithoutGravity));
         let better = |weightless: &Tried| {
             compare(&weightless.evaluation, &scaled.after.evaluation, &rows.log).is_some_and(|gain| gain.is_distinct())
         };
@@ -140,13 +155,13 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let described = || bodies.as_ref().and_then(|bodies| Tried::new(bodies, &rows, start.clone()));
     tracing::debug!(free = ?outcome.start.evaluation.unexplained, share = outcome.start.share(), described = ?described().map(|d| (d.share(), d.evaluation.unexplained)), "shares");
     if outcome.found.is_some() {
-        return verdict(settled(known, bodies.as_ref(), &rows, outcome), confirmed);
+        return judged(known, bodies.as_ref(), outcome);
     }
     let bodies = bodies.as_ref()?;
     let known = Known { physics: bodies, other: Some(&free) };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
     if outcome.found.is_some() {
-        return verdict(settled(known, Some(bodies), &rows, outcome), confirmed);
+        return judged(known, Some(bodies), outcome);
     }
     of_drives(bodies, &rows, &start)
 }
@@ -181,8 +196,10 @@ fn untraced_verdict(before: &Tried, after: Tried, factors: Vec<Option<f64>>) -> 
         description: after.description,
         factors,
         by_bodies: false,
+        spread: None,
         assumed: Vec::new(),
         unlike_bodies: false,
+        without_bodies: false,
         beyond_doubt: false,
     }
 }
@@ -194,17 +211,20 @@ struct Confirmed {
     replicated: bool,
     /// The described bodies contradict it.
     unlike_bodies: bool,
+    /// Motions are changed, and no bodies are described that could tell another arm.
+    without_bodies: bool,
     /// Joints whose assumed positions are as good a cause.
     assumed: Vec<String>,
 }
 
-fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<Verdict> {
+fn verdict(outcome: Outcome, spread: Option<Spread>, confirmed: impl Fn(&Found) -> Confirmed) -> Option<Verdict> {
     let Outcome { start, found } = outcome;
     let found = found?;
     // From what a factor comes the logs cannot show.
     let scaled = found.best.description.scaled().next();
-    let Confirmed { replicated, unlike_bodies, assumed } = confirmed(&found);
-    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated && assumed.is_empty();
+    let Confirmed { replicated, unlike_bodies, without_bodies, assumed } = confirmed(&found);
+    let is_known = spread.as_ref().is_none_or(Spread::is_narrow);
+    let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated && assumed.is_empty() && is_known;
     let alternative =
         |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {
@@ -217,8 +237,10 @@ fn verdict(outcome: Outcome, confirmed: impl Fn(&Found) -> Confirmed) -> Option<
         description: found.best.description,
         factors: Vec::new(),
         by_bodies: !found.is_determined,
+        spread,
         assumed,
         unlike_bodies,
+        without_bodies,
         beyond_doubt,
     })
 }

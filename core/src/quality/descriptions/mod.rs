@@ -13,15 +13,15 @@
 //! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
-//! | whether the log is of another robot | `disagreement` |
+//! | what the described bodies say to the rest | `bodies` |
 //! | whether the clock is wrong, or positions are in turns | `motion_units` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
 
+mod bodies;
 mod change;
 mod compare;
-mod disagreement;
 mod findings;
 mod fitting;
 mod judgement;
@@ -36,13 +36,13 @@ mod tried;
 mod verdict;
 mod weights;
 
+pub(super) use bodies::finding as of_another_robot;
 pub use change::{Change, Description};
-pub(super) use disagreement::finding as of_another_robot;
 pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};
 pub(super) use motion_units::{are_turns, clock_factor, clock_text};
-pub use verdict::{Alternative, Shown, Verdict};
+pub use verdict::{Alternative, Shown, Spread, Verdict};
 
 #[cfg(test)]
 mod tests;

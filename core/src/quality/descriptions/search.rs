@@ -95,7 +95,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         }
         if size == 0 && matches!(physics, Physics::Free(_)) {
             let tilted = tilt::free_directions(physics, &whole, &start.description);
-            candidates.extend(tilted);
+            candidates.extend(tilted.into_iter().chain(start.description.in_reverse_order(&rows.measured)));
         }
         // A factor or an offset takes many fits: only the best is grown by one.
         let sized = |from: &Description| {
@@ -171,31 +171,40 @@ fn judged(
     judged
 }
 
-/// The best of the judged ones, where it is clearly better than `reference`, with its rivals and the next.
+/// The best of the judged ones that is clearly better than `reference`, with its rivals and the next. Of those that are not separable from the very
+/// best, another may be what is known of the arm otherwise.
 fn chosen(
-    judged: Vec<(Tried, Comparison)>,
+    mut judged: Vec<(Tried, Comparison)>,
     known: &Known,
     reference: &Tried,
     rows: &Rows,
     tried: usize,
 ) -> Option<Found> {
-    let best = &judged.first()?.0;
-    let top = compare(&reference.evaluation, &best.evaluation, &rows.log)?;
     let limit = if matches!(known.physics, Physics::Alone) { EXPLAINED_ALONE } else { EXPLAINED };
-    let explains = |channel: usize| best.evaluation.unexplained[channel].is_some_and(|share| share < limit);
-    let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
-    let most = (0..top.channels.len()).max_by(|&a, &b| gains(a).total_cmp(&gains(b)))?;
-    // What leaves most of the torques unexplained is not the arm's.
-    let credible = matches!(known.physics, Physics::Alone) || best.share() < ALIKE;
-    if !credible || !top.is_better(tried, limit) || !explains(most) || !known.supports(reference, best, &top, rows) {
-        return None;
-    }
-    let mut judged = judged.into_iter();
-    let (best, gain) = judged.next()?;
+    let is_credible = |own: &Tried| {
+        let Some(top) = compare(&reference.evaluation, &own.evaluation, &rows.log) else { return false };
+        let explains = |channel: usize| own.evaluation.unexplained[channel].is_some_and(|share| share < limit);
+        let gains = |channel: usize| top.channels[channel].unwrap_or(f64::NEG_INFINITY);
+        let most = (0..top.channels.len()).max_by(|&a, &b| gains(a).total_cmp(&gains(b)));
+        // What leaves most of the torques unexplained is not the arm's.
+        let of_the_arm = matches!(known.physics, Physics::Alone) || own.share() < ALIKE;
+        of_the_arm
+            && top.is_better(tried, limit)
+            && most.is_some_and(explains)
+            && known.supports(reference, own, &top, rows)
+    };
+    let distinct = |other: &Tried, best: &Tried| {
+        compare(&other.evaluation, &best.evaluation, &rows.log).is_none_or(|worse| worse.is_distinct())
+    };
+    let top = &judged.first()?.0;
+    let place = (0..judged.len()).find(|&place| {
+        let own = &judged[place].0;
+        (place == 0 || !distinct(own, top)) && is_credible(own)
+    })?;
+    let (best, gain) = judged.remove(place);
     let (mut rivals, mut next) = (Vec::new(), None);
     for (other, _) in judged {
-        let distinct = compare(&other.evaluation, &best.evaluation, &rows.log).is_none_or(|c| c.is_distinct());
-        match distinct {
+        match distinct(&other, &best) {
             false => rivals.push(other),
             true if next.is_none() => next = Some(other),
             true => {}

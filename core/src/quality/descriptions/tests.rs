@@ -247,6 +247,7 @@ fn the_mounting_is_found_and_applying_it_leaves_nothing() {
     }
 }
 
+mod clocks;
 mod compensated;
 mod directions;
 mod loads;

@@ -34,6 +34,29 @@ pub enum Shown {
     },
 }
 
+/// A direction of gravity known to within this angle, degrees, is one direction: where it is then applied, the diagnosis finds the tilt that is left.
+/// Arms are mounted along an axis for the most part: such a direction is known where no other that is tried is as good.
+const NARROW: f64 = 8.0;
+const NARROW_ALONG_AN_AXIS: f64 = 18.0;
+
+/// Directions of gravity that the logs do not separate from the best one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spread {
+    /// Angle from the best direction within which all of them are, degrees; without bound where some are farther than any that was tried.
+    pub degrees: f64,
+    /// Those of them that are along an axis of the base, or the described one, m/s2.
+    pub includes: Vec<[f64; 3]>,
+    /// Whether the best direction is along an axis of the base itself.
+    pub along_an_axis: bool,
+}
+
+impl Spread {
+    /// Whether the directions are so close together that the best one stands for all.
+    pub fn is_narrow(&self) -> bool {
+        self.degrees <= if self.along_an_axis { NARROW_ALONG_AN_AXIS } else { NARROW }
+    }
+}
+
 /// What explains the logs clearly better than their description, or as well and by a drive that exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
@@ -55,11 +78,15 @@ pub struct Verdict {
     pub factors: Vec<Option<f64>>,
     /// Whether the direction of gravity is that which the described bodies prefer: the mechanism alone determines none.
     pub by_bodies: bool,
+    /// How well the logs determine the direction of gravity, where that is changed.
+    pub spread: Option<Spread>,
     /// Held joints below those under study whose assumed positions may be what a change of gravity found.
     pub assumed: Vec<String>,
     /// Whether positions or gravity are changed, and the described bodies explain the torques no better for it: the log may be that of
     /// another arm.
     pub unlike_bodies: bool,
+    /// Whether positions are changed, and the file describes no bodies: another arm with such joints looks the same.
+    pub without_bodies: bool,
     /// Whether there is no alternative and the logs are long enough, or several that agree: then the changed description
     /// can be gone on with.
     pub beyond_doubt: bool,

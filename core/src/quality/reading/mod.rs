@@ -3,4 +3,5 @@
 //! In: the log as it was read. Out: findings.
 
 pub(super) mod clock;
+pub(super) mod cycles;
 pub(super) mod joint_names;

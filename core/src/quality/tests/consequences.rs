@@ -73,7 +73,9 @@ fn a_driver_that_reports_no_torque_is_one_fault() {
 /// Torques alone show a clock that is wrong by much, and the factor rounded to a power of ten where it is near one.
 #[test]
 fn a_clock_without_velocities_is_shown_by_gravity_and_inertia() {
-    for (clock, factor) in [(10.0, Some(0.1)), (0.1, Some(10.0)), (1.0, None), (1.4, None), (0.4, Some(2.5))] {
+    for (clock, factor) in
+        [(10.0, Some(0.1)), (0.1, Some(10.0)), (1.0, None), (1.1, None), (1.4, Some(1.0 / 1.4)), (0.4, Some(2.5))]
+    {
         let mut sieved = log(&irb(), 250.0, 12.0);
         sieved.recording.qd = None;
         sieved.recording.time.iter_mut().for_each(|t| *t *= clock);

@@ -2,7 +2,7 @@
 
 use super::bare;
 use super::names::{self, Joint, Meaning};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A column that is the signal of a joint, as one reading of its name has it.
 #[derive(Debug)]
@@ -43,14 +43,7 @@ pub(super) fn candidates<'a>(
         let (meaning, joint) = readings.iter().find_map(|meaning| Some((meaning, place(meaning)?)))?;
         ((meaning.truth, meaning.quantity) == (truth, quantity)).then_some(Candidate { column, meaning, joint })
     };
-    let mut all: Vec<Candidate> = meanings.iter().enumerate().filter_map(of).collect();
-    // On two topics that are called like no group, a joint may be that of either of two arms.
-    let topics = all.iter().filter(|candidate| candidate.meaning.behind_topic);
-    let topics: BTreeSet<&str> = topics.map(|candidate| candidate.meaning.family.as_str()).collect();
-    if topics.len() > 1 {
-        all.retain(|candidate| !candidate.meaning.behind_topic);
-    }
-    all
+    meanings.iter().enumerate().filter_map(of).collect()
 }
 
 /// Of columns that could be the same quantity, those that are called alike: measured torques before those of a controller, torques before
@@ -122,10 +115,14 @@ fn numbers_of(name: &str) -> Vec<(String, usize)> {
 const SEPARATORS: [char; 6] = ['/', '_', '.', '-', ':', ' '];
 
 /// The numbers of joints that the file calls by the robot's names behind a prefix that all share, as `left_arm/elbow`, or the robot
-/// by the file's behind one: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
-pub(super) fn behind_prefix(meanings: &[Vec<Meaning>], names: &[String]) -> Option<(BTreeMap<String, usize>, String)> {
+/// by the file's behind one, in columns of a quantity: name -> number counted from 1, and the prefix. None where two prefixes fit, as of two arms.
+pub(super) fn behind_prefix(
+    meanings: &[Vec<Meaning>],
+    names: &[String],
+    quantity: usize,
+) -> Option<(BTreeMap<String, usize>, String)> {
     let own: Vec<&str> = {
-        let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == names::POSITION);
+        let readings = meanings.iter().flatten().filter(|m| !m.truth && !m.exact_only && m.quantity == quantity);
         let named = readings.filter_map(|meaning| match &meaning.joint {
             Joint::Name(name) => Some(name.as_str()),
             Joint::Number(_) => None,

@@ -58,7 +58,7 @@ impl Layout {
             if let (Some((first, _)), Some(name)) = (numbers.first_key_value(), names.first()) {
                 understood
                     .push(format!("joints are taken by the numbers in their names, {first} for {name} and so on"));
-            } else if let Some((found, prefix)) = behind_prefix(&meanings, &names) {
+            } else if let Some((found, prefix)) = behind_prefix(&meanings, &names, names::POSITION) {
                 understood.push(format!("the names of the joints differ by the prefix {prefix}"));
                 numbers = found;
             }
@@ -71,7 +71,16 @@ impl Layout {
         for (truth, quantity) in
             [false, true].into_iter().flat_map(|truth| (0..4).map(move |quantity| (truth, quantity)))
         {
-            let family = best_family(candidates(&meanings, &names, &numbers, truth, quantity));
+            let mut own = candidates(&meanings, &names, &numbers, truth, quantity);
+            // Another topic than that of the positions may hold them.
+            let of_topic = (own.is_empty() && !truth && joints.is_some())
+                .then(|| behind_prefix(&meanings, &names, quantity))
+                .flatten();
+            if let Some((numbers, prefix)) = of_topic {
+                own = candidates(&meanings, &names, &numbers, truth, quantity);
+                understood.push(format!("each {} is that of the joint behind {prefix}", QUANTITIES[quantity].name));
+            }
+            let family = best_family(own);
             currents |= family.iter().any(|candidate| candidate.meaning.current);
             of_controller |= family.iter().any(|candidate| candidate.meaning.of_controller);
             let positions = found[0][names::POSITION].len();

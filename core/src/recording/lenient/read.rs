@@ -33,6 +33,8 @@ pub struct Sieved {
     pub currents: bool,
     /// The first column of torque, where torques are those that a controller wanted or computed, by their names.
     pub of_controller: Option<String>,
+    /// Time may be a count of a controller's cycles, whose length is not known and taken for 1 ms.
+    pub may_count: bool,
     /// What is wrong with the whole of the rows, and what to do: the log cannot be used.
     pub spoilt: Option<String>,
 }
@@ -138,6 +140,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
         unwrapped,
         currents,
         of_controller,
+        may_count: clock.may_count,
         spoilt,
     };
     match sieved.rejected.first() {

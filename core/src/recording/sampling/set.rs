@@ -3,7 +3,7 @@
 //! A pause or lost rows change the positions, another recording begins elsewhere. So time is put right only where joints surely move on both sides
 //! of the jump, and each goes on at its speed.
 
-use crate::signal::size_quantile;
+use crate::signal::{changes, size_quantile};
 
 /// A step this many times longer than the usual one is a jump; one that goes back is always.
 const LONG: f64 = 4.0;
@@ -80,11 +80,6 @@ fn continues(signal: &[f64], step: usize, fast: f64) -> Option<bool> {
     let moves = before * behind > 0.0 && before.abs().min(behind.abs()) > MOVES * fast;
     let mean = 0.5 * (before + behind);
     moves.then(|| (own - mean).abs() < GOES_ON * mean.abs())
-}
-
-/// Finite changes of a signal from one sample to the next.
-fn changes(signal: &[f64]) -> impl Iterator<Item = f64> {
-    signal.windows(2).map(|pair| pair[1] - pair[0]).filter(|change| change.is_finite())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The clock of a log in seconds: parts in two columns, coarse clocks, stamps that were put together wrongly, and rows of
 //! two sources.
 
-use super::{restarts, set, unit, wrapped};
+use super::{late, restarts, set, unit, wrapped};
 use crate::error::{Error, Result};
 use crate::recording::columns::{ColumnMap, Layout};
 use crate::recording::formats::text::Text;
@@ -43,6 +43,8 @@ const DIGITS: f64 = 50.0;
 pub(crate) struct Clock {
     /// How it was understood and corrected.
     pub corrections: Vec<String>,
+    /// Time may be a count of cycles of unknown length, which is taken for ms.
+    pub may_count: bool,
     /// Why the rows cannot be used, and what to do.
     pub spoilt: Option<String>,
 }
@@ -85,7 +87,10 @@ pub(crate) fn clock(
             clock.corrections.extend(zeros_lost(&text.cells(column), &mut columns[column]));
         }
         clock.corrections.extend(wrapped::undo(&mut columns[column]));
-        clock.corrections.extend(unit::in_seconds(columns, layout, map.time_factor));
+        if let Some(assumed) = unit::in_seconds(columns, layout, map.time_factor) {
+            clock.may_count = assumed.may_count;
+            clock.corrections.push(assumed.said);
+        }
         if layout.time_is_index && columns[column].windows(2).all(|pair| pair[1] - pair[0] == 1.0) {
             let problem = "missing column: no column of time (t or time, in s), the first counts the rows; give the sampling rate \
                            in a dataset: rate_hz = 100 in [columns]";
@@ -102,6 +107,7 @@ pub(crate) fn clock(
     let time = layout.time();
     let mut stamps = std::mem::take(&mut columns[time]);
     let signals: Vec<&[f64]> = positions.iter().map(|&column| columns[column].as_slice()).collect();
+    clock.corrections.extend(late::undo(&mut stamps));
     clock.corrections.extend(set::undo(&mut stamps, &signals));
     clock.corrections.extend(restarts::undo(&mut stamps));
     columns[time] = stamps;

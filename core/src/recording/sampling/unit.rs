@@ -32,17 +32,25 @@ const AGREES: f64 = 5.0;
 /// They confirm it where they agree up to this factor; beyond, the clock may count something else.
 const CONFIRMS: f64 = 1.25;
 
+/// What was assumed of a clock.
+pub(super) struct Assumed {
+    /// In words.
+    pub said: String,
+    /// The column may count the cycles of a controller, whose length is not known.
+    pub may_count: bool,
+}
+
 /// Converts time to seconds, and returns what was assumed. A unit that is not given is that of the column's name, or the one in which
 /// the numbers are a time from 1970, or steps of a log.
-pub(super) fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>) -> Option<String> {
+pub(super) fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Option<f64>) -> Option<Assumed> {
     let column = layout.time();
     if let Some(factor) = given {
         columns[column].iter_mut().for_each(|t| *t *= factor);
         return None;
     }
     let first = columns[column].iter().copied().find(|t| t.is_finite())?;
-    let (factor, unit, doubt) = match layout.time_factor() {
-        Some(factor) => (factor, "the unit of its name", None),
+    let (factor, unit, doubt, may_count) = match layout.time_factor() {
+        Some(factor) => (factor, "the unit of its name", None, false),
         None => of_numbers(columns, layout, first)?,
     };
     // Numbers from 1970 on have no digits for what is between two rows.
@@ -52,17 +60,18 @@ pub(super) fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Optio
     }
     columns[column].iter_mut().for_each(|t| *t = (*t - start) * factor);
     let from = if start == 0.0 { "" } else { "; it is taken from the first row on" };
-    Some(match layout.time_factor() {
+    let said = match layout.time_factor() {
         Some(_) => format!("time is in {unit}{from}"),
         None => {
             let doubt = doubt.unwrap_or_default();
             format!("time is taken to be in {unit}{doubt}{from} (set another with [units] time in a dataset)")
         }
-    })
+    };
+    Some(Assumed { said, may_count })
 }
 
-/// Seconds per unit, its name, and what else it could be.
-fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64, &'static str, Option<String>)> {
+/// Seconds per unit, its name, what else it could be, and whether the column may count cycles.
+fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64, &'static str, Option<String>, bool)> {
     let step = median_step(&columns[layout.time()])?.min(mean_step(&columns[layout.time()]));
     let rate_in = |factor: f64, [least, most]: [f64; 2]| {
         let rate = 1.0 / (step * factor);
@@ -71,7 +80,7 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
     // A clock that counts from the start of a computer reaches these numbers too, in a smaller unit.
     let of_1970 = UNITS.iter().rev().find(|(least, ..)| first.abs() >= *least);
     if let Some(&(_, factor, unit)) = of_1970.filter(|(_, factor, _)| rate_in(*factor, POSSIBLE_HZ)) {
-        return Some((factor, unit, None));
+        return Some((factor, unit, None, false));
     }
     let least = if layout.open_unit { NO_SECONDS_OPEN } else { NO_SECONDS };
     let shows = || columns[layout.time()].len() >= FEWEST && moves(columns, layout);
@@ -110,7 +119,7 @@ fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64,
         ),
         _ => format!(": steps of {step_said} are {} then", hz(factor)),
     };
-    Some((factor, unit, Some(doubt)))
+    Some((factor, unit, Some(doubt), step == 1.0 && !within(factor, CONFIRMS)))
 }
 
 /// Mean time between rows: that of a clock whose stamps several rows share.
@@ -221,6 +230,24 @@ mod tests {
                 let (rate, said) = read(name, start, step, None, true);
                 assert!((rate / hz - 1.0).abs() < 1e-3, "{name} {start}: {rate} {said}");
             }
+        }
+    }
+
+    #[test]
+    fn steps_of_one_may_be_cycles_of_a_controller() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.csv");
+        // By velocities of motion at 1000 Hz, without velocities, and in steps of two.
+        for (velocity, step, may_count) in [(true, 1, false), (false, 1, true), (false, 2, false)] {
+            let mut text = format!("Tick,q1,tau1{}\n", if velocity { ",qd1" } else { "" });
+            for row in 0..1000 {
+                let phase = 0.01 * f64::from(row);
+                text += &format!("{},{},{}", step * row, phase.sin(), phase.cos());
+                text += &if velocity { format!(",{}\n", 10.0 * phase.cos()) } else { "\n".into() };
+            }
+            std::fs::write(&path, text).unwrap();
+            let sieved = load(&path, None, &ColumnMap::default()).unwrap();
+            assert_eq!(sieved.may_count, may_count, "{velocity}, {step}: {:?}", sieved.corrections);
         }
     }
 }

@@ -5,10 +5,12 @@
 //! | which rows are compared | `rows` |
 //! | what is known of the arm | `physics` |
 //! | a load that a log may have | `load` |
+//! | bodies of other masses | `masses` |
 //! | residuals under a description | `fit` |
 
 mod fit;
 mod load;
+mod masses;
 mod physics;
 mod rows;
 

@@ -8,6 +8,7 @@
 
 use super::super::change::Description;
 use super::load::Load;
+use super::masses;
 use super::rows::Rows;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
@@ -29,6 +30,8 @@ pub(crate) enum Physics {
     Free(Box<Model>),
     /// The bodies as described; rotors are free.
     Bodies(Box<Robot>),
+    /// The bodies as described, but for their masses: a factor of each is free, and rotors are.
+    Masses(Box<Robot>),
     /// Nothing: each joint has gravity on a level axis and an inertia of its own.
     Alone,
 }
@@ -96,6 +99,11 @@ impl Physics {
         (possible && mass > 0.0).then(|| Physics::Bodies(Box::new(robot.clone())))
     }
 
+    /// The bodies as described, each as heavy as the logs have it.
+    pub(crate) fn masses(robot: &Robot) -> Option<Physics> {
+        Physics::bodies(robot).map(|_| Physics::Masses(Box::new(robot.clone())))
+    }
+
     /// The tables of a description.
     pub(crate) fn tables(&self, rows: &Rows, description: &Description) -> Tables {
         let dof = description.dof();
@@ -104,12 +112,18 @@ impl Physics {
             qd: description.rates(&rows.motion.qd),
             qdd: description.rates(&rows.motion.qdd),
         };
-        let gravity = description.gravity.into();
+        // Gravity of masses that a controller does not know stays in a torque that it compensates.
+        let compensated = description.gravity == Vector3::zeros();
+        let gravity = match self {
+            Physics::Masses(robot) if compensated => robot.gravity.into(),
+            _ => description.gravity.into(),
+        };
         let known = match self {
             Physics::Bodies(robot) => {
                 let chain = Chain::new(robot).with_gravity(gravity);
                 Some(inverse_dynamics(&chain, &robot.inertial_parameters(), &motion))
             }
+            Physics::Masses(robot) if compensated => Some(masses::compensation(robot, &motion)),
             _ => None,
         };
         let mut nonnegative = Vec::new();
@@ -127,6 +141,17 @@ impl Physics {
             Physics::Bodies(_) => {
                 nonnegative.resize(dof, true);
                 (0..dof).map(|joint| (vec![joint], vec![motion.qdd.channel(joint).to_vec()])).collect()
+            }
+            Physics::Masses(robot) => {
+                let bodies = robot.bodies();
+                nonnegative.resize(bodies + dof, true);
+                let torques = masses::torques(robot, gravity, &motion);
+                let of = |joint: usize| {
+                    let own = torques.iter().map(|torque| torque.channel(joint).to_vec());
+                    let columns = own.chain([motion.qdd.channel(joint).to_vec()]).collect();
+                    ((0..bodies).chain([bodies + joint]).collect(), columns)
+                };
+                (0..dof).map(of).collect()
             }
             Physics::Alone => {
                 nonnegative = (0..3 * dof).map(|place| place % 3 == 2).collect();
@@ -174,7 +199,7 @@ impl Physics {
     fn loads(&self, gravity: [f64; 3], motion: &Motion, logs: usize, bounds: &mut Bounds) -> Option<Loads> {
         let (load, held) = match self {
             Physics::Free(model) if logs > 1 => (Load::difference(model.chain(), gravity, motion), 1),
-            Physics::Bodies(robot) => (Load::on(robot, gravity, motion), 0),
+            Physics::Bodies(robot) | Physics::Masses(robot) => (Load::on(robot, gravity, motion), 0),
             Physics::Free(_) | Physics::Alone => return None,
         };
         let mut first = vec![None; logs];

@@ -35,6 +35,7 @@ const STICKS: f64 = 0.1;
 const FASTEST: f64 = 50.0;
 
 /// Rows of all logs, one after the other.
+#[derive(Clone)]
 pub(crate) struct Rows {
     /// Smoothed motion as logged, `[channel][row]`.
     pub motion: Motion,

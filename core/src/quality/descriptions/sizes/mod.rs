@@ -3,6 +3,7 @@
 //! | question | module |
 //! |---|---|
 //! | free directions of gravity | `tilt` |
+//! | how well the logs determine one | `spread` |
 //! | how large torques are | `scale` |
 //! | how large the torque of one joint is | `factors` |
 //! | whether a torque is beyond its drive | `effort` |
@@ -13,5 +14,6 @@ pub(super) mod effort;
 pub(super) mod factors;
 mod golden;
 pub(super) mod scale;
+pub(super) mod spread;
 pub(super) mod tilt;
 pub(super) mod zeros;

@@ -85,11 +85,17 @@ impl Merit<'_> {
     }
 }
 
-/// The description with directions of gravity that fit the rows best, each the lowest of its valley, the best first: those that are neither
-/// along an axis nor the described one.
+/// The description with directions of gravity that fit the rows best, each the lowest of its valley, the best first: those that are not
+/// the described one, and along no axis that fits about as well.
 pub(crate) fn free_directions(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
-    let known: Vec<Vector3<f64>> = std::iter::once(from.gravity.normalize()).chain(axes()).collect();
-    let is_known = |found: &Description| known.iter().any(|other| within(other, &found.gravity.normalize(), NEAR));
+    let size = from.gravity.norm();
+    let merit = Merit { physics, rows, from, size };
+    let is_known = |found: &Description| {
+        let direction = found.gravity / size;
+        let near = |other: &Vector3<f64>| within(other, &direction, NEAR);
+        let as_good = |axis: Vector3<f64>| near(&axis) && merit.of(&axis) < merit.of(&direction) + ABOUT_AS_WELL;
+        near(&(from.gravity / size)) || axes().any(as_good)
+    };
     lowest(physics, rows, from).into_iter().filter(|found| !is_known(found)).collect()
 }
 
@@ -201,7 +207,7 @@ fn newton_step(center: f64, around: [f64; SIDES]) -> Option<Vector2<f64>> {
 }
 
 /// A direction turned by an angle, toward a side given by another.
-fn turned(direction: &Vector3<f64>, by: f64, side: f64) -> Vector3<f64> {
+pub(super) fn turned(direction: &Vector3<f64>, by: f64, side: f64) -> Vector3<f64> {
     let across = if direction.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     let first = direction.cross(&across).normalize();
     let second = direction.cross(&first);
@@ -209,11 +215,11 @@ fn turned(direction: &Vector3<f64>, by: f64, side: f64) -> Vector3<f64> {
 }
 
 /// Whether two directions are within so many degrees of each other.
-fn within(a: &Vector3<f64>, b: &Vector3<f64>, degrees: f64) -> bool {
+pub(super) fn within(a: &Vector3<f64>, b: &Vector3<f64>, degrees: f64) -> bool {
     a.dot(b) > degrees.to_radians().cos()
 }
 
-fn axes() -> impl Iterator<Item = Vector3<f64>> {
+pub(super) fn axes() -> impl Iterator<Item = Vector3<f64>> {
     (0..3).flat_map(|axis| [1.0, -1.0].map(|sign| sign * Vector3::ith(axis, 1.0)))
 }
 

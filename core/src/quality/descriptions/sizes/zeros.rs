@@ -46,7 +46,7 @@ const FURTHER: f64 = 5.0;
 pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     let chain = match physics {
         Physics::Free(model) => model.chain().clone(),
-        Physics::Bodies(robot) => Chain::new(robot),
+        Physics::Bodies(robot) | Physics::Masses(robot) => Chain::new(robot),
         Physics::Alone => return Vec::new(),
     };
     if from.scaled().next().is_some() {

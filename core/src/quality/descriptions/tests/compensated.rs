@@ -55,3 +55,30 @@ fn gravity_that_a_controller_takes_off_is_nothing_else() {
     }
     assert!(wrong.is_empty() && found > 0, "{found}: {}", wrong.join("\n"));
 }
+
+/// What a controller leaves of gravity where its masses are wrong by some per cent is that of no other robot.
+#[test]
+fn gravity_that_is_left_is_no_other_robot() {
+    let robot = irb();
+    for share in [0.05, 0.1] {
+        let mut actual = robot.clone();
+        for (joint, sign) in actual.joints.iter_mut().zip([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]) {
+            joint.inertia.0.iter_mut().for_each(|value| *value *= 1.0 + share * sign);
+        }
+        let log = {
+            let mut log = simulated(&actual, Oddity::None, 30.0, 45);
+            let motion = Motion::at_rest(log.recording.q.clone());
+            let gravity = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
+            for joint in 0..robot.dof() {
+                let tau = log.recording.tau.channel_mut(joint).iter_mut();
+                tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
+            }
+            log
+        };
+        let together = examine_together(&[&log], Some(&robot)).unwrap();
+        let changes = together.verdict.map(|verdict| verdict.description.changes);
+        assert_eq!(changes, Some(vec![Change::WithoutGravity]), "{share}");
+        let others = together.reports[0].findings.iter().any(|finding| finding.kind == Kind::OtherRobot);
+        assert!(!others, "{share}: {:?}", together.reports[0].findings);
+    }
+}

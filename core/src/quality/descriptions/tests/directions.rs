@@ -83,3 +83,81 @@ fn the_sign_of_all_torques_is_found_with_the_factor_of_one() {
         "{verdict:?}"
     );
 }
+
+/// The angle between the gravity that a verdict names and that of the mounting, degrees.
+fn off(verdict: &Verdict, gravity: Vector3<f64>) -> f64 {
+    verdict.description.gravity.normalize().dot(&gravity.normalize()).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+#[test]
+fn a_direction_is_said_to_be_as_uncertain_as_it_is() {
+    let robot = irb();
+    let gravity = Vector3::new(4.1, -5.3, 7.2);
+    let mounted = Robot { gravity, ..robot.clone() };
+    let spread = |oddity: Oddity, seconds: f64, noise: f64| {
+        let mut log = simulated(&mounted, oddity, seconds, 44);
+        let mut random = random::stream(9, "noise of torques", 0);
+        for joint in 0..robot.dof() {
+            let size = crate::linear::root_mean_square(log.recording.tau.channel(joint));
+            for torque in log.recording.tau.channel_mut(joint) {
+                let own: f64 = StandardNormal.sample(&mut random);
+                *torque += noise * size * own;
+            }
+        }
+        let verdict = examine_together(&[&log], Some(&robot)).unwrap().verdict.unwrap();
+        let spread = verdict.spread.clone().unwrap();
+        assert!(
+            off(&verdict, gravity) < spread.degrees,
+            "{oddity:?}, {seconds}: {} of {spread:?}",
+            off(&verdict, gravity)
+        );
+        let said = findings(&verdict, &robot.joint_names()).remove(0).text;
+        assert_eq!(said.contains("do not determine this direction well"), !spread.is_narrow(), "{said}");
+        assert!(spread.is_narrow() || !verdict.beyond_doubt);
+        spread.degrees
+    };
+    let (long, short) = (spread(Oddity::None, 30.0, 0.0), spread(Oddity::SlowMotion, 6.0, 0.2));
+    assert!(long <= 4.0 && short > long, "{long} {short}");
+}
+
+/// A mounting some degrees from an axis is a direction of its own, and no axis together with a zero.
+#[test]
+fn a_mounting_near_an_axis_is_one_direction() {
+    let robot = irb();
+    let gravity = Vector3::new(9.81 * 12f64.to_radians().cos(), 9.81 * 12f64.to_radians().sin(), 0.0);
+    let verdict = tilted(&robot, gravity);
+    assert!(
+        matches!(verdict.description.changes[..], [Change::Gravity(_)]) && off(&verdict, gravity) < 2.0,
+        "{verdict:?}"
+    );
+    // Along the axis itself it is that axis.
+    let along = tilted(&robot, Vector3::new(9.81, 0.0, 0.0));
+    assert_eq!(along.description.changes, [Change::Gravity([9.81, 0.0, 0.0])]);
+}
+
+/// The axis of the last joint shows by what is off it, and by nothing else.
+#[test]
+fn the_sign_of_the_last_axis_is_found_where_its_body_shows_it() {
+    let mut robot = irb();
+    // Moments about the axis act on the joints below, too.
+    for (center, moment, shows) in
+        [(Vector3::new(0.05, 0.06, 0.02), 0.02, true), (0.05 * robot.joints[5].axis, 1e-6, false)]
+    {
+        let body = Inertia::from_center_of_mass(6.0, center, Matrix3::identity() * moment);
+        robot.joints[5].inertia = body;
+        let (_, verdict) = found(&robot, Oddity::None, &[Change::AxisSign(5)]);
+        match shows {
+            true => assert!(verdict.is_some_and(|verdict| holds(&verdict, &robot, &[Change::AxisSign(5)]))),
+            false => assert_eq!(verdict.map(|verdict| verdict.description.changes), None),
+        }
+    }
+}
+
+#[test]
+fn columns_in_reverse_order_are_one_candidate() {
+    let start = Description::as_given(5, Vector3::zeros());
+    let reversed = start.in_reverse_order(&[true; 5]).unwrap();
+    assert_eq!((reversed.position_of, reversed.torque_of), (vec![4, 3, 2, 1, 0], vec![4, 3, 2, 1, 0]));
+    assert!(start.in_reverse_order(&[true, true, false, true, true]).is_none());
+    assert!(Description::as_given(3, Vector3::zeros()).in_reverse_order(&[true; 3]).is_none());
+}

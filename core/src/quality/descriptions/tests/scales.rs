@@ -101,3 +101,13 @@ fn shares_of_the_rated_torque_are_found_by_what_differs() {
     let alike = judged(&scaled(&with_other_masses(&irb(), 3), [0.7, 0.8, 0.9, 1.1, 1.2, 1.3]));
     assert!(alike.is_none(), "{alike:?}");
 }
+
+/// Torques at the motor side of gears, all of them with the other sign.
+#[test]
+fn a_scale_is_found_with_the_sign_of_all_torques() {
+    let verdict = judged(&scaled(&irb(), [-1.0 / 90.0; 6])).unwrap();
+    let [Change::AllTorqueSigns, Change::TorqueScale(factor)] = verdict.description.changes[..] else {
+        panic!("{verdict:?}")
+    };
+    assert!((factor / 90.0 - 1.0).abs() < 0.3 && !verdict.beyond_doubt, "{factor}");
+}

@@ -29,7 +29,7 @@ const UNIT_WORDS: [&str; 26] = [
 ];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
-const MEASURED: [&str; 23] = [
+const MEASURED: [&str; 18] = [
     "actual",
     "act",
     "applied",
@@ -43,11 +43,6 @@ const MEASURED: [&str; 23] = [
     "real",
     "sensor",
     "sensed",
-    "joint",
-    "joints",
-    "jnt",
-    "robot",
-    "arm",
     "feedback",
     "raw",
     "true",
@@ -55,7 +50,7 @@ const MEASURED: [&str; 23] = [
     "estimated",
 ];
 
-/// Those of them that mean a place.
+/// Words that mean a place, before a quantity; behind it they begin a joint's name.
 const OF_JOINT: [&str; 5] = ["joint", "joints", "jnt", "robot", "arm"];
 
 /// Words that mean that a controller wanted or computed a value: a torque of this kind is taken where none was measured.
@@ -134,8 +129,6 @@ pub(crate) struct Meaning {
     pub unit: Option<Unit>,
     /// Counts only for a joint of exactly this name: else it would be a value that was wanted, or none of a joint.
     pub exact_only: bool,
-    /// What stands before the joint is taken for a topic: counts where the joint has this quantity on one topic only.
-    pub behind_topic: bool,
 }
 
 impl Meaning {
@@ -151,7 +144,6 @@ impl Meaning {
             of_controller: false,
             unit: None,
             exact_only: false,
-            behind_topic: false,
         }
     }
 }
@@ -208,26 +200,10 @@ fn readings(column: &str) -> Vec<Meaning> {
         out.extend(of_controller(name));
     } else {
         out.extend(named(name));
-        out.extend(behind_topic(name));
         out.extend(around_quantity(name));
     }
     out.iter_mut().for_each(|meaning| meaning.truth = truth);
     out
-}
-
-/// `/torque_states/elbow/effort`, `/torques/elbow`: behind a topic that is called like no group the joint is the part beside the quantity.
-fn behind_topic(name: &str) -> Option<Meaning> {
-    let all = segments(name);
-    let [topic @ .., joint, last] = all.as_slice() else { return None };
-    let (quantity, current) = quantity(&words(last))?;
-    let family = format!("{}/#/{last}", topic.join("/"));
-    let joint = Joint::Name((*joint).to_owned());
-    (!topic.is_empty()).then(|| Meaning {
-        rank: 3,
-        current,
-        behind_topic: true,
-        ..Meaning::new(quantity, joint, family)
-    })
 }
 
 /// `actuator_force_elbow`, `X_force`: several words of a quantity, or one that means others too, around a name. It counts where that is a
@@ -376,7 +352,8 @@ fn is_group(part: &str) -> bool {
 
 /// The quantity that words stand for, and whether it is a current; words that mean only that it was measured may stand around.
 fn quantity(words: &[String]) -> Option<(usize, bool)> {
-    let measured = |word: &&String| MEASURED.contains(&word.as_str());
+    let of_value = |word: &&String| MEASURED.contains(&word.as_str());
+    let before = |word: &&String| of_value(word) || OF_JOINT.contains(&word.as_str());
     let lookup = |words: &[String]| {
         let joined = words.join("_");
         if CURRENT.contains(&joined.as_str()) {
@@ -385,8 +362,7 @@ fn quantity(words: &[String]) -> Option<(usize, bool)> {
         (0..QUANTITIES.len()).find(|&k| QUANTITIES[k].words.contains(&joined.as_str())).map(|k| (k, false))
     };
     // Behind the quantity, `joint` begins the name of one: `effort_joint_1`.
-    let of_value = |word: &&String| measured(word) && !OF_JOINT.contains(&word.as_str());
-    let front = words.iter().take_while(measured).count();
+    let front = words.iter().take_while(before).count();
     let back = words.iter().rev().take_while(of_value).count();
     // The most words that have a meaning together: `axis_act` is one, and `meas` of `axis_act_meas` is none of it.
     let parts = (0..=front).flat_map(|from| (0..=back).map(move |behind| (from, behind)));

@@ -42,18 +42,6 @@ fn the_number_of_a_joint_among_others_in_its_name() {
 }
 
 #[test]
-fn joints_on_topics_of_their_own() {
-    let header = "t,/joint_states/a/position,/joint_states/b/position,/torque_states/a/effort,/torque_states/b/effort";
-    for joints in [Some(&["a", "b"] as &[&str]), None] {
-        let layout = find(header, joints).unwrap();
-        assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
-    }
-    // The joints of which of two arms?
-    let two = "t,/joint_states/a/position,/left/torques/a/effort,/right/torques/a/effort";
-    assert!(problem(two, Some(&["a"])).contains("tau1: missing column"));
-}
-
-#[test]
 fn quantities_of_several_words_around_a_known_joint() {
     let header = "t,qpos_X,qpos_fl,actuator_force_X,actuator_force_fl";
     assert_eq!(find(header, Some(&["X", "fl"])).unwrap().tau, [3, 4]);
@@ -61,6 +49,17 @@ fn quantities_of_several_words_around_a_known_joint() {
     // A force at the tool is none of a joint.
     let tool = find("t,q_a,tau_a,force_x,force_y", Some(&["a"])).unwrap();
     assert_eq!((tool.tau, tool.notes), (vec![2], vec!["columns not used: force_x, force_y".to_owned()]));
+}
+
+#[test]
+fn torques_of_another_topic() {
+    let columns = |topic: &str, field: &str| format!(",/{topic}/a/{field},/{topic}/b/{field}");
+    let (positions, torques) = (columns("joint_states", "position"), columns("iiwa/torque_states", "effort"));
+    let layout = find(&format!("t{positions}{torques}"), Some(&["a", "b"])).unwrap();
+    assert_eq!((layout.q, layout.tau), (vec![1, 2], vec![3, 4]));
+    // Those of two arms are not told apart.
+    let other = columns("other/torque_states", "effort");
+    assert!(find(&format!("t{positions}{torques}{other}"), Some(&["a", "b"])).is_err());
 }
 
 #[test]

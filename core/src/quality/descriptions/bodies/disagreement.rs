@@ -1,10 +1,11 @@
 //! Torques that are not those of the described arm, whatever is changed: those of another robot, or bodies that are placeholders.
 
-use super::change::Description;
-use super::compare::EXPLAINED_ALONE;
-use super::fitting::{Evaluation, Fit, Physics, Rows};
-use super::shares::WRONG_MASSES;
-use super::tried::Tried;
+use super::super::change::Description;
+use super::super::compare::EXPLAINED_ALONE;
+use super::super::fitting::{Evaluation, Fit, Physics, Rows};
+use super::super::shares::WRONG_MASSES;
+use super::super::tried::Tried;
+use super::compensation;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
 use crate::robot::Robot;
@@ -15,6 +16,12 @@ const UNLIKE: f64 = 0.3;
 
 /// .. where free bodies leave so many times less: what neither explains is friction, or noise.
 const LESS: f64 = 3.0;
+
+/// Share of the torques, as a geometric mean, up to which bodies of any masses may leave more than free ones: their shapes are described wrongly.
+const SHAPES: f64 = 0.05;
+
+/// .. and so many times more than these: shapes that are wrong by 15 % leave one and a half times as much, those of other robots three times and more.
+const UNLIKE_SHAPES: f64 = 2.0;
 
 /// Share of the torques, as a geometric mean, from which masses of the described arm that are wrong do not explain it: less is a note.
 const NOT_MASSES: f64 = 0.3;
@@ -46,18 +53,33 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
         (Severity::Warning, text)
     } else {
         let bodies = under(&Physics::bodies(robot)?)?;
-        if bodies.share() < WRONG_MASSES || !others_explain(&bodies.evaluation, &free.evaluation) {
+        let moved = (0..robot.dof()).any(|joint| description.changes_position_of(joint));
+        let masses = under(&Physics::masses(robot)?)?;
+        // Torques of this arm under other conventions of its joints are those of its bodies, whatever they weigh; of another they are not.
+        let unlike = moved && is_unlike(masses.share(), free.share());
+        let others = bodies.share() >= WRONG_MASSES && others_explain(&bodies.evaluation, &free.evaluation);
+        if !(others || unlike) || compensation::is_explained(robot, &rows, description) {
             return None;
         }
+        let (left, cause) = match others {
+            true => (&bodies, "the file's masses are wrong, as placeholders are"),
+            false => (&masses, "the file describes other shapes"),
+        };
         let text = format!(
-            "the robot's bodies do not explain the torques{changed}, whatever they carry: {} stay unexplained on parts held out, {} with other bodies on \
-             these joints. Either the file's masses are wrong, as placeholders are, or the log is that of another robot or of other joints",
-            percent(bodies.share()),
+            "the robot's bodies do not explain the torques{changed}, whatever they carry{}: {} stay unexplained on parts held out, {} with other bodies on \
+             these joints. Either {cause}, or the log is that of another robot or of other joints",
+            if others { "" } else { " and weigh" },
+            percent(left.share()),
             percent(free.share())
         );
-        (if bodies.share() < NOT_MASSES { Severity::Note } else { Severity::Warning }, text)
+        (if bodies.share() < NOT_MASSES && !unlike { Severity::Note } else { Severity::Warning }, text)
     };
     Some(Finding::new(Kind::OtherRobot, severity, "robot", text))
+}
+
+/// Whether bodies of any masses leave much more of the torques than free ones do.
+fn is_unlike(masses: f64, free: f64) -> bool {
+    masses > SHAPES.max(UNLIKE_SHAPES * free)
 }
 
 /// Whether most torques stay unexplained.
@@ -91,6 +113,11 @@ mod tests {
         assert!(others(&[0.1, 0.1, 0.1, 1.1, 1.1], &[0.02; 5]) && !others(&[0.1, 0.1, 0.1, 0.9, 0.9], &[0.02; 5]));
         // What no body explains.
         assert!(!others(&[0.6, 0.6], &[0.21, 0.21]));
+    }
+
+    #[test]
+    fn shapes_are_unlike_where_no_masses_make_up_for_them() {
+        assert!(is_unlike(0.051, 0.025) && !is_unlike(0.051, 0.026) && !is_unlike(0.049, 0.01));
     }
 
     #[test]

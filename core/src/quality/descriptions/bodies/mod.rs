@@ -1,0 +1,11 @@
+//! What the described bodies say to torques that they do not explain as described.
+//!
+//! | question | module |
+//! |---|---|
+//! | whether the log is of another robot | `disagreement` |
+//! | whether a controller takes off the gravity of the described bodies | `compensation` |
+
+pub(super) mod compensation;
+mod disagreement;
+
+pub(crate) use disagreement::finding;

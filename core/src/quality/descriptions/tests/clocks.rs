@@ -1,0 +1,72 @@
+//! Clocks of logs without velocities, of arms whose masses are described wrongly.
+
+use super::*;
+
+/// The arm with masses between 0.7 and 1.3 times those described, and a log of it by a clock that runs wrong.
+fn timed(robot: &Robot, oddity: Oddity, clock: f64, seed: u64) -> Sieved {
+    let mut random = random::stream(seed, "masses", 0);
+    let mut actual = robot.clone();
+    for joint in &mut actual.joints {
+        let factor = random.random_range(0.7..1.3);
+        joint.inertia.0.iter_mut().for_each(|value| *value *= factor);
+    }
+    let mut log = simulated(&actual, oddity, 20.0, seed);
+    log.recording.time.iter_mut().for_each(|t| *t *= clock);
+    log
+}
+
+fn factor(robot: &Robot, log: &Sieved) -> Option<f64> {
+    examine_together(&[log], Some(robot)).unwrap().reports[0].units.time_factor
+}
+
+#[test]
+fn a_clock_shows_though_masses_are_wrong_and_a_right_one_is_not_accused() {
+    let mut wrong = Vec::new();
+    for robot in [irb(), arm("tests/reference/skew7.urdf")] {
+        for (seed, oddity) in [(1, Oddity::None), (2, Oddity::Stribeck), (3, Oddity::Payload(5.0))] {
+            for clock in [1.0, 1.1, 1.5, 0.5] {
+                let found = factor(&robot, &timed(&robot, oddity, clock, seed));
+                let right = match found {
+                    Some(found) => (found * clock - 1.0).abs() < 0.1 && clock != 1.0,
+                    None => clock == 1.0 || clock == 1.1,
+                };
+                if !right {
+                    wrong.push(format!("{}, {oddity:?}, {clock}: {found:?}", robot.name));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What moves slowly has no torque of inertia to speak of, and elastic gears and play are no clocks.
+#[test]
+fn what_the_model_lacks_is_no_clock() {
+    let robot = irb();
+    for oddity in [Oddity::SlowMotion, Oddity::Elastic, Oddity::Backlash, Oddity::Coarse, Oddity::Spring] {
+        assert_eq!(factor(&robot, &timed(&robot, oddity, 1.0, 5)), None, "{oddity:?}");
+    }
+}
+
+/// Moments of inertia that are placeholders show another second than free bodies do.
+#[test]
+fn placeholders_of_inertia_are_no_clock() {
+    let described = irb();
+    let mut placeholders = described.clone();
+    for joint in &mut placeholders.joints {
+        joint.inertia.0[4..].iter_mut().for_each(|moment| *moment *= 6.0);
+    }
+    assert_eq!(factor(&placeholders, &timed(&described, Oddity::None, 1.0, 6)), None);
+}
+
+#[test]
+fn a_column_that_counts_cycles_shows_how_long_they_are() {
+    let robot = irb();
+    let mut log = timed(&robot, Oddity::None, 1.0 / 8.0, 7);
+    log.may_count = true;
+    let report = &examine_together(&[&log], Some(&robot)).unwrap().reports[0];
+    assert_eq!(report.units.time_factor, Some(8.0), "{:?}", report.findings);
+    let clocks: Vec<&str> =
+        report.findings.iter().filter(|f| f.kind == Kind::ClockFactor).map(|f| f.text.as_str()).collect();
+    assert!(clocks.len() == 1 && clocks[0].contains("cycles of about 8.000 ms"), "{clocks:?}");
+}

@@ -7,14 +7,14 @@ use std::ops::Range;
 /// Share of a log that is held out where no other is held out.
 const HELD_OUT: f64 = 0.3;
 
-/// Least and largest share of a joint's path in the parts that are held out: where it goes nearly all of its way outside of them, or within,
-/// one of the two sets says nothing of it.
-const LEAST_PATH: f64 = 0.1;
-const LARGEST_PATH: f64 = 0.6;
+/// Least and largest share of a joint's path in the parts that are held out: beyond these, one of the two sets says nothing of it.
+const LEAST_PATH: f64 = 0.02;
+const LARGEST_PATH: f64 = 0.9;
 
-/// Share of a joint's path that is aimed at where windows are chosen one by one, their length, s, which is longer than the filters remember,
-/// and the largest share of all windows.
+/// Share of a joint's path that is aimed at where windows are chosen one by one, and the largest that they may have; their length, s, which is
+/// longer than the filters remember, and the largest share of all windows.
 const WANTED_PATH: f64 = 0.2;
+const LARGEST_WANTED: f64 = 0.6;
 const WINDOW_S: f64 = 4.0;
 const LARGEST_SHARE: f64 = 0.5;
 
@@ -105,7 +105,7 @@ fn windows(logs: &[&Recording]) -> Vec<Parts> {
         let free = (0..all.len()).filter(|&window| !held[window]);
         // No window that would leave too little to identify a joint from.
         let leaves_enough =
-            |window: &usize| (0..joints).all(|joint| of(joint, &held) + shares[joint][*window] <= LARGEST_PATH);
+            |window: &usize| (0..joints).all(|joint| of(joint, &held) + shares[joint][*window] <= LARGEST_WANTED);
         let next = free.filter(leaves_enough).max_by(|&a, &b| shares[joint][a].total_cmp(&shares[joint][b]));
         let Some(next) = next.filter(|&window| shares[joint][window] > 0.0) else { break };
         held[next] = true;

@@ -115,7 +115,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         let (promising, explains_more) = (own > reached + PROMISING, own > of_smaller);
         of_smaller = own.max(of_smaller);
         let reference = found.as_ref().map_or(&start, |found| &found.best);
-        let better = chosen(judged, &known, reference, rows, tried).filter(|_| explains_more);
+        let better = chosen(judged, &known, (reference, found.is_none()), rows, tried).filter(|_| explains_more);
         match better {
             Some(better) => (found, without_gain) = (Some(better), 0),
             None if !promising || without_gain == PATIENCE => break,
@@ -171,12 +171,12 @@ fn judged(
     judged
 }
 
-/// The best of the judged ones that is clearly better than `reference`, with its rivals and the next. Of those that are not separable from the very
-/// best, another may be what is known of the arm otherwise.
+/// The best of the judged ones that is clearly better than `reference`, with its rivals and the next. Of the `first` changes that are not separable
+/// from the very best, another may be what is known of the arm otherwise; a change to what explains the torques already must be the best.
 fn chosen(
     mut judged: Vec<(Tried, Comparison)>,
     known: &Known,
-    reference: &Tried,
+    (reference, first): (&Tried, bool),
     rows: &Rows,
     tried: usize,
 ) -> Option<Found> {
@@ -199,7 +199,7 @@ fn chosen(
     let top = &judged.first()?.0;
     let place = (0..judged.len()).find(|&place| {
         let own = &judged[place].0;
-        (place == 0 || !distinct(own, top)) && is_credible(own)
+        (place == 0 || first && !distinct(own, top)) && is_credible(own)
     })?;
     let (best, gain) = judged.remove(place);
     let (mut rivals, mut next) = (Vec::new(), None);

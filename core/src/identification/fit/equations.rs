@@ -47,14 +47,14 @@ pub fn observed(robot: &Robot, logs: Logs, preparation: Preparation, trust: Trus
     let (mut rows, mut forward) = (vec![0usize; robot.dof()], vec![0usize; robot.dof()]);
     for log in logs.train {
         let prepared = prepare::measured(log, preparation.smoothing, preparation.band)?;
-        let own: Vec<usize> =
-            (0..robot.dof()).map(|joint| prepared.rows_to_use(joint).into_iter().filter(|&ok| ok).count()).collect();
+        let mut own = Vec::with_capacity(robot.dof());
+        for (joint, forward) in forward.iter_mut().enumerate() {
+            let (used, [_, speed]) = (prepared.rows_to_use(joint), prepared.row_motion(joint)?);
+            own.push(used.iter().filter(|&&ok| ok).count());
+            *forward += used.iter().zip(speed).filter(|&(&used, speed)| used && speed > 0.0).count();
+        }
         notes.extend(too_fast(log, &prepared.motion, &own));
         rows.iter_mut().zip(own).for_each(|(rows, own)| *rows += own);
-        for (joint, forward) in forward.iter_mut().enumerate() {
-            let used = prepared.rows_to_use(joint).into_iter().zip(prepared.row_motion(joint)?[1].clone());
-            *forward += used.filter(|(used, speed)| *used && *speed > 0.0).count();
-        }
     }
     let model = Model::with_equations(robot, &equations);
     for (joint, spec) in robot.joints.iter().enumerate().filter(|(joint, _)| model.has_equation(*joint)) {

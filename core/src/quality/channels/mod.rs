@@ -239,8 +239,6 @@ fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iter
     let typical = size_quantile(changes(q), 0.99);
     let velocity = view.log.qd.as_ref().filter(|_| view.log.has_velocity(joint)).map(|qd| qd.channel(joint));
     let fastest = velocity.map_or(0.0, |qd| size_quantile(qd.iter().copied(), 0.95));
-    // A joint that waits for its turn has the noise of its velocity alone.
-    let noise = velocity.map_or(0.0, noise_floor);
     let tau = view.log.tau.channel(joint);
     runs(q).filter(move |(_, length)| *length >= shortest).filter(move |&(start, length)| {
         let end = start + length;
@@ -248,7 +246,9 @@ fn frozen_positions<'a>(view: &'a View, joint: usize, q: &'a [f64]) -> impl Iter
         let runs_on = velocity.is_some_and(|qd| {
             // The first samples of a joint that stops may still have the speed of before.
             let speed = size_quantile(qd[start..end].iter().copied(), 0.5);
-            speed > (STICKS * fastest).max(SURELY * noise) && speed * length as f64 * view.period > PATH
+            let moves = speed > STICKS * fastest && speed * length as f64 * view.period > PATH;
+            // A joint that waits for its turn has the noise of its velocity alone.
+            moves && speed > SURELY * noise_floor(qd)
         });
         // A joint that is moving does not stand from one sample to the next; one that comes to rest slows down first.
         let speed = |step: usize| (q[start] - q[start.saturating_sub(step)]).abs() / (step as f64 * view.period);

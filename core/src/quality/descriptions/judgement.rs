@@ -120,7 +120,8 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let known = Known { physics: &free, other: bodies.as_ref() };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
     if outcome.found.is_none()
-        && let Some([before, after]) = compensation::judged(robot, &rows, &start)
+        && let Some(bodies) = &bodies
+        && let Some([before, after]) = compensation::judged(robot, bodies, &rows, &start)
     {
         return Some(untraced_verdict(&before, after, Vec::new()));
     }

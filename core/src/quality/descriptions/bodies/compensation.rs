@@ -8,14 +8,14 @@ use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
 use crate::robot::Robot;
 
-/// The logs as they are and without the gravity of the described bodies, where bodies of any masses explain the torques clearly better by that, and
+/// The logs as they are and without the gravity of the described `bodies`, where bodies of any masses explain the torques clearly better by that, and
 /// those described do not explain them as they are.
-pub(crate) fn judged(robot: &Robot, rows: &Rows, start: &Description) -> Option<[Tried; 2]> {
+pub(crate) fn judged(robot: &Robot, bodies: &Physics, rows: &Rows, start: &Description) -> Option<[Tried; 2]> {
     let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
     if start.gravity.norm() == 0.0 {
         return None;
     }
-    let before = under(&Physics::bodies(robot)?, start)?;
+    let before = under(bodies, start)?;
     if before.share() < ALIKE {
         return None;
     }

@@ -50,12 +50,26 @@ const FEWEST_BLOCKS: usize = 8;
 pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>> {
     let middle = log.samples().saturating_sub(MOST_SAMPLES) / 2;
     let log = log.slice(middle..(middle + MOST_SAMPLES).min(log.samples()));
+    let masses = Physics::masses(robot);
+    let masses = masses.as_ref().map(|masses| Timing::new(&log, robot, masses)).transpose()?;
+    let by_masses = masses.as_ref().map(Timing::factor).transpose()?;
+    tracing::debug!(by_masses, "the clock by described bodies");
+    let shown = by_masses.filter(|factor| factor.ln().abs() >= REPORTED_BY_BOTH.ln());
+    // Free bodies are not asked about a clock in whose time, and best in that, the described ones explain the torques.
+    if let (Some(masses), Some(factor), None) = (&masses, by_masses, shown)
+        && masses.share(factor)? < WRONG_MASSES
+    {
+        return Ok(None);
+    }
     let free = Physics::free(robot);
     let free = Timing::new(&log, robot, &free)?;
-    let found = match by_masses(&log, robot, &free)? {
-        ByMasses::Right => None,
-        ByMasses::Wrong(factor, share) => Some((factor, share)),
-        ByMasses::Open => by_free_bodies(&free)?,
+    let confirmed = match (&masses, shown) {
+        (Some(masses), Some(factor)) => confirmed(masses, factor, &free)?,
+        _ => None,
+    };
+    let found = match confirmed {
+        Some(found) => Some(found),
+        None => by_free_bodies(&free)?,
     };
     let Some((factor, share)) = found else { return Ok(None) };
     // Torques without gravity, or under another, change the ratio of gravity to inertia too.
@@ -64,30 +78,14 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
     Ok((!explains).then_some(factor))
 }
 
-/// What the described bodies, whatever they weigh, show of a clock.
-enum ByMasses {
-    /// They explain the torques in its time, and best in that.
-    Right,
-    /// It is wrong by this factor, which free bodies confirm; with the share of the torques that these leave then.
-    Wrong(f64, f64),
-    /// Nothing.
-    Open,
-}
-
-/// What the described bodies show of the clock of a log. Moments of inertia that are placeholders show a factor that free bodies deny.
-fn by_masses(log: &Recording, robot: &Robot, free: &Timing) -> Result<ByMasses> {
-    let Some(masses) = Physics::masses(robot) else { return Ok(ByMasses::Open) };
-    let masses = Timing::new(log, robot, &masses)?;
-    let factor = masses.factor()?;
-    tracing::debug!(factor, "the clock by described bodies");
-    if factor.ln().abs() < REPORTED_BY_BOTH.ln() {
-        return Ok(if masses.share(factor)? < WRONG_MASSES { ByMasses::Right } else { ByMasses::Open });
-    }
-    let Some(rows) = masses.rows(factor)? else { return Ok(ByMasses::Open) };
-    let (Some(own), Some(of_free)) = (masses.tried(&rows), free.tried(&rows)) else { return Ok(ByMasses::Open) };
+/// A factor that the described bodies show, whatever they weigh, where free bodies confirm it: moments of inertia that are placeholders show one
+/// that free bodies deny. With the share of the torques that free bodies leave then.
+fn confirmed(masses: &Timing, factor: f64, free: &Timing) -> Result<Option<(f64, f64)>> {
+    let Some(rows) = masses.rows(factor)? else { return Ok(None) };
+    let (Some(own), Some(of_free)) = (masses.tried(&rows), free.tried(&rows)) else { return Ok(None) };
     let confirms = || free.gain(&rows, &of_free, factor).is_some_and(|gain| gain.is_distinct());
     let shown = own.share() < WRONG_MASSES && masses.is_shown(&rows, &own, factor) && confirms();
-    Ok(if shown { ByMasses::Wrong(factor, of_free.share()) } else { ByMasses::Open })
+    Ok(shown.then(|| (factor, of_free.share())))
 }
 
 /// A factor that free bodies show, with the share of the torques that they leave then.

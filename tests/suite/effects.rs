@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use tauscope::channels::Channels;
 use tauscope::dynamics::{Chain, Motion};
-use tauscope::effects::{Along, CoulombFriction, Effect, LIBRARY, Placed, Role, Scope, ViscousFriction, contribution};
+use tauscope::effects::{
+    Along, CoulombFriction, Effect, Instant, LIBRARY, Placed, Role, Scope, ViscousFriction, contribution,
+};
 use tauscope::random;
 use tauscope::robot::{self, InertiaCheck, Robot};
 
@@ -99,6 +101,11 @@ impl Arm {
         changes.extend(logged_torque.iter().zip(&torque).map(|(logged, true_value)| logged - true_value));
         changes.extend(logged_position.iter().zip(position).map(|(logged, true_value)| logged - true_value));
         changes
+    }
+
+    /// The arm at one instant: position, velocity and acceleration, directions of motion, and torque on the bodies.
+    fn at<'a>(&'a self, [q, qd, qdd]: [&'a [f64]; 3], direction: &'a [f64], load: &'a [f64]) -> Instant<'a> {
+        Instant { t: 0.5, q, qd, qdd, direction, load, robot: &self.robot, chain: &self.chain, frames: None }
     }
 
     /// Every place an effect may have.
@@ -258,19 +265,9 @@ fn a_law_of_one_joint_has_torque_on_that_joint_alone() {
     let values = |scale: f64| (0..dof).map(|joint| scale * (1.0 + 0.3 * joint as f64)).collect::<Vec<f64>>();
     let (q, qd, qdd, load) = (values(0.4), values(-0.7), values(1.3), values(11.0));
     let direction = vec![-1.0; dof];
+    let x = arm.at([&q, &qd, &qdd], &direction, &load);
     for &effect in LIBRARY.iter().filter(|effect| effect.about().scope == Scope::Joint) {
         for joint in (0..dof).filter(|&joint| effect.can_be_on(joint, &arm.robot)) {
-            let x = tauscope::effects::Instant {
-                t: 0.5,
-                q: &q,
-                qd: &qd,
-                qdd: &qdd,
-                direction: &direction,
-                load: &load,
-                robot: &arm.robot,
-                chain: &arm.chain,
-                frames: None,
-            };
             let mut out = vec![0.0; dof];
             effect.torque(&Placed::typical(effect, joint).parameters, joint, &x, &vec![0.1; effect.memory()], &mut out);
             let elsewhere = (0..dof).find(|&other| other != joint && out[other] != 0.0);
@@ -328,17 +325,7 @@ fn dry_laws_hold_a_joint_at_standstill_within_a_band() {
         let memory = vec![0.0; effect.memory()];
         let torque = |direction: f64| {
             let direction = vec![direction; dof];
-            let x = tauscope::effects::Instant {
-                t: 0.5,
-                q: &still,
-                qd: &still,
-                qdd: &still,
-                direction: &direction,
-                load: &load,
-                robot: &arm.robot,
-                chain: &arm.chain,
-                frames: None,
-            };
+            let x = arm.at([&still; 3], &direction, &load);
             let mut out = vec![0.0; dof];
             effect.torque(&placed.parameters, 1, &x, &memory, &mut out);
             out[1]

@@ -2,22 +2,24 @@
 
 use super::*;
 
+/// A log from whose torques the gravity of a `known` robot is taken.
+fn compensated(mut log: Sieved, known: &Robot) -> Sieved {
+    let motion = Motion::at_rest(log.recording.q.clone());
+    let gravity = inverse_dynamics(&Chain::new(known), &known.inertial_parameters(), &motion);
+    for joint in 0..known.dof() {
+        let tau = log.recording.tau.channel_mut(joint).iter_mut();
+        tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
+    }
+    log
+}
+
 /// A torque without any gravity, of bodies that are not those described.
 #[test]
 fn a_torque_without_gravity_shows_though_masses_are_wrong() {
     let robot = irb();
     for seed in [1, 2] {
         let actual = scales::with_other_masses(&robot, seed);
-        let logs = [0, 1].map(|log| {
-            let mut log = simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log);
-            let motion = Motion::at_rest(log.recording.q.clone());
-            let gravity = inverse_dynamics(&Chain::new(&actual), &actual.inertial_parameters(), &motion);
-            for joint in 0..robot.dof() {
-                let tau = log.recording.tau.channel_mut(joint).iter_mut();
-                tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
-            }
-            log
-        });
+        let logs = [0, 1].map(|log| compensated(simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log), &actual));
         let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
         let verdict = together.verdict.unwrap();
         assert_eq!(verdict.description.changes, [Change::WithoutGravity], "{seed}");
@@ -33,16 +35,8 @@ fn gravity_that_a_controller_takes_off_is_nothing_else() {
     for robot in [irb(), arm("tests/reference/skew7.urdf")] {
         for seed in 0..4 {
             let actual = scales::with_other_masses(&robot, seed);
-            let logs = [0, 1].map(|log| {
-                let mut log = simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log);
-                let motion = Motion::at_rest(log.recording.q.clone());
-                let gravity = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
-                for joint in 0..robot.dof() {
-                    let tau = log.recording.tau.channel_mut(joint).iter_mut();
-                    tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
-                }
-                log
-            });
+            let logs =
+                [0, 1].map(|log| compensated(simulated(&actual, Oddity::None, 15.0, 40 + 10 * seed + log), &robot));
             let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
             let verdicts = together.reports.into_iter().filter_map(|report| report.description);
             for changes in verdicts.map(|verdict| verdict.description.changes) {
@@ -65,16 +59,7 @@ fn gravity_that_is_left_is_no_other_robot() {
         for (joint, sign) in actual.joints.iter_mut().zip([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]) {
             joint.inertia.0.iter_mut().for_each(|value| *value *= 1.0 + share * sign);
         }
-        let log = {
-            let mut log = simulated(&actual, Oddity::None, 30.0, 45);
-            let motion = Motion::at_rest(log.recording.q.clone());
-            let gravity = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
-            for joint in 0..robot.dof() {
-                let tau = log.recording.tau.channel_mut(joint).iter_mut();
-                tau.zip(gravity.channel(joint)).for_each(|(tau, gravity)| *tau -= gravity);
-            }
-            log
-        };
+        let log = { compensated(simulated(&actual, Oddity::None, 30.0, 45), &robot) };
         let together = examine_together(&[&log], Some(&robot)).unwrap();
         let changes = together.verdict.map(|verdict| verdict.description.changes);
         assert_eq!(changes, Some(vec![Change::WithoutGravity]), "{share}");

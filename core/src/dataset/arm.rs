@@ -285,13 +285,12 @@ fn studied(
     logs: &[PathBuf],
 ) -> Result<(Option<Vec<String>>, Vec<String>)> {
     let map = dataset.map(|dataset| dataset.spec.columns.clone()).unwrap_or_default();
-    let moving: Vec<&str> = file.moving().iter().map(|joint| joint.name.as_str()).collect();
-    let known: Vec<String> = moving.iter().map(|&name| name.to_owned()).collect();
-    let names = |log| lenient::joint_names(log, &known, &map);
+    let moving: Vec<String> = file.moving().iter().map(|joint| joint.name.clone()).collect();
+    let names = |log| lenient::joint_names(log, &moving, &map);
     let found = logs.iter().map(names).collect::<Result<Vec<JointNames>>>()?;
     let masters: Vec<String> = file.masters().iter().map(|joint| joint.name.clone()).collect();
-    let in_all = |name: &&str| found.iter().all(|one| one.names.iter().any(|own| own == *name));
-    let named: Vec<String> = moving.iter().copied().filter(in_all).map(str::to_owned).collect();
+    let in_all = |name: &&String| found.iter().all(|one| one.names.contains(name));
+    let named: Vec<String> = moving.iter().filter(in_all).cloned().collect();
     if !named.is_empty() {
         return Ok((Some(file.leading(&named)), Vec::new()));
     }
@@ -300,7 +299,7 @@ fn studied(
         return Ok((None, Vec::new()));
     }
     if numbered == moving.len() {
-        return Ok((None, moving.into_iter().map(str::to_owned).collect()));
+        return Ok((None, moving));
     }
     let chains: BTreeSet<Vec<String>> = file.chains_of(numbered).into_iter().collect();
     match chains.len() {

@@ -9,7 +9,7 @@ use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
-use crate::diagnosis::lack_of_fit::{Expected, above_noise, disagreement, mapped};
+use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -229,12 +229,11 @@ fn answer<'a>(
     let solved = session.solved(&members, &whitener)?;
     let prediction_std = solved.prediction_std(&session.model.columns(&session.logs.test, &members)?, &test.valid);
     let trained = session.residual_on(&session.logs.train, &members, &whitener)?;
-    let expected = Expected { noise: &noise_floor, prediction_std: &prediction_std };
-    let (model, criteria) = ((members.as_slice(), &whitener), &options.criteria.structure);
+    let model = (members.as_slice(), &whitener);
     // What a search that was ended has not looked for is no disagreement.
     let disagreement = match unfinished {
         true => Vec::new(),
-        false => disagreement(&session, model, [&trained, &extended], &baseline, expected, criteria)?,
+        false => disagreement(&session, model, [&trained, &extended], &baseline, &prediction_std)?,
     };
     for other in disagreement {
         unexplained.retain(|left| left.joint != other.joint || !left.instead_of.is_empty());

@@ -2,7 +2,6 @@
 //! from the training logs, they do not judge it.
 
 use super::structure::Unexplained;
-use crate::diagnosis::criteria::StructureCriteria;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -19,17 +18,8 @@ const AVERAGED: usize = 25;
 /// Parts of the training rows that are left out one after the other: each is about as long as what is held out of a log.
 const PARTS: usize = 4;
 
-/// What the residuals of the training and the held-out rows are compared with, root mean square, `[joint]`, N m.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Expected<'a> {
-    /// The noise.
-    pub noise: &'a [f64],
-    /// Standard deviation of the predicted held-out torque.
-    pub prediction_std: &'a [f64],
-}
-
 /// The joints on which the model with `members` leaves far more of the held-out rows than of the training rows, of its noise and of what it is
-/// unsure of, not much less than the `baseline` leaves of the held-out rows, and more than a fit without it leaves of any part of the
+/// unsure of (`prediction_std`, N m, `[joint]`), not much less than the `baseline` leaves of the held-out rows, and more than a fit without it leaves of any part of the
 /// training rows: what errors of the positions do to poorly excited parameters is in no standard deviation.
 ///
 /// # Errors
@@ -39,15 +29,15 @@ pub(crate) fn disagreement(
     (members, whitener): (&[Member], &Whitener),
     [trained, held_out]: [&Column; 2],
     baseline: &Column,
-    expected: Expected,
-    criteria: &StructureCriteria,
+    prediction_std: &[f64],
 ) -> Result<Vec<Unexplained>> {
+    let (criteria, noise) = (&session.criteria.structure, whitener.noise_std());
     let [train, test] = [(&session.logs.train.rows, trained), (&session.logs.test.rows, held_out)];
     let on_joint = |joint: usize| {
         let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
         let expected = (criteria.foreign * trained)
-            .max(criteria.above_noise * expected.noise[joint])
-            .max(criteria.foreign * expected.prediction_std[joint]);
+            .max(criteria.above_noise * noise[joint])
+            .max(criteria.foreign * prediction_std[joint]);
         let expected = expected.max(criteria.carried_on * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
         (held_out > expected).then_some((joint, held_out))
@@ -75,14 +65,14 @@ fn parts_left_out(session: &Session, members: &[Member], whitener: &Whitener) ->
     let data = &session.logs.train;
     let columns = session.model.columns(data, members)?;
     let mut most = vec![0.0f64; data.rows.dof()];
+    let [mut others, mut left_out] = [(); 2].map(|()| data.rows.clone());
     for part in 0..PARTS {
         let own = part * data.rows.len() / PARTS..(part + 1) * data.rows.len() / PARTS;
-        let (mut others, mut left_out) = (data.rows.clone(), data.rows.clone());
-        others.valid.iter_mut().for_each(|valid| valid[own.clone()].fill(false));
-        left_out.valid.iter_mut().for_each(|valid| {
-            valid[..own.start].fill(false);
-            valid[own.end..].fill(false);
-        });
+        for (joint, valid) in data.rows.valid.iter().enumerate() {
+            let of =
+                |inside: bool| valid.iter().enumerate().map(|(row, &ok)| ok && own.contains(&row) == inside).collect();
+            (others.valid[joint], left_out.valid[joint]) = (of(false), of(true));
+        }
         let whitener = whitener.on(&others);
         let solved = solve(&whitener.apply_all(&columns), &whitener.apply(&data.torque));
         let residual = data.residual(&columns, &solved.values);

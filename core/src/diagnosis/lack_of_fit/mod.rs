@@ -13,7 +13,7 @@ mod unexplained;
 
 pub(crate) use above_noise::above_noise;
 pub use disagreement::LOGS_DISAGREE;
-pub(crate) use disagreement::{Expected, disagreement};
+pub(crate) use disagreement::disagreement;
 pub(crate) use mapped::mapped;
 pub(crate) use structure::Unexplained;
 pub(crate) use unexplained::unexplained;

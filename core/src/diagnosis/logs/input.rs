@@ -45,8 +45,7 @@ pub(crate) fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
     let joints = logs.first().map_or(0, |log| log.joints());
     let paths = |parts: &[Parts]| -> Vec<[f64; 2]> {
         let along = |joint: usize, held: bool| -> f64 {
-            let own = logs.iter().zip(parts).flat_map(|(log, parts)| parts.iter().map(move |part| (log, part)));
-            own.filter(|(_, part)| part.1 == held).map(|(log, (rows, _))| path(log, rows, joint)).sum()
+            of_parts(logs, parts, held).map(|(log, rows)| path(log, rows, joint)).sum()
         };
         (0..joints).map(|joint| [along(joint, false), along(joint, true)]).collect()
     };
@@ -61,15 +60,22 @@ pub(crate) fn split(logs: &[&Recording]) -> (Vec<Recording>, Vec<Recording>) {
         all if all == joints => last,
         some => Some(windows(logs)).filter(|parts| in_both(parts) > some).unwrap_or(last),
     };
-    let cut = |held: bool| -> Vec<Recording> {
-        let own = logs.iter().zip(&parts).flat_map(|(log, parts)| parts.iter().map(move |part| (log, part)));
-        own.filter(|(_, part)| part.1 == held).map(|(log, (rows, _))| log.slice(rows.clone())).collect()
-    };
+    let cut = |held: bool| of_parts(logs, &parts, held).map(|(log, rows)| log.slice(rows.clone())).collect();
     (cut(false), cut(true))
 }
 
 /// Parts of a log, and whether each is held out.
 type Parts = Vec<(Range<usize>, bool)>;
+
+/// The parts of all logs that are held out, or the others: the log of each, and its rows.
+fn of_parts<'a>(
+    logs: &'a [&Recording],
+    parts: &'a [Parts],
+    held: bool,
+) -> impl Iterator<Item = (&'a Recording, &'a Range<usize>)> {
+    let all = logs.iter().zip(parts).flat_map(|(log, parts)| parts.iter().map(move |part| (*log, part)));
+    all.filter(move |(_, part)| part.1 == held).map(|(log, (rows, _))| (log, rows))
+}
 
 /// The way of a joint over some rows.
 fn path(log: &Recording, rows: &Range<usize>, joint: usize) -> f64 {

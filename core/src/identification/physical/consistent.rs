@@ -104,7 +104,7 @@ pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Con
     let exact = program.is_feasible(&program.parameters(&unchanged));
     let point = if exact { unchanged } else { point };
     let mut standard: Vec<f64> = program.parameters(&point).component_mul(&program.scale).as_slice().to_vec();
-    with_described_frictions(model, &mut standard);
+    with_described_drives(model, &mut standard);
     let beta = model.base().values(&standard);
     let cost = point.rows(0, program.fitted).norm_squared();
     let gap = 2.0 * BARRIER * (CONDITIONS * model.dof()) as f64;
@@ -123,7 +123,7 @@ pub fn solve(model: &Model, normal: &DMatrix<f64>, fitted: &[f64]) -> Result<Con
 /// Leaves frictions and rotor inertias that torque does not show as described: those of a joint without an equation, and those of a joint
 /// that follows another, of which only the sum with the other's is determined. The joint whose parameter is kept takes the difference where
 /// its own stays positive.
-fn with_described_frictions(model: &Model, standard: &mut [f64]) {
+fn with_described_drives(model: &Model, standard: &mut [f64]) {
     let (base, described) = (model.base(), Model::standard_values(model.robot()));
     let is_friction = |k: usize| k % STANDARD > ROTOR;
     for k in (0..standard.len()).filter(|&k| k % STANDARD >= PARAMETERS && !base.kept().contains(&k)) {

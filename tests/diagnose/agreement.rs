@@ -37,6 +37,9 @@ fn identify_and_diagnose_estimate_the_same() {
         (71, "stribeck_friction", 1, vec![25.0, 0.15]),
         (72, "joint_spring", 2, vec![20.0, 5.0]),
         (73, "torque_offset", 3, vec![1.5]),
+        // Large enough to be in the arm as found before it is named.
+        (74, "torque_gain", 2, vec![0.3]),
+        (75, "joint_elasticity", 1, vec![]),
     ] {
         let mut truth = Placed::typical(find(name).unwrap(), joint);
         truth.parameters[..parameters.len()].copy_from_slice(&parameters);

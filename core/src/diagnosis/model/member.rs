@@ -1,9 +1,13 @@
 //! An effect in the model.
 
+use super::arm_model::bounded;
 use super::candidates::Candidate;
-use super::roles::{linear, shapes};
+use super::roles::{is_level, linear, shapes};
 use crate::diagnosis::criteria::EstimateCriteria;
-use crate::effects::Placed;
+use crate::effects::{Placed, Role};
+
+/// Share of a typical departure below which one acts in proportion to its size, and its column would be rounding.
+const SMALL: f64 = 0.1;
 
 /// An effect in the model, with what it takes there.
 #[derive(Debug, Clone)]
@@ -35,6 +39,18 @@ impl Member {
             .any(|index| self.placed.parameters[index].abs() > criteria.significant * self.std[index])
     }
 
+    /// Takes the columns of departures at the sizes as estimated: what a large one does is not a multiple of what a small one does.
+    pub fn take_departures_at_estimates(&mut self) {
+        let effect = self.placed.effect;
+        for (index, &estimate) in linear(effect).into_iter().zip(&self.factors) {
+            let parameter = &effect.parameters()[index];
+            let size = bounded(parameter, estimate);
+            if parameter.role == Role::Departure && !is_level(effect) && size.abs() > SMALL * parameter.typical.abs() {
+                self.candidate.placed.parameters[index] = size;
+            }
+        }
+    }
+
     /// A candidate with the factors of its columns as part of the model.
     pub fn new(candidate: &Candidate, factors: &[f64]) -> Self {
         let placed = candidate.placed.clone();
@@ -54,6 +70,28 @@ impl Member {
 mod tests {
     use super::*;
     use crate::effects::find;
+
+    #[test]
+    fn columns_of_departures_are_taken_where_they_are_not_small() {
+        let placed = Placed::typical(find("torque_gain").unwrap(), 0);
+        let typical = placed.parameters[0];
+        let at = |estimate: f64| {
+            let candidate = Candidate { placed: placed.clone(), log: None, columns: Default::default() };
+            let mut member = Member::new(&candidate, &[estimate]);
+            member.take_departures_at_estimates();
+            member.candidate.placed.parameters[0]
+        };
+        assert_eq!(at(-0.11 * typical), -0.11 * typical);
+        assert_eq!(at(0.09 * typical), typical);
+        let upper = placed.effect.parameters()[0].upper;
+        assert_eq!(at(2.0 * upper), upper);
+        // Amplitudes are in proportion at any size.
+        let spring = Placed::typical(find("joint_spring").unwrap(), 0);
+        let candidate = Candidate { placed: spring.clone(), log: None, columns: Default::default() };
+        let mut member = Member::new(&candidate, &[7.0, 8.0]);
+        member.take_departures_at_estimates();
+        assert_eq!(member.candidate.placed.parameters, spring.parameters);
+    }
 
     #[test]
     fn one_amplitude_told_from_zero_is_enough() {

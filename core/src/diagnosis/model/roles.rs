@@ -37,7 +37,7 @@ fn with_role(effect: &dyn Effect, wanted: impl Fn(Role) -> bool) -> Vec<usize> {
 }
 
 /// Whether the torque of an effect depends on inertias and rotors: others have the same along a motion whatever is found of these.
-pub(super) fn acts_upon_arm(effect: &dyn Effect) -> bool {
+pub(crate) fn acts_upon_arm(effect: &dyn Effect) -> bool {
     let about = effect.about();
     about.site != Site::Joint || about.uses_acceleration
 }

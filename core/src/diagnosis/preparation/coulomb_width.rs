@@ -75,7 +75,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
     }
     let by_laws = by_laws(session, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "width of the sign of friction");
-    let surely: Vec<bool> = best.iter().zip(&by_laws).map(|((_, gain), by_law)| *gain > BEYOND_LAWS + by_law).collect();
+    let surely = surely(&best, &by_laws);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
     if of_most(gained) < LIKELIER {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
@@ -117,6 +117,12 @@ fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result
     (0..session.model.base.dof()).map(of_joint).collect()
 }
 
+/// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints alone,
+/// whose parameters it shares.
+fn surely(best: &Widths, by_laws: &[f64]) -> Vec<bool> {
+    best.iter().zip(by_laws).map(|((width, gain), by_law)| *width > 0.0 && *gain > BEYOND_LAWS + by_law).collect()
+}
+
 /// Takes the width of each joint that gains more than the one it has.
 fn better(best: &mut Widths, tried: Vec<Widths>) {
     for widths in tried {
@@ -146,6 +152,12 @@ mod tests {
         assert_eq!(of_most(vec![900.0, 1.0, 2.0, 800.0, -1.0, 0.5]), 2.5);
         assert_eq!(of_most(vec![5.0, 9.0, 4.0]), 9.0);
         assert_eq!(of_most(vec![7.0]), 7.0);
+    }
+
+    #[test]
+    fn a_joint_with_a_plain_sign_has_gained_by_no_width() {
+        let best = vec![(0.02, 13.0), (0.0, 59.0), (0.02, 10.9), (0.02, 11.1)];
+        assert_eq!(surely(&best, &[2.0, 2.0, 8.0, 8.0]), [true, false, false, true]);
     }
 
     #[test]

@@ -5,20 +5,32 @@ use super::verdict::Verdict;
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::evidence::{Play, Traces, family_wise};
-use crate::diagnosis::model::{Candidate, Family, Member, Session, columns, is_candidate};
+use crate::diagnosis::model::{Candidate, Family, Member, PreparedLogs, Session, columns, is_candidate};
 use crate::diagnosis::regression::fisher;
 use crate::effects::{Backlash, Effect, Nature, Placed};
 use crate::error::Result;
 
-/// Gears with play that impacts in the logs show, the most significant first, and the gear whose impacts failed a gate after them; the session
-/// takes over which others they leave open. Their steady torque joins the session's baseline, and the rows that impacts disturb are left out.
+/// What impacts in the logs show.
+#[derive(Default)]
+pub(super) struct Impacts {
+    /// Gears with play, the most significant first.
+    pub found: Vec<Found>,
+    /// The gear whose impacts failed a gate after them.
+    pub rejected: Option<Rejected>,
+    /// Joints whose gears may have play, though impacts do not show it significantly.
+    pub open_play: Vec<usize>,
+    /// The logs with the steady torque of these gears in their baselines and without the rows that impacts disturb; none without such gears.
+    pub logs: Option<PreparedLogs>,
+}
+
+/// Gears with play by their impacts.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result<(Vec<Found>, Option<Rejected>)> {
+pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Impacts> {
     let effect: &'static dyn Effect = &Backlash;
     if !is_candidate(effect, options.trust, &options.candidates) {
-        return Ok((Vec::new(), None));
+        return Ok(Impacts::default());
     }
     let Criteria { impacts: criteria, levels, .. } = session.criteria;
     let dof = session.model.base.dof();
@@ -68,19 +80,21 @@ pub(super) fn rattling_gears(session: &mut Session, options: &Options) -> Result
     let named = |joint: &usize| found.iter().any(|one| one.member.placed.joint == *joint);
     let chance = |joint: usize| fisher([&train, &test].map(|traces| traces.log_p(joint, &rattling)));
     let open = (0..dof).filter(|joint| !known.contains(joint) && !named(joint) && chance(*joint) < levels.open_p.ln());
-    session.model.open_play = open.collect();
-    // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
+    let open_play = open.collect();
     let placed: Vec<Placed> = found.iter().map(|one| one.member.placed.clone()).collect();
+    let joints: Vec<usize> = placed.iter().map(|placed| placed.joint).chain(known).collect();
+    if joints.is_empty() {
+        return Ok(Impacts { found, rejected, open_play, logs: None });
+    }
+    // Between the impacts the link lies on one side or the other, which looks like an encoder that is not true.
     let known_from = session.blocks(&[]).known.start;
-    for data in [&mut session.logs.train, &mut session.logs.test] {
+    let mut logs = session.logs.clone();
+    for (data, traces) in [(&mut logs.train, &train), (&mut logs.test, &test)] {
         let steady = columns(&session.model.arm, &data.rows, &placed)?.concat();
         data.baseline.splice(known_from..known_from, steady);
+        joints.iter().for_each(|&joint| traces.leave_out(joint, &mut data.rows));
     }
-    for joint in found.iter().map(|one| one.member.placed.joint).chain(known) {
-        train.leave_out(joint, &mut session.logs.train.rows);
-        test.leave_out(joint, &mut session.logs.test.rows);
-    }
-    Ok((found, rejected))
+    Ok(Impacts { found, rejected, open_play, logs: Some(logs) })
 }
 
 fn named(

@@ -3,10 +3,18 @@
 use super::found::{Found, members};
 use crate::diagnosis::Options;
 use crate::diagnosis::evidence::Scan;
-use crate::diagnosis::model::{ArmModel, Candidate, PreparedLogs, Session, all_candidates, carried_on, renewed};
+use crate::diagnosis::model::{
+    ArmModel, Candidate, Member, PreparedLogs, Session, acts_upon_arm, all_candidates, carried_on, linear, renewed,
+};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
 use crate::error::Result;
+
+/// Most fits of a model whose columns depend on the arm as found. Of a gain of 0.3 the first finds 0.23, the second 0.299.
+const ROUNDS: usize = 6;
+
+/// Change of an amplitude, in its standard deviations, from which these go on.
+const CONVERGED: f64 = 0.1;
 
 /// A round of a search.
 #[derive(Debug)]
@@ -88,8 +96,31 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
     let present = session.model.columns(&session.logs.train, &members)?;
     let whitener = session.noise_under(&present);
     session.settle(&mut members, &whitener)?;
+    // Columns of gears and sensors are those along the arm as found, which holds a part of what an effect does until that is in the model, and
+    // those of departures belong to one size.
+    for _ in 0..ROUNDS {
+        if !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
+            break;
+        }
+        members.iter_mut().for_each(Member::take_departures_at_estimates);
+        let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();
+        session.settle(&mut members, &whitener)?;
+        if members.iter().zip(&before).all(|(member, before)| has_converged(member, before)) {
+            break;
+        }
+    }
     found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
     let columns = session.model.columns(&session.logs.train, &members)?;
     let fit = whitener.fit(&columns, &session.logs.train.torque);
     Ok((whitener, fit))
+}
+
+/// Whether the amplitudes of a member are what they were `before`, to within a part of their standard deviations.
+fn has_converged(member: &Member, before: &[f64]) -> bool {
+    let places = linear(member.placed.effect);
+    let moved = |((now, before), place): ((&f64, &f64), &usize)| {
+        let std = member.std[*place];
+        !std.is_finite() || (now - before).abs() <= CONVERGED * std
+    };
+    member.factors.iter().zip(before).zip(&places).all(moved)
 }

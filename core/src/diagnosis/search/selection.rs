@@ -55,9 +55,13 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let (mut in_a_row, mut asked) = (0, 0);
     let mut in_own_noise = InOwnNoise::default();
     let mut round = Round::first(session, &mut found, options)?;
-    let (rattling, silent) = rattling_gears(session, options)?;
-    found.extend(rattling);
-    rejected.extend(silent);
+    let impacts = rattling_gears(session, options)?;
+    found.extend(impacts.found);
+    rejected.extend(impacts.rejected);
+    session.model.open_play = impacts.open_play;
+    if let Some(logs) = impacts.logs {
+        session.logs = logs;
+    }
     if !found.is_empty() {
         round = round.next(session, &mut found, options)?;
     }

@@ -1,7 +1,7 @@
 //! Files that are not there, that cannot be written, that do not name their columns, and several that are one log.
 
 use super::inspect::{ARM, one_joint, sines};
-use super::{Case, assert_done, assert_refusal, text};
+use super::{Case, ROOT, assert_done, assert_refusal, text};
 
 /// Rows of time, position and torque.
 fn rows() -> String {
@@ -162,4 +162,36 @@ fn logs_of_ur_without_measured_torques() {
     assert!(currents.contains("motor currents") && currents.contains("torque_constant_nm_a"), "{currents}");
     let measured = said("timestamp,actual_q_0,joint_torque_0");
     assert!(!measured.contains("warning") && !measured.contains("current"), "{measured}");
+}
+
+/// A rod of 2 kg that swings at up to 1.2 rad/s, on a joint whose friction falls from 5 to 2 N m.
+#[test]
+fn friction_that_falls_with_speed_is_said_to() {
+    let case = Case::new(&[]);
+    std::fs::copy(format!("{ROOT}/tests/reference/pendulum.urdf"), case.path("rod.urdf")).unwrap();
+    let swing = |friction: fn(f64) -> f64| {
+        let mut rows = "t,q,tau\n".to_owned();
+        for k in 0..6000 {
+            let t = 0.005 * f64::from(k);
+            let (sin, cos) = (1.3 * t).sin_cos();
+            let (more_sin, more_cos) = (0.47 * t).sin_cos();
+            let (q, v) = (0.7 * sin + 0.6 * more_sin, 0.91 * cos + 0.282 * more_cos);
+            let a = -1.183 * sin - 0.132_54 * more_sin;
+            let tau = 0.77 * a + 9.81 * q.sin() + friction(v) + 0.01 * (1e4 * t).sin();
+            rows += &format!("{t:.3},{q:.9},{tau:.6}\n");
+        }
+        rows
+    };
+    case.write("falls.csv", &swing(|v| v.signum() * (2.0 + 3.0 * (-v.abs() / 0.5).exp())));
+    case.write("rises.csv", &swing(|v| 2.0 * v.signum() + 0.4 * v));
+    let identified = |log: &str| {
+        let output =
+            case.tauscope(&["identify", "--robot", "rod.urdf", "--train", log, "--out", log.trim_end_matches(".csv")]);
+        assert_done(&output);
+        text(&output.stdout)
+    };
+    let falls = identified("falls.csv");
+    assert!(falls.contains("viscous friction is negative on pivot"), "{falls}");
+    assert!(falls.contains("--effect stribeck_friction:pivot"), "{falls}");
+    assert!(!identified("rises.csv").contains("negative"));
 }

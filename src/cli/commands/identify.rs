@@ -115,6 +115,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     }
     notes.extend(report::undetermined(model.base(), &plain));
     notes.extend(report::constants(&robot, extended.as_ref().unwrap_or(&plain)));
+    notes.extend(report::falling_friction(&robot, extended.as_ref().unwrap_or(&plain)));
     notes.extend(report::between_logs(extended.as_ref().unwrap_or(&plain)));
     stages.begin("finding consistent parameters");
     // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
@@ -123,6 +124,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         Trust::Nominal => None,
     };
     notes.extend(consistent.as_ref().and_then(|found| report::not_of_bodies(&robot, &plain, found)));
+    notes.extend(consistent.as_ref().and_then(|found| report::undetermined_held_out(&robot, &plain, found)));
     let identified = match &consistent {
         Some(found) => found.robot(&robot),
         None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),

@@ -1,10 +1,13 @@
 //! The result of `tauscope identify`.
 
+mod notes;
+
+pub use notes::{between_logs, constants, falling_friction, not_of_bodies, undetermined, undetermined_held_out};
+
 use super::console::{by_joint, significant, table};
-use crate::dynamics::BaseParameters;
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
-use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
+use crate::identification::fit::{BetweenLogs, Fitted};
 use crate::robot::{Joint, Robot};
 use serde::Serialize;
 
@@ -181,148 +184,17 @@ fn one_fit(robot: &Robot, fitted: &Fitted) -> OneFit {
     }
 }
 
-/// Lines about the parameters that the logs do not determine, if there are any: those that are merged into others, and others.
-pub fn undetermined(base: &BaseParameters, fitted: &Fitted) -> Vec<String> {
-    // The leader identifies a long sum.
-    let leader = |name: &str| name.split_whitespace().next().unwrap_or_default().to_owned();
-    let groupings = base.groupings();
-    let (mut merged, mut others) = (Vec::new(), Vec::new());
-    for (name, _) in fitted.fit.names.iter().zip(&fitted.fit.undetermined).filter(|(_, held)| **held) {
-        let own = groupings.iter().position(|grouping| grouping.name == *name);
-        match own.map(|own| base.merged(own)) {
-            Some([first, rest @ ..]) => {
-                let into: Vec<String> =
-                    [first].into_iter().chain(rest).map(|(other, _)| leader(&groupings[*other].name)).collect();
-                merged.push(format!("{} into {}", leader(name), into.join(" and ")));
-            }
-            _ => others.push(leader(name)),
-        }
-    }
-    let of = fitted.fit.arm_units.len();
-    let merged = (!merged.is_empty()).then(|| {
-        format!(
-            "{} of {of} base parameters differ from others by small tilts or offsets alone, and not above the noise in these logs; they are \
-             merged: {}",
-            merged.len(),
-            merged.join(", ")
-        )
-    });
-    let others = (!others.is_empty()).then(|| {
-        format!(
-            "{} of {of} base parameters make no torque of their own above the noise in these logs ({}): they stay as described, and \
-             the others make up for them",
-            others.len(),
-            others.join(", ")
-        )
-    });
-    merged.into_iter().chain(others).collect()
-}
-
-/// A line about the constants that the residuals hold, if there are any.
-pub fn constants(robot: &Robot, fitted: &Fitted) -> Option<String> {
-    let found: Vec<(&Joint, &Constant)> = robot
-        .joints
-        .iter()
-        .zip(&fitted.fit.constants)
-        .filter_map(|(joint, constant)| Some((joint, constant.as_ref()?)))
-        .collect();
-    let each: Vec<String> = found
-        .iter()
-        .map(|(joint, constant)| {
-            let (value, unit) = (significant(constant.value), joint.kind.unit("N m"));
-            format!("{value} {unit} on {} ({:.0} % of its mean squared residual)", joint.name, 100.0 * constant.share)
-        })
-        .collect();
-    let effects: Vec<String> =
-        found.iter().map(|(joint, _)| format!("--effect torque_offset:{}", joint.name)).collect();
-    (!found.is_empty()).then(|| {
-        format!(
-            "the residual holds a constant torque, which biases friction and gravity: {}; fit it with {}",
-            each.join(", "),
-            effects.join(" ")
-        )
-    })
-}
-
-/// A line about the parameters on which several training logs disagree or that they do not pin down, if there are several.
-pub fn between_logs(fitted: &Fitted) -> Option<String> {
-    let all = fitted.fit.names.iter().zip(&fitted.fit.between_logs);
-    let found: Vec<(&String, &BetweenLogs)> = all.filter_map(|(name, found)| Some((name, found.as_ref()?))).collect();
-    let (_, first) = found.first()?;
-    let of = |agreement: fn(&Agreement) -> bool| found.iter().filter(move |(_, found)| agreement(&found.agreement));
-    let pinned = of(|agreement| *agreement == Agreement::Pinned).count();
-    let mut text = format!(
-        "{} training logs, one parameter at a time free to differ between them: {pinned} of {} parameters are pinned",
-        first.values.len(),
-        found.len()
-    );
-    // What changed also moves what it resembles: the surest first.
-    let mut changed: Vec<_> = found
-        .iter()
-        .filter_map(|&(name, found)| match found.agreement {
-            Agreement::Changed { after } => Some((found.p, name, found.values.split_at(after), after)),
-            _ => None,
-        })
-        .collect();
-    changed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, name, (before, since), after) in changed {
-        let mean = |values: &[f64]| significant(values.iter().sum::<f64>() / values.len() as f64);
-        text += &format!("; {name} changed after log {after}, from {} to {}", mean(before), mean(since));
-    }
-    let open: Vec<&str> = of(|agreement| *agreement == Agreement::NotPinned).map(|(name, _)| name.as_str()).collect();
-    match open.as_slice() {
-        [] => {}
-        few if few.len() <= FEW => text += &format!("; not pinned: {}", few.join(", ")),
-        many => text += &format!("; {} are not pinned (identification.json names them)", many.len()),
-    }
-    Some(text)
-}
-
-/// Names of parameters that one line holds.
-const FEW: usize = 6;
-
-/// Bodies that can exist leave this many times the residual of the fit, and this share of the torque at least, where something else makes
-/// the torque: links whose inertias do not fit each other cost less.
-const NOT_OF_BODIES: f64 = 5.0;
-const OF_TORQUE: f64 = 0.2;
-
-/// A line about joints whose torque no bodies make, if there are any: the base parameters can be those of gravity upside down.
-pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) -> Option<String> {
-    let left = |joint: &usize| {
-        let (bodies, fit) = (consistent.train_rms[*joint], fitted.train_rms[*joint]);
-        bodies > NOT_OF_BODIES * fit && bodies > OF_TORQUE * consistent.torque_rms[*joint]
-    };
-    let joints: Vec<usize> = (0..robot.dof()).filter(left).collect();
-    let each: Vec<String> = joints
-        .iter()
-        .map(|&joint| {
-            let [bodies, torque, fit] =
-                [consistent.train_rms[joint], consistent.torque_rms[joint], fitted.train_rms[joint]].map(significant);
-            let Joint { name, kind, .. } = &robot.joints[joint];
-            format!(
-                "{name} is left with {bodies} {} of {torque}, which the fit without them explains to {fit}",
-                kind.unit("N m")
-            )
-        })
-        .collect();
-    let [x, y, z] = [robot.gravity.x, robot.gravity.y, robot.gravity.z].map(significant);
-    (!joints.is_empty()).then(|| {
-        format!(
-            "identified.urdf is wrong: no bodies make these torques: {}; is gravity along [{x}, {y}, {z}] m/s2 of the base (the mounting: \
-             --gravity, or [mounting] in a dataset), and are the signs right? `tauscope inspect` looks for both",
-            each.join("; ")
-        )
-    })
+/// Place of a joint's parameter among those of a fit, by its symbol: a sum is called by its first part.
+fn place_of(fitted: &Fitted, joint: usize, symbol: &str) -> Option<usize> {
+    let name = format!("{symbol}{}", joint + 1);
+    fitted.fit.names.iter().position(|own| own.split_whitespace().next() == Some(name.as_str()))
 }
 
 /// A table of the friction and, where it stands alone, the rotor of every joint, with standard deviations.
 fn drives(robot: &Robot, fitted: &Fitted) -> String {
     let std = fitted.fit.estimate.std();
     let cell = |joint: usize, symbol: &str| {
-        let name = format!("{symbol}{}", joint + 1);
-        // A sum is called by its first part.
-        let is_own = |own: &String| own.split_whitespace().next() == Some(name.as_str());
-        let Some(index) = fitted.fit.names.iter().position(is_own) else { return "-".to_owned() };
+        let Some(index) = place_of(fitted, joint, symbol) else { return "-".to_owned() };
         let value = significant(fitted.fit.estimate.beta[index]);
         match (fitted.fit.undetermined[index], fitted.fit.at_bound[index]) {
             (true, _) => format!("{value} (as described)"),

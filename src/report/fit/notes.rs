@@ -1,0 +1,209 @@
+//! Lines of `tauscope identify` about what to think of its numbers.
+
+use super::place_of;
+use crate::dynamics::BaseParameters;
+use crate::identification::consistent::Consistent;
+use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
+use crate::report::console::significant;
+use crate::robot::{Joint, Robot};
+
+/// Lines about the parameters that the logs do not determine, if there are any: those that are merged into others, and others.
+pub fn undetermined(base: &BaseParameters, fitted: &Fitted) -> Vec<String> {
+    // The leader identifies a long sum.
+    let leader = |name: &str| name.split_whitespace().next().unwrap_or_default().to_owned();
+    let groupings = base.groupings();
+    let (mut merged, mut others) = (Vec::new(), Vec::new());
+    for (name, _) in fitted.fit.names.iter().zip(&fitted.fit.undetermined).filter(|(_, held)| **held) {
+        let own = groupings.iter().position(|grouping| grouping.name == *name);
+        match own.map(|own| base.merged(own)) {
+            Some([first, rest @ ..]) => {
+                let into: Vec<String> =
+                    [first].into_iter().chain(rest).map(|(other, _)| leader(&groupings[*other].name)).collect();
+                merged.push(format!("{} into {}", leader(name), into.join(" and ")));
+            }
+            _ => others.push(leader(name)),
+        }
+    }
+    let of = fitted.fit.arm_units.len();
+    let merged = (!merged.is_empty()).then(|| {
+        format!(
+            "{} of {of} base parameters differ from others by small tilts or offsets alone, and not above the noise in these logs; they are \
+             merged: {}",
+            merged.len(),
+            merged.join(", ")
+        )
+    });
+    let others = (!others.is_empty()).then(|| {
+        format!(
+            "{} of {of} base parameters make no torque of their own above the noise in these logs ({}): they stay as described, and \
+             the others make up for them",
+            others.len(),
+            others.join(", ")
+        )
+    });
+    merged.into_iter().chain(others).collect()
+}
+
+/// A line about the constants that the residuals hold, if there are any.
+pub fn constants(robot: &Robot, fitted: &Fitted) -> Option<String> {
+    let found: Vec<(&Joint, &Constant)> = robot
+        .joints
+        .iter()
+        .zip(&fitted.fit.constants)
+        .filter_map(|(joint, constant)| Some((joint, constant.as_ref()?)))
+        .collect();
+    let each: Vec<String> = found
+        .iter()
+        .map(|(joint, constant)| {
+            let (value, unit) = (significant(constant.value), joint.kind.unit("N m"));
+            format!("{value} {unit} on {} ({:.0} % of its mean squared residual)", joint.name, 100.0 * constant.share)
+        })
+        .collect();
+    let effects: Vec<String> =
+        found.iter().map(|(joint, _)| format!("--effect torque_offset:{}", joint.name)).collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "the residual holds a constant torque, which biases friction and gravity: {}; fit it with {}",
+            each.join(", "),
+            effects.join(" ")
+        )
+    })
+}
+
+/// A line about the parameters on which several training logs disagree or that they do not pin down, if there are several.
+pub fn between_logs(fitted: &Fitted) -> Option<String> {
+    let all = fitted.fit.names.iter().zip(&fitted.fit.between_logs);
+    let found: Vec<(&String, &BetweenLogs)> = all.filter_map(|(name, found)| Some((name, found.as_ref()?))).collect();
+    let (_, first) = found.first()?;
+    let of = |agreement: fn(&Agreement) -> bool| found.iter().filter(move |(_, found)| agreement(&found.agreement));
+    let pinned = of(|agreement| *agreement == Agreement::Pinned).count();
+    let mut text = format!(
+        "{} training logs, one parameter at a time free to differ between them: {pinned} of {} parameters are pinned",
+        first.values.len(),
+        found.len()
+    );
+    // What changed also moves what it resembles: the surest first.
+    let mut changed: Vec<_> = found
+        .iter()
+        .filter_map(|&(name, found)| match found.agreement {
+            Agreement::Changed { after } => Some((found.p, name, found.values.split_at(after), after)),
+            _ => None,
+        })
+        .collect();
+    changed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, name, (before, since), after) in changed {
+        let mean = |values: &[f64]| significant(values.iter().sum::<f64>() / values.len() as f64);
+        text += &format!("; {name} changed after log {after}, from {} to {}", mean(before), mean(since));
+    }
+    let open: Vec<&str> = of(|agreement| *agreement == Agreement::NotPinned).map(|(name, _)| name.as_str()).collect();
+    match open.as_slice() {
+        [] => {}
+        few if few.len() <= FEW => text += &format!("; not pinned: {}", few.join(", ")),
+        many => text += &format!("; {} are not pinned (identification.json names them)", many.len()),
+    }
+    Some(text)
+}
+
+/// Names of parameters that one line holds.
+const FEW: usize = 6;
+
+/// Bodies that can exist leave this many times the residual of the fit, and this share of the torque at least, where something else makes
+/// the torque: links whose inertias do not fit each other cost less.
+const NOT_OF_BODIES: f64 = 5.0;
+const OF_TORQUE: f64 = 0.2;
+
+/// A line about joints whose torque no bodies make, if there are any: the base parameters can be those of gravity upside down.
+pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) -> Option<String> {
+    let left = |joint: &usize| {
+        let (bodies, fit) = (consistent.train_rms[*joint], fitted.train_rms[*joint]);
+        bodies > NOT_OF_BODIES * fit && bodies > OF_TORQUE * consistent.torque_rms[*joint]
+    };
+    let joints: Vec<usize> = (0..robot.dof()).filter(left).collect();
+    let each: Vec<String> = joints
+        .iter()
+        .map(|&joint| {
+            let [bodies, torque, fit] =
+                [consistent.train_rms[joint], consistent.torque_rms[joint], fitted.train_rms[joint]].map(significant);
+            let Joint { name, kind, .. } = &robot.joints[joint];
+            format!(
+                "{name} is left with {bodies} {} of {torque}, which the fit without them explains to {fit}",
+                kind.unit("N m")
+            )
+        })
+        .collect();
+    let [x, y, z] = [robot.gravity.x, robot.gravity.y, robot.gravity.z].map(significant);
+    (!joints.is_empty()).then(|| {
+        format!(
+            "identified.urdf is wrong: no bodies make these torques: {}; is gravity along [{x}, {y}, {z}] m/s2 of the base (the mounting: \
+             --gravity, or [mounting] in a dataset), and are the signs right? `tauscope inspect` looks for both",
+            each.join("; ")
+        )
+    })
+}
+
+/// Standard deviations from which viscous friction is negative.
+const NEGATIVE: f64 = 3.0;
+
+/// A line about the joints whose viscous friction is negative, if there are any: no drive takes up power, but friction that falls with speed
+/// looks like it.
+pub fn falling_friction(robot: &Robot, fitted: &Fitted) -> Option<String> {
+    let std = fitted.fit.estimate.std();
+    let falls = |joint: &usize| {
+        let place = place_of(fitted, *joint, "Fv");
+        place.is_some_and(|place| fitted.fit.estimate.beta[place] < -NEGATIVE * std[place])
+    };
+    let joints: Vec<&str> = (0..robot.dof()).filter(falls).map(|joint| robot.joints[joint].name.as_str()).collect();
+    let effects: Vec<String> = joints.iter().map(|name| format!("--effect stribeck_friction:{name}")).collect();
+    (!joints.is_empty()).then(|| {
+        format!(
+            "viscous friction is negative on {}: friction falls with speed there, which Coulomb and viscous friction cannot follow; fit it with \
+             {}, and do not use these values at other speeds",
+            joints.join(", "),
+            effects.join(" ")
+        )
+    })
+}
+
+/// The held-out residual of base parameters is this many times that of the training logs, and this many times that of bodies that can exist,
+/// where the training logs do not determine them: what these contradict is no body's.
+const EXTRAPOLATES: f64 = 3.0;
+const OF_BODIES: f64 = 2.0;
+
+/// A line about the joints whose held-out torque the training logs do not determine, if there are any: base parameters that they leave open
+/// make up for one another there and nowhere else, and bodies that can exist do not.
+pub fn undetermined_held_out(robot: &Robot, fitted: &Fitted, consistent: &Consistent) -> Option<String> {
+    let joints = 0..fitted.test_rms.len().min(consistent.test_rms.len());
+    let each: Vec<String> = joints
+        .filter(|&joint| extrapolates(fitted.train_rms[joint], fitted.test_rms[joint], consistent.test_rms[joint]))
+        .map(|joint| {
+            let [held_out, bodies] = [fitted.test_rms[joint], consistent.test_rms[joint]].map(significant);
+            let Joint { name, kind, .. } = &robot.joints[joint];
+            format!("{name} {held_out} {}, with the bodies of identified.urdf {bodies}", kind.unit("N m"))
+        })
+        .collect();
+    (!each.is_empty()).then(|| {
+        format!(
+            "the training logs do not determine the held-out torque: the base parameters leave of it on {}. Take identified.urdf, not the base \
+             parameters, or train on motions that move the joints together",
+            each.join("; on ")
+        )
+    })
+}
+
+/// Whether base parameters with these residuals, root mean square, on the training and the held-out logs are not determined by the training
+/// logs, where `bodies` that can exist leave so much of the held-out ones.
+fn extrapolates(training: f64, held_out: f64, bodies: f64) -> bool {
+    held_out > EXTRAPOLATES * training && held_out > OF_BODIES * bodies
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base_parameters_extrapolate_where_bodies_do_not() {
+        assert!(extrapolates(1.0, 3.1, 1.5) && !extrapolates(1.0, 2.9, 1.0));
+        // What bodies do not follow either has changed between the logs.
+        assert!(!extrapolates(1.0, 30.0, 16.0) && extrapolates(1.0, 30.0, 14.0));
+    }
+}

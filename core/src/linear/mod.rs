@@ -1,7 +1,9 @@
-//! Linear algebra that several rooms share: an orthonormal basis of columns in their order, products of tall matrices.
+//! Linear algebra that several rooms share: an orthonormal basis of columns in their order, products of tall matrices, Cholesky factors.
 
+mod cholesky;
 mod product;
 
+pub(crate) use cholesky::{Cholesky, inverse_of_factored};
 pub(crate) use product::{gram_matrix, product_of, subtract_product, transposed_product};
 
 use faer::linalg::solvers::Qr;

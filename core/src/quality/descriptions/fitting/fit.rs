@@ -3,7 +3,9 @@
 use super::super::change::Description;
 use super::physics::{Bounds, FRICTION_COLUMNS, JointTable, Tables};
 use super::rows::Rows;
+use crate::linear::Cholesky;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Interleaved parts of the blocks, each of which is predicted from the others.
 const FOLDS: usize = 6;
@@ -65,6 +67,8 @@ struct Equations<'a> {
 pub(crate) struct Fit<'a> {
     joints: Vec<Equations<'a>>,
     bounds: &'a Bounds,
+    /// Blocks of each log.
+    logs: Vec<Range<usize>>,
     blocks: usize,
     channels: usize,
 }
@@ -96,7 +100,14 @@ impl<'a> Fit<'a> {
                 factor: sign * sign,
             })
         });
-        Fit { joints: joints.collect(), bounds: &tables.bounds, blocks: rows.log.len(), channels: rows.tau.channels() }
+        let ends = |log: usize| rows.log.partition_point(|own| *own < log);
+        Fit {
+            joints: joints.collect(),
+            bounds: &tables.bounds,
+            logs: (0..rows.logs()).map(|log| ends(log)..ends(log + 1)).collect(),
+            blocks: rows.log.len(),
+            channels: rows.tau.channels(),
+        }
     }
 
     /// Sum over the joints of the logarithm of the mean squared residual of a fit of all rows: a quick order of merit.
@@ -205,13 +216,18 @@ impl<'a> Fit<'a> {
         let all = self.bounds.nonnegative.len();
         let (mut gram, mut right) = (DMatrix::zeros(all, all), DVector::zeros(all));
         for (joint, weight) in self.joints.iter().zip(weights) {
-            for block in (0..self.blocks).filter(|&block| wanted(block)) {
-                let (own, own_right) = (&joint.table.gram[block], &joint.right[block]);
-                for (j, b) in joint.places(block) {
+            // The places of columns differ from log to log alone.
+            for log in &self.logs {
+                let Some(first) = log.clone().find(|&block| wanted(block)) else { continue };
+                let places: Vec<(usize, usize)> = joint.places(first).collect();
+                let (mut own, mut own_right) = (joint.table.gram[first].clone(), joint.right[first].clone());
+                for block in (first + 1..log.end).filter(|&block| wanted(block)) {
+                    own += &joint.table.gram[block];
+                    own_right += &joint.right[block];
+                }
+                for &(j, b) in &places {
                     right[b] += weight * own_right[j];
-                    for (i, a) in joint.places(block) {
-                        gram[(a, b)] += weight * own[(i, j)];
-                    }
+                    places.iter().for_each(|&(i, a)| gram[(a, b)] += weight * own[(i, j)]);
                 }
             }
         }
@@ -296,20 +312,50 @@ fn with_signs(
     scale: &DVector<f64>,
     nonnegative: &[bool],
 ) -> Option<DVector<f64>> {
+    let inverse_scale = scale.map(|length| 1.0 / length);
+    let mut unit = gram.clone();
+    for (mut column, own) in unit.column_iter_mut().zip(&inverse_scale) {
+        column.component_mul_assign(&inverse_scale);
+        column *= *own;
+    }
+    (0..unit.nrows()).for_each(|b| unit[(b, b)] += RIDGE);
+    let unit_right = right.component_mul(&inverse_scale);
     let mut free: Vec<usize> = (0..right.len()).collect();
     loop {
-        let unit = DMatrix::from_fn(free.len(), free.len(), |r, c| {
-            gram[(free[r], free[c])] / (scale[free[r]] * scale[free[c]]) + if r == c { RIDGE } else { 0.0 }
-        });
-        let own = DVector::from_iterator(free.len(), free.iter().map(|&b| right[b] / scale[b]));
-        let solved = unit.cholesky()?.solve(&own);
-        let negative = (0..free.len()).filter(|&place| nonnegative[free[place]] && solved[place] < 0.0);
-        let Some(worst) = negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) else {
+        let whole = free.len() == right.len();
+        let own = if whole { unit.clone() } else { unit.select_rows(&free).select_columns(&free) };
+        let factored = Cholesky::new(own)?;
+        let solved = factored.solve(&unit_right.select_rows(&free));
+        let held = negative(&factored, &solved, |place| nonnegative[free[place]]);
+        if held.is_empty() {
             let mut out = DVector::zeros(right.len());
-            free.iter().zip(solved.iter()).for_each(|(&b, value)| out[b] = value / scale[b]);
+            free.iter().zip(solved.iter()).for_each(|(&b, value)| out[b] = value * inverse_scale[b]);
             return Some(out);
-        };
-        free.remove(worst);
+        }
+        free = (0..free.len()).filter(|place| !held.contains(place)).map(|place| free[place]).collect();
+    }
+}
+
+/// The places that are held at zero one after the other, the most negative first, until none of those that cannot be negative is. Holding one
+/// changes the solution and the inverse of the matrix by what its column says, so that no step needs a factor of its own.
+fn negative(factored: &Cholesky, solved: &DVector<f64>, nonnegative: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut held = Vec::new();
+    let worst = |solved: &DVector<f64>, held: &[usize]| {
+        let negative = |place: &usize| nonnegative(*place) && solved[*place] < 0.0 && !held.contains(place);
+        (0..solved.len()).filter(negative).min_by(|&a, &b| solved[a].total_cmp(&solved[b]))
+    };
+    let Some(mut next) = worst(solved, &held) else { return held };
+    let (mut solved, mut inverse) = (solved.clone(), factored.inverse());
+    loop {
+        held.push(next);
+        let column = inverse.column(next).into_owned();
+        let pivot = column[next];
+        solved.axpy(-solved[next] / pivot, &column, 1.0);
+        inverse.ger(-1.0 / pivot, &column, &column, 1.0);
+        match worst(&solved, &held) {
+            Some(other) => next = other,
+            None => return held,
+        }
     }
 }
 

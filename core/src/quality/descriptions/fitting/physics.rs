@@ -13,6 +13,7 @@ use super::rows::Rows;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::identification::model::Model;
+use crate::linear::gram_matrix;
 use crate::robot::Robot;
 use crate::signal::hat;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -265,19 +266,24 @@ impl JointTable {
             squares: vec![Vec::with_capacity(blocks); channels],
             rows: Vec::with_capacity(blocks),
         };
+        // The signals that the columns are multiplied with come after these, so that one product holds all sums of a block.
+        let torques = (0..channels).map(|channel| rows.tau.channel(channel));
+        let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).chain(known).chain(torques).collect();
+        let first_torque = signals.len() - channels;
         for block in 0..blocks {
             let own: Vec<usize> = valid.iter().copied().filter(|&row| rows.block[row] == block).collect();
-            let part = DMatrix::from_fn(own.len(), width, |row, c| columns[c][own[row]]);
-            let of = |signal: &[f64]| DVector::from_iterator(own.len(), own.iter().map(|&row| signal[row]));
-            let known = known.map_or_else(|| DVector::zeros(own.len()), of);
-            table.gram.push(part.tr_mul(&part));
-            table.with_known.push(part.tr_mul(&known));
-            table.known_squares.push(known.norm_squared());
+            let values = signals.iter().flat_map(|signal| own.iter().map(|&row| signal[row]));
+            let sums = gram_matrix(&DMatrix::from_iterator(own.len(), signals.len(), values));
+            let with = |signal: usize| sums.view((0, signal), (width, 1)).column(0).into_owned();
+            let known = known.map(|_| width);
+            table.gram.push(sums.view((0, 0), (width, width)).into_owned());
+            table.with_known.push(known.map_or_else(|| DVector::zeros(width), with));
+            table.known_squares.push(known.map_or(0.0, |known| sums[(known, known)]));
             for channel in 0..channels {
-                let torque = of(rows.tau.channel(channel));
-                table.with_torque[channel].push(part.tr_mul(&torque));
-                table.known_torque[channel].push(known.dot(&torque));
-                table.squares[channel].push(torque.norm_squared());
+                let torque = first_torque + channel;
+                table.with_torque[channel].push(with(torque));
+                table.known_torque[channel].push(known.map_or(0.0, |known| sums[(known, torque)]));
+                table.squares[channel].push(sums[(torque, torque)]);
             }
             table.rows.push(own.len());
         }

@@ -17,6 +17,8 @@ use crate::quality::velocity::in_true_time;
 use crate::quality::view::View;
 use crate::recording::Recording;
 use crate::robot::Robot;
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// True seconds per second of the clock that are tried first; neighbours differ by half of a factor of ten.
 const TRIED: [f64; 7] = [0.031_62, 0.1, 0.316_2, 1.0, 3.162, 10.0, 31.62];
@@ -50,8 +52,9 @@ const FEWEST_BLOCKS: usize = 8;
 pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>> {
     let middle = log.samples().saturating_sub(MOST_SAMPLES) / 2;
     let log = log.slice(middle..(middle + MOST_SAMPLES).min(log.samples()));
+    let times = Times { log: &log, robot, rows: RefCell::default() };
     let masses = Physics::masses(robot);
-    let masses = masses.as_ref().map(|masses| Timing::new(&log, robot, masses)).transpose()?;
+    let masses = masses.as_ref().map(|masses| Timing::new(&times, masses)).transpose()?;
     let by_masses = masses.as_ref().map(Timing::factor).transpose()?;
     tracing::debug!(by_masses, "the clock by described bodies");
     let shown = by_masses.filter(|factor| factor.ln().abs() >= REPORTED_BY_BOTH.ln());
@@ -62,7 +65,7 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
         return Ok(None);
     }
     let free = Physics::free(robot);
-    let free = Timing::new(&log, robot, &free)?;
+    let free = Timing::new(&times, &free)?;
     let confirmed = match (&masses, shown) {
         (Some(masses), Some(factor)) => confirmed(masses, factor, &free)?,
         _ => None,
@@ -81,7 +84,7 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
 /// A factor that the described bodies show, whatever they weigh, where free bodies confirm it: moments of inertia that are placeholders show one
 /// that free bodies deny. With the share of the torques that free bodies leave then.
 fn confirmed(masses: &Timing, factor: f64, free: &Timing) -> Result<Option<(f64, f64)>> {
-    let Some(rows) = masses.rows(factor)? else { return Ok(None) };
+    let Some(rows) = masses.times.rows(factor)? else { return Ok(None) };
     let (Some(own), Some(of_free)) = (masses.tried(&rows), free.tried(&rows)) else { return Ok(None) };
     let confirms = || free.gain(&rows, &of_free, factor).is_some_and(|gain| gain.is_distinct());
     let shown = own.share() < WRONG_MASSES && masses.is_shown(&rows, &own, factor) && confirms();
@@ -94,43 +97,58 @@ fn by_free_bodies(free: &Timing) -> Result<Option<(f64, f64)>> {
     if factor.ln().abs() < REPORTED.ln() {
         return Ok(None);
     }
-    let Some(rows) = free.rows(factor)? else { return Ok(None) };
+    let Some(rows) = free.times.rows(factor)? else { return Ok(None) };
     let Some(with) = free.tried(&rows) else { return Ok(None) };
     Ok(free.is_shown(&rows, &with, factor).then(|| (factor, with.share())))
 }
 
-/// What a log looks like in another time, under what is known of the arm.
-struct Timing<'a> {
+/// A log in other times.
+struct Times<'a> {
     log: &'a Recording,
     robot: &'a Robot,
+    /// Its rows by factor, as far as they were asked for: free and described bodies are tried on the same.
+    rows: RefCell<Vec<(f64, Option<Rc<Rows>>)>>,
+}
+
+impl Times<'_> {
+    /// The rows of the log where the clock has so many true seconds per second.
+    fn rows(&self, factor: f64) -> Result<Option<Rc<Rows>>> {
+        if let Some((_, known)) = self.rows.borrow().iter().find(|(own, _)| *own == factor) {
+            return Ok(known.clone());
+        }
+        let mut log = self.log.clone();
+        in_true_time(&mut log.time, factor);
+        let rows = Rows::new(&[&View::new(&log, Some(self.robot))?], Some(self.robot)).map(Rc::new);
+        self.rows.borrow_mut().push((factor, rows.clone()));
+        Ok(rows)
+    }
+}
+
+/// What a log looks like in another time, under what is known of the arm.
+struct Timing<'a> {
+    times: &'a Times<'a>,
     physics: &'a Physics,
     /// Torques that take part in the time of the clock.
     torques: usize,
 }
 
 impl<'a> Timing<'a> {
-    fn new(log: &'a Recording, robot: &'a Robot, physics: &'a Physics) -> Result<Timing<'a>> {
-        let mut timing = Timing { log, robot, physics, torques: 0 };
-        let as_given = timing.rows(1.0)?.and_then(|rows| timing.tried(&rows));
+    fn new(times: &'a Times<'a>, physics: &'a Physics) -> Result<Timing<'a>> {
+        let mut timing = Timing { times, physics, torques: 0 };
+        let as_given = times.rows(1.0)?.and_then(|rows| timing.tried(&rows));
         timing.torques = as_given.map_or(0, |tried| taking_part(&tried));
         Ok(timing)
     }
 
-    /// The rows of the log where the clock has so many true seconds per second.
-    fn rows(&self, factor: f64) -> Result<Option<Rows>> {
-        let mut log = self.log.clone();
-        in_true_time(&mut log.time, factor);
-        Ok(Rows::new(&[&View::new(&log, Some(self.robot))?], Some(self.robot)))
-    }
-
     fn tried(&self, rows: &Rows) -> Option<Tried> {
-        Tried::new(self.physics, rows, Description::as_given(self.robot.dof(), self.robot.gravity))
+        let robot = self.times.robot;
+        Tried::new(self.physics, rows, Description::as_given(robot.dof(), robot.gravity))
     }
 
     /// Share of the torques that stays unexplained, held out, in the rows that belong to a factor; without bound where these are fewer torques, or
     /// hardly any rows.
     fn share(&self, factor: f64) -> Result<f64> {
-        let rows = self.rows(factor)?.filter(|rows| rows.log.len() >= FEWEST_BLOCKS);
+        let rows = self.times.rows(factor)?.filter(|rows| rows.log.len() >= FEWEST_BLOCKS);
         let tried = rows.and_then(|rows| self.tried(&rows)).filter(|tried| taking_part(tried) >= self.torques);
         Ok(tried.map_or(f64::INFINITY, |tried| tried.share()))
     }

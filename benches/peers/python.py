@@ -4,7 +4,7 @@
     python benches/peers/python.py [--rounds 9] [--samples 60000]
 
 The regressor of many states: `Robot.regressor` against a Python loop over `pin.computeJointTorqueRegressor` that fills one array, in
-turns. The identification of a log of as many samples: `tauscope.identify` on arrays against the command `tauscope identify` of the same
+turns; and what it takes to fill such an array with one number, which no regressor can beat. The identification of a log of as many samples: `tauscope.identify` on arrays against the command `tauscope identify` of the same
 installation on a .npz of them, whose time of starting and reading counts, in turns.
 """
 
@@ -70,6 +70,7 @@ def regressors():
         reused.append(timed(lambda: arm.regressor(q, v, a, out=kept))[0])
     line(f"regressor of {SAMPLES} states, new array", peer, fresh)
     line("the same, `out=`", peer, reused)
+    line("the array filled with one number", peer, [timed(lambda: kept.fill(0.5))[0] for _ in range(arguments.rounds)])
     torque = [timed(lambda: arm.inverse_dynamics(q, v, a))[0] for _ in range(arguments.rounds)]
 
     def rnea():

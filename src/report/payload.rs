@@ -121,11 +121,11 @@ fn numbers(payload: &Payload) -> Vec<Vec<String>> {
     const TENSOR: [&str; 6] = ["xx", "xy", "yy", "xz", "yz", "zz"];
     push("mass".into(), &payload.mass_kg, "kg");
     for (axis, center) in AXES.iter().zip(&payload.center_m) {
-        push(format!("centre {axis}"), center, "m");
+        push(format!("centre {axis} in {}", payload.frame), center, "m");
     }
     for ((axis, moment), center) in AXES.iter().zip(&payload.first_moment_kg_m).zip(&payload.center_m) {
         if center.is_none() {
-            push(format!("mass times centre {axis}"), moment, "kg m");
+            push(format!("mass times centre {axis} in {}", payload.frame), moment, "kg m");
         }
     }
     for (name, inertia) in TENSOR.iter().zip(&payload.inertia_kg_m2) {

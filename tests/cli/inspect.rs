@@ -466,3 +466,32 @@ fn signals_that_lack_something() {
     assert_done(&output);
     assert!(text(&output.stdout).contains("the controller's model"), "{}", text(&output.stdout));
 }
+
+#[test]
+fn torques_without_their_signs_stop_inspect_and_identify() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ARM);
+    let row = |t: f64| {
+        let (q, v, a) = ((3.0 * t).sin(), 3.0 * (3.0 * t).cos(), -9.0 * (3.0 * t).sin());
+        format!("{q:.9},{:.9}", (2.0 * a + 1.5 * v + 3.0 * v.signum()).abs())
+    };
+    case.write("log.csv", &sines("t,q1,tau1", row));
+    let output = case.tauscope(&["inspect", "log.csv", "--robot", "one.urdf"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stdout).contains("fatal: tau1 (a)"), "{}", text(&output.stdout));
+    assert_refusal(&case.tauscope(&["identify", "--robot", "one.urdf", "--train", "log.csv"]), &["log.csv", "sign"]);
+}
+
+#[test]
+fn inertias_that_say_nothing_are_named() {
+    let case = Case::new(&[]);
+    let (inertial, end) = (ARM.find("<inertial>").unwrap(), ARM.find("</inertial>").unwrap() + "</inertial>".len());
+    case.write("one.urdf", &format!("{}{}", &ARM[..inertial], &ARM[end..]));
+    case.write("log.csv", &sines("t,q1,tau1", one_joint));
+    let identify = ["identify", "--robot", "one.urdf", "--train", "log.csv", "--out", "out"];
+    for arguments in [&["inspect", "log.csv", "--robot", "one.urdf"][..], &identify] {
+        let output = case.tauscope(arguments);
+        assert_done(&output);
+        assert!(text(&output.stdout).contains("describes no inertias"), "{}", text(&output.stdout));
+    }
+}

@@ -72,7 +72,10 @@ fn friction_of_a_slow_axis_is_found_from_all_of_its_motion() {
         assert!((value / truth - 1.0).abs() < 0.015, "{:?}", found.estimate.beta);
     }
     let fitted = fitted(Band::OfNoise);
-    let printed = report::tables(&carriage(), Found { plain: &fitted, extended: Some(&fitted), consistent: None });
+    let printed = report::tables(
+        &carriage(),
+        Found { plain: &fitted, extended: Some(&fitted), consistent: None, torque_is_scaled: false },
+    );
     assert!(printed.contains("residual rms, N ") && !printed.contains("N m"), "{printed}");
     let all = slow_log().samples() / 5;
     assert!(found.estimate.rows[0] > all * 9 / 10, "{} of {all}", found.estimate.rows[0]);

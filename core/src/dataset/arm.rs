@@ -256,9 +256,11 @@ impl LoggedArm {
 /// torque is well defined.
 fn believed(description: &Description, choice: &Choice, trust: Trust) -> Result<Robot> {
     if trust == Trust::Structure {
-        return description.robot(choice, InertiaCheck::Ignored);
+        let mut robot = description.robot(choice, InertiaCheck::Ignored)?;
+        robot.notes.extend(robot.placeholders());
+        return Ok(robot);
     }
-    let robot = match description.robot(choice, InertiaCheck::Required) {
+    let mut robot = match description.robot(choice, InertiaCheck::Required) {
         Ok(robot) => robot,
         Err(problem) => {
             let mut robot = description.robot(choice, InertiaCheck::Ignored)?;
@@ -275,6 +277,7 @@ fn believed(description: &Description, choice: &Choice, trust: Trust) -> Result<
         let problem = "no link that moves has a mass to trust; describe the inertias, or use --trust structure";
         return Err(Error::input(&description.source, None, "inertial", problem));
     }
+    robot.notes.extend(robot.placeholders());
     Ok(robot)
 }
 

@@ -22,6 +22,8 @@ pub struct Logs {
     /// The description that the logs were taken by, where the given one is wrong beyond doubt; the arm's gravity is then the
     /// one in it.
     pub correction: Option<Description>,
+    /// Whether torques are too large or too small by a factor, so that their unit is none that is known.
+    pub torque_is_scaled: bool,
     /// Units of the logs that were not those of their description, and were converted.
     pub units: UnitChanges,
 }
@@ -49,9 +51,12 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     let (quality::Together { reports, verdict }, units) = quality::examine_in_own_units(&mut sieved, robot)?;
     logs.notes.extend(units.lines(robot).into_iter().map(|(_, place, text)| format!("{place}: {text}")));
     logs.units = units;
-    logs.correction = verdict.filter(|verdict| verdict.beyond_doubt).map(|verdict| verdict.description);
+    let is_another = reports.iter().any(quality::Report::is_of_another_robot);
+    logs.torque_is_scaled = verdict.as_ref().is_some_and(|verdict| verdict.description.scaled().next().is_some());
+    logs.correction = verdict.filter(|verdict| verdict.beyond_doubt && !is_another).map(|verdict| verdict.description);
     let mut findings = Vec::new();
-    for (place, ((path, sieved), report)) in all.into_iter().zip(reports).enumerate() {
+    let unsigned = unsigned(&reports, robot.dof());
+    for (place, ((path, mut sieved), report)) in all.into_iter().zip(reports).enumerate() {
         if let Some(finding) = report.fatal() {
             let problem = format!("the log cannot be used: {}", finding.text);
             return Err(Error::input(path, None, finding.place.as_str(), problem));
@@ -67,6 +72,7 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
         });
         findings
             .extend(noted.map(|finding| (path.display().to_string(), format!("{}: {}", finding.place, finding.text))));
+        unsigned.iter().for_each(|&joint| sieved.recording.tau.channel_mut(joint).fill(f64::NAN));
         let mut pieces = resample::pieces(sieved.recording);
         if pieces.is_empty() {
             return Err(Error::input(path, None, "t", "the clock is so full of gaps that no piece of the log is left"));
@@ -78,10 +84,25 @@ pub fn ready([train, test]: [Vec<(PathBuf, Sieved)>; 2], robot: &Robot) -> Resul
     }
     let findings = quality::with_logs(findings);
     logs.notes.extend(findings.into_iter().map(|(paths, finding)| format!("{}: {finding}", paths.join(", "))));
+    if logs.torque_is_scaled {
+        let text = "the torques are not in N m (N) at the joints, so that residuals, friction and inertias are in the unit of the log: give [units] torque and [motors] in a dataset";
+        logs.notes.push(text.to_owned());
+    }
+    if !unsigned.is_empty() {
+        let names: Vec<&str> = unsigned.iter().map(|&joint| robot.joints[joint].name.as_str()).collect();
+        logs.notes
+            .push(format!("a torque without its sign is left out, as if it had not been logged: {}", names.join(", ")));
+    }
     let is_turned = logs.correction.as_ref().is_some_and(|description| description.gravity != robot.gravity);
     let gravity = if is_turned { "; the arm's gravity is the one given there" } else { "" };
     if logs.correction.is_some() || !logs.units.is_none() {
         logs.notes.push(format!("the logs are taken as corrected.toml describes them{gravity}"));
     }
     Ok(logs)
+}
+
+/// Joints whose torque lost its sign in half of the logs or more: one recorder made them all, so that what a single one seems to show is chance.
+fn unsigned(reports: &[quality::Report], joints: usize) -> Vec<usize> {
+    let count = |joint: usize| reports.iter().filter(|report| report.unsigned.contains(&joint)).count();
+    (0..joints).filter(|&joint| count(joint) > 0 && 2 * count(joint) >= reports.len()).collect()
 }

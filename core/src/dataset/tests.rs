@@ -263,3 +263,31 @@ fn columns_of_a_file_without_names_are_numbered() {
         assert!(error.contains(words), "{error}");
     }
 }
+
+/// A torque without its sign determines nothing; where no other is left the log is refused.
+#[test]
+fn a_torque_without_its_sign_is_left_out() {
+    let log = |signs: [bool; 2]| {
+        let rows: String = (0..4000)
+            .map(|i| {
+                let t = 0.005 * f64::from(i);
+                let own = |rate: f64, lost: bool| {
+                    let tau = (rate * t).cos() - 0.3 * (rate * t).sin();
+                    format!("{:.9}", if lost { tau.abs() } else { tau })
+                };
+                format!("{t},{},{},{},{}\n", (1.7 * t).sin(), (2.3 * t).sin(), own(1.7, signs[0]), own(2.3, signs[1]))
+            })
+            .collect();
+        let case = Case::new("[[train]]\nfile = \"log.csv\"\n", &format!("t,q1,q2,tau1,tau2\n{rows}"));
+        super::ready(case.dataset().unwrap().sieved(&case.robot()).unwrap(), &case.robot())
+    };
+    let one = log([false, true]).unwrap();
+    assert!(one.train[0].has_torque(0) && !one.train[0].has_torque(1));
+    assert!(
+        one.notes.iter().any(|note| note.contains("without its sign is left out") && note.ends_with(": b")),
+        "{:?}",
+        one.notes
+    );
+    let refused = log([true, true]).unwrap_err().to_string();
+    assert!(refused.contains("cannot be used") && refused.contains("sign"), "{refused}");
+}

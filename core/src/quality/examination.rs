@@ -140,7 +140,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
     findings.extend(robot.map_or(Vec::new(), |robot| joint_names::findings(sieved, robot)));
     let mut summaries = Vec::new();
     let mut condition_number = None;
-    let mut comparable = None;
+    let (mut comparable, mut unsigned) = (None, Vec::new());
     if findings.iter().all(|finding| finding.severity != Severity::Fatal) {
         let recording: &Recording = &known;
         let even = in_steps(recording);
@@ -191,6 +191,8 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let mut incomparable = channels::with_frozen_position(view, &findings);
         incomparable.extend((0..view.dof()).filter(|&joint| position_units.is_unknown(joint)));
         findings.extend(velocity::findings(view, units.time_factor, &incomparable));
+        // The table has positions and speeds as they are compared with the limits.
+        let shown = in_si.as_ref().map(|_| motion::summaries(&whole, robot));
         let in_true_time = |log: &Recording| {
             let factor = units.time_factor?;
             let mut log = log.clone();
@@ -215,6 +217,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         // Torques are not compared with positions half a turn from where the joint is.
         let positions_doubtful = units_doubtful || view.log.q.iter().any(|q| channels::half_turn(q).is_some());
         findings.extend(about_motion);
+        summaries = shown.unwrap_or(summaries);
         // Torques are compared with motion in true time.
         let corrected = in_true_time(view.log);
         let corrected_view = corrected.as_ref().map(|log| View::new(log, robot)).transpose()?;
@@ -224,7 +227,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             let (found, condition) = torque::findings(view, &mut summaries, robot);
             findings.extend(found);
             condition_number = condition;
-            let unsigned = channels::without_sign(view, &findings);
+            unsigned = channels::without_sign(view, &findings);
             let mut log = view.log.clone();
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
             comparable = Some(log).filter(|_| unsigned.len() < recording.joints());
@@ -240,6 +243,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         condition_number,
         description: None,
         units,
+        unsigned,
         usable: findings.iter().all(|finding| finding.severity != Severity::Fatal),
         findings,
     };

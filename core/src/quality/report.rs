@@ -1,7 +1,7 @@
 //! What is reported of a log, and of several logs of one arm.
 
 use super::descriptions::Verdict;
-use super::finding::{Finding, Severity};
+use super::finding::{Finding, Kind, Severity};
 use super::motion::JointSummary;
 use super::unit_changes::UnitChanges;
 use crate::recording::lenient::Rejected;
@@ -28,6 +28,9 @@ pub struct Report {
     /// Units that are not those of the description.
     #[serde(skip)]
     pub units: UnitChanges,
+    /// Joints whose torque lost its sign, so that their equation says nothing.
+    #[serde(skip)]
+    pub unsigned: Vec<usize>,
     /// What is wrong, the worst first.
     pub findings: Vec<Finding>,
     /// Whether the log can be used at all.
@@ -35,6 +38,11 @@ pub struct Report {
 }
 
 impl Report {
+    /// Whether the log may be that of another robot: no changed description is one of it then.
+    pub fn is_of_another_robot(&self) -> bool {
+        self.findings.iter().any(|finding| finding.kind == Kind::OtherRobot && finding.severity > Severity::Note)
+    }
+
     /// The first reason why the log cannot be used.
     pub fn fatal(&self) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.severity == Severity::Fatal)

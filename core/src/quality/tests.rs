@@ -370,6 +370,9 @@ fn unsigned_torques_have_no_wrong_sign() {
         worse.map(|finding| (finding.kind, finding.place)).collect::<Vec<_>>()
     };
     assert_eq!(unsigned(&[0, 1, 2, 3, 4, 5]), [(Kind::UnsignedTorque, "tau1 .. tau6".to_owned())]);
+    let mut all = log(&irb(), 250.0, 12.0);
+    all.recording.tau.as_mut_slice().iter_mut().for_each(|v| *v = v.abs());
+    assert!(!examine(&all, Some(&irb())).unwrap().usable);
     let some = unsigned(&[3, 4]);
     assert!(some.len() == 2 && some.iter().all(|(kind, _)| *kind == Kind::UnsignedTorque), "{some:?}");
 }

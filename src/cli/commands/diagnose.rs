@@ -6,13 +6,14 @@ use crate::cli::shared::{
 use crate::dataset::arm::LoggedArm;
 use crate::dataset::{self, Dataset};
 use crate::diagnosis::{
-    Answer, Conclusion, Criteria, DIAGNOSIS_SCHEMA, Diagnosis, EXTENDED_MJCF, EXTENDED_SCENARIO, EXTENDED_URDF,
-    Options, Outcome, Progress,
+    Answer, Conclusion, Consequence, Criteria, DIAGNOSIS_SCHEMA, DataFault, Diagnosis, EXTENDED_MJCF,
+    EXTENDED_SCENARIO, EXTENDED_URDF, Options, Outcome, Progress,
 };
 use crate::effects::Placed;
 use crate::error::{Error, Result};
 use crate::identification::effect_model::Trust;
 use crate::output::ResultFolder;
+use crate::quality;
 use crate::recording::Recording;
 use crate::report::diagnosis as report;
 use crate::report::html::{self, Provenance};
@@ -138,7 +139,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     bar.finish_and_clear();
 
     let named = arguments.logs.named(arguments.arm.robot.clone());
-    let description = answer.description.as_ref().map(|verdict| &verdict.description);
+    // A description that the diagnosis went on with is written; one of the log of another robot is none.
+    let has = |test: fn(&DataFault) -> bool| answer.faults.iter().any(test);
+    let is_another = has(|fault| fault.kind == quality::Kind::OtherRobot)
+        && !has(|fault| fault.consequence == Consequence::Corrected);
+    let description = answer.description.as_ref().filter(|_| !is_another).map(|verdict| &verdict.description);
     corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units.clone())?;
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
     let text = match answer.conclusion() {

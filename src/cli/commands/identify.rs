@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     place(&arguments.effect, arm.robot(), None)?;
     let mut stages = progress::Stages::new(global, &[reading, fits, FIT, SIMULATING]);
     stages.begin("reading the logs");
-    let Logs { train, test, mut notes, correction, units } =
+    let Logs { train, test, mut notes, correction, torque_is_scaled, units } =
         logs(arguments, setup.as_ref(), dataset.as_ref(), &mut arm, global)?;
     let mut robot = arm.into_robot();
     notes.extend(robot.notes.clone());
@@ -130,7 +130,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         None => extended.as_ref().unwrap_or(&plain).with_drives(&robot),
     };
     write_robot(&folder, &identified)?;
-    let found = report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref() };
+    let found =
+        report::Found { plain: &plain, extended: extended.as_ref(), consistent: consistent.as_ref(), torque_is_scaled };
     let result = report::result(&robot, arguments.trust, found, &notes);
     folder.write_json("identification.json", SCHEMA, &result)?;
     stages.begin("simulating the identified arm");

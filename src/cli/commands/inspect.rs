@@ -108,7 +108,9 @@ fn correct(
     let verdict = together.verdict.as_ref();
     // One recorder made all logs: a fault that one shows and another does not is not corrected for all.
     let units = UnitChanges::shared(&together.reports);
-    if verdict.is_none() && units.is_none() {
+    // What describes the log of this robot does not describe that of another.
+    let is_another = together.reports.iter().any(quality::Report::is_of_another_robot);
+    if (verdict.is_none() && units.is_none()) || is_another {
         return Ok(None);
     }
     let description = verdict.map(|verdict| &verdict.description);

@@ -40,6 +40,8 @@ pub struct Found<'a> {
     pub extended: Option<&'a Fitted>,
     /// Bodies that can exist, of the fit without effects.
     pub consistent: Option<&'a Consistent>,
+    /// Whether the logged torques are in another unit than those of the joints.
+    pub torque_is_scaled: bool,
 }
 
 /// Bodies that can exist, as in `identified.urdf`.
@@ -231,8 +233,9 @@ fn drives(robot: &Robot, fitted: &Fitted) -> String {
 
 /// Tables for people: the residual of each joint, its drive, and the effects' parameters.
 pub fn tables(robot: &Robot, found: Found) -> String {
-    let Found { plain, extended, consistent } = found;
+    let Found { plain, extended, consistent, .. } = found;
     let (unit, names) = by_joint(robot);
+    let unit = if found.torque_is_scaled { "unit of the log" } else { unit };
     let title = format!("residual rms, {unit}");
     let mut header = vec![title.as_str(), "training"];
     let held_out = !plain.test_rms.is_empty();

@@ -80,7 +80,9 @@ fn a_torque_before_the_gear() {
 fn a_load_without_direction() {
     let case = case("f08_so101_sage");
     for log in ["custom_motion_flat.csv", "chirp_sweep_flat.csv", "friction_gravity_flat.csv"] {
-        let result = inspected(&case, &[log, "--dataset", "d.toml"]);
+        let output = case.tauscope(&["inspect", "--json", "--out", "out", log, "--dataset", "d.toml"]);
+        assert_eq!(output.status.code(), Some(2));
+        let result = serde_json::from_slice(&output.stdout).unwrap();
         assert!(kinds(&result).contains(&"unsigned_torque".to_owned()), "{log}: {result}");
     }
 }

@@ -322,6 +322,12 @@ pub(super) fn next_experiment(
     let worst =
         (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > criteria.misdescribed);
     match (found.is_empty(), worst) {
+        (true, Some(joint)) if robot.placeholders().is_some() => format!(
+            "the inertias of the description are placeholders, which leaves {:.1} times as much on {} as re-identified inertias and friction do: \
+             extended.urdf holds these",
+            off(joint),
+            robot.joints[joint].name
+        ),
         (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
             "the description of {} has no friction, which leaves {:.1} times as much as re-identified inertias and friction do: \
              extended.urdf holds these; --trust nominal tells whether its inertias are right",

@@ -108,10 +108,14 @@ pub(crate) fn extrapolation(robot: &Robot, diagnosis: &Diagnosis) -> Option<Stri
         false => format!("{} (not determined at all)", joint.name),
     });
     let open: Vec<String> = open.collect();
+    let nominal = match robot.placeholders() {
+        None => "; inertias taken from the URDF (--trust nominal) need less of them",
+        Some(_) => "",
+    };
     (!open.is_empty()).then(|| {
         format!(
             "the training logs do not determine the held-out torque, with a standard deviation above the noise, of {}: conclusions on these joints \
-             are as uncertain. Train with motions as rich as the held-out ones; inertias taken from the URDF (--trust nominal) need less of them",
+             are as uncertain. Train with motions as rich as the held-out ones{nominal}",
             open.join(", ")
         )
     })

@@ -80,6 +80,10 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         // One cause: the joints are not listed one by one.
         out.retain(|finding| finding.kind != Kind::UnsignedTorque);
         out.push(all);
+    } else if without_sign(view, &out).len() == changing(&logged.tau).count() {
+        // Nothing is left to identify from.
+        let unsigned = out.iter_mut().filter(|finding| finding.kind == Kind::UnsignedTorque);
+        unsigned.for_each(|finding| finding.severity = Severity::Fatal);
     }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         // One fault of all: the joints are not listed one by one.
@@ -389,7 +393,7 @@ fn all_torques(view: &View) -> String {
 /// Torques none of which is ever negative (or positive), although two come to zero and turn back, or, of few digits, each comes to
 /// zero again and again: one joint may be loaded so, all of them are not.
 fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Finding> {
-    let changing: Vec<&[f64]> = logged.iter().filter(|tau| tau.iter().any(|v| *v != tau[0])).collect();
+    let changing: Vec<&[f64]> = changing(logged).collect();
     let visits = |tau: &[f64]| runs(tau).filter(|&(start, _)| tau[start] == 0.0).count();
     let one_sided = |tau: &&[f64]| {
         let (low, high) = extremes(tau);
@@ -400,8 +404,13 @@ fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Fin
     (changing.len() > 1 && changing.iter().all(one_sided) && (turned_back || visited())).then(|| {
         let text = "no torque ever changes its sign, although they come to zero again and again: the signs were lost (a load \
                     without direction, or an absolute value); log the torques with their signs";
-        Finding::new(Kind::UnsignedTorque, Severity::Warning, all_torques(view), text)
+        Finding::new(Kind::UnsignedTorque, Severity::Fatal, all_torques(view), text)
     })
+}
+
+/// Torques that change, which a log may lack of some joints.
+fn changing(tau: &Channels) -> impl Iterator<Item = &[f64]> {
+    tau.iter().filter(|tau| tau.iter().any(|v| *v != tau[0] && v.is_finite()))
 }
 
 #[cfg(test)]

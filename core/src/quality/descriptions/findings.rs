@@ -1,11 +1,15 @@
 //! Findings on a wrong description.
 
 use super::change::Change;
+use super::compare::DISTINCT;
 use super::verdict::{Alternative, Shown, Spread, Verdict};
 use crate::quality::finding::{Finding, Kind, Severity};
 
 /// Alternatives that are named; more mean only that the logs do not decide.
 const NAMED: usize = 4;
+
+/// Digits of a percentage at most that tell two shares apart.
+const DIGITS: usize = 2;
 
 /// What the factor of one torque comes from.
 const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [motors] gear_ratio, torque_constant_nm_a";
@@ -163,6 +167,34 @@ fn about_signed(value: f64) -> String {
     format!("{}{}", if value < 0.0 { "-" } else { "" }, about(value.abs()))
 }
 
+/// By how much the residual falls. What changes few of many torques hardly changes their mean: the one that falls most is named then.
+fn fall(verdict: &Verdict, joints: &[String]) -> String {
+    let [after, before] = apart(verdict.after, verdict.before);
+    let text = format!("with that {after} of the torque stays unexplained on parts held out instead of {before}");
+    if verdict.before > DISTINCT * verdict.after {
+        return text;
+    }
+    let [before, after] = &verdict.each;
+    let each = before
+        .iter()
+        .zip(after)
+        .zip(joints)
+        .filter_map(|((before, after), joint)| Some((joint, (*before)?, (*after)?)));
+    match each.max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2))) {
+        Some((joint, before, after)) if before > DISTINCT * after => {
+            let [after, before] = apart(after, before);
+            format!("{text}, of that of {joint} {after} instead of {before}")
+        }
+        _ => text,
+    }
+}
+
+/// Two shares in as few digits as tell them apart.
+fn apart(one: f64, other: f64) -> [String; 2] {
+    let with = |digits: usize| [one, other].map(|share| format!("{:.digits$} %", 100.0 * share));
+    (0..DIGITS).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(DIGITS))
+}
+
 /// The findings of a verdict: one per change, at its column, with the held-out residual under it and under its alternatives.
 pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     let changes = &verdict.description.changes;
@@ -172,11 +204,7 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
     };
     let gain = match verdict.shown {
         Some(shown) => not_by_residuals(shown, joints),
-        None => format!(
-            "with that {} of the torque stays unexplained on parts held out instead of {}",
-            percent(verdict.after),
-            percent(verdict.before)
-        ),
+        None => fall(verdict, joints),
     };
     let next = verdict.next.as_ref().map_or(String::new(), |next| format!("; the best other cause: {}", named(next)));
     let next = if verdict.unlike_bodies { format!("{next}; {ANOTHER}") } else { next };
@@ -270,4 +298,16 @@ pub fn is_description(kind: Kind) -> bool {
             | Kind::Mounting
             | Kind::GravityCompensated
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::apart;
+
+    #[test]
+    fn shares_have_as_many_digits_as_tell_them_apart() {
+        assert_eq!(apart(0.01, 0.16), ["1 %", "16 %"]);
+        assert_eq!(apart(0.029, 0.034), ["2.9 %", "3.4 %"]);
+        assert_eq!(apart(0.0312, 0.0314), ["3.12 %", "3.14 %"]);
+    }
 }

@@ -1,17 +1,16 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
 use super::bodies::compensation;
-use super::change::{Change, Description};
+use super::change::Description;
 use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};
 use super::jumps;
 use super::known::Known;
+use super::scales::{OtherScales, Scales};
 use super::search::{Found, Outcome, search};
 use super::settle::settled;
 use super::shares::ALIKE;
-use super::sizes::factors::OwnFactors;
-use super::sizes::scale::Scaled;
-use super::sizes::{effort, factors, scale, spread};
+use super::sizes::{effort, spread};
 use super::tried::Tried;
 use super::verdict::{Alternative, Shown, Spread, Verdict};
 use super::weights::{self, Weighed};
@@ -125,33 +124,12 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     {
         return Some(untraced_verdict(&before, after, Vec::new()));
     }
-    // Free bodies know nothing of a factor that all joints share. What they see of several is a factor of the joint that differs most;
-    // together with those described they show them all.
     let found = outcome.found.as_ref().map(|found| &found.best);
-    // Other changes that the described bodies deny do not stand for a scale.
-    let denied = |best: &Tried| {
-        let under = |bodies: &Physics| Tried::new(bodies, &rows, best.description.clone());
-        bodies.as_ref().and_then(under).is_none_or(|tried| tried.share() >= ALIKE)
-    };
-    let only_factors = found.is_none_or(|best| best.description.has_only_factors() || denied(best));
-    // Torques without gravity are small against those of the bodies, too. What free bodies see of all torques is their sign.
-    let signed = found.filter(|best| best.description.changes == [Change::AllTorqueSigns]);
-    let signed = signed.map_or(&start, |best| &best.description);
-    let of_all = |bodies: &Physics| {
-        let scaled = scale::judge(bodies, &rows, signed)?;
-        let weightless = Tried::new(bodies, &rows, signed.with(Change::WithoutGravity));
-        let better = |weightless: &Tried| {
-            compare(&weightless.evaluation, &scaled.after.evaluation, &rows.log).is_some_and(|gain| gain.is_distinct())
-        };
-        weightless.is_none_or(|weightless| better(&weightless)).then_some(scaled)
-    };
-    if let Some(Scaled { before, after, factors }) = bodies.as_ref().filter(|_| only_factors).and_then(of_all) {
-        return Some(untraced_verdict(&before, after, factors));
-    }
-    let of_each =
-        |bodies: &Physics| factors::of_joints(&free, bodies, &rows, &outcome.start, found.unwrap_or(&outcome.start));
-    if let Some(OwnFactors { after, factors }) = bodies.as_ref().and_then(of_each) {
-        return Some(untraced_verdict(&outcome.start, after, factors));
+    let scaled = bodies.as_ref().and_then(|bodies| {
+        Scales { robot, free: &free, bodies, rows: &rows, with_motion: &with_motion }.judge(&outcome.start, found)
+    });
+    if let Some(OtherScales { before, after, factors, alternatives }) = scaled {
+        return Some(Verdict { alternatives, ..untraced_verdict(&before, after, factors) });
     }
     let described = || bodies.as_ref().and_then(|bodies| Tried::new(bodies, &rows, start.clone()));
     tracing::debug!(free = ?outcome.start.evaluation.unexplained, share = outcome.start.share(), described = ?described().map(|d| (d.share(), d.evaluation.unexplained)), "shares");

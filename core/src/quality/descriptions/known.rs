@@ -43,6 +43,8 @@ impl<'a> Known<'a> {
         let other = |tried: &Tried| Tried::new(self.other?, rows, tried.description.clone());
         match self.physics {
             Physics::Alone => true,
+            // The torques of other bodies are no multiples: much must be explained by the change.
+            Physics::Multiples(_) => gain.is_large(changes) && gain.is_large_beyond(WRONG_MASSES),
             // Free bodies may make up for much of what is wrong, as for gravity that a torque lacks.
             Physics::Free(_) => {
                 let under_bodies = || Some((other(reference)?, other(best)?));

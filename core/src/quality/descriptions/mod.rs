@@ -9,6 +9,7 @@
 //! | whether one is clearly better than another | `compare` |
 //! | whether a gain is large, and what the described bodies say to it | `known` |
 //! | which set of changes is the smallest | `search` |
+//! | whether torques are of another scale, and wrong besides | `scales` |
 //! | which of those that the logs do not separate | `settle` |
 //! | which direction of gravity needs no drive to carry weights | `weights` |
 //! | which way friction acts, without a model | `jumps` |
@@ -28,6 +29,7 @@ mod judgement;
 mod jumps;
 mod known;
 mod motion_units;
+mod scales;
 mod search;
 mod settle;
 mod shares;

@@ -94,8 +94,11 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             }
         }
         if size == 0 && matches!(physics, Physics::Free(_)) {
-            let tilted = tilt::free_directions(physics, &whole, &start.description);
-            candidates.extend(tilted.into_iter().chain(start.description.in_reverse_order(&rows.measured)));
+            candidates.extend(tilt::free_directions(physics, &whole, &start.description));
+        }
+        // Where joints move in turns, few blocks show to free bodies which is which; those described know their sizes.
+        if size == 0 && !matches!(physics, Physics::Alone) {
+            candidates.extend(start.description.in_reverse_order(&rows.measured));
         }
         // A factor or an offset takes many fits: only the best is grown by one.
         let sized = |from: &Description| {

@@ -251,6 +251,7 @@ mod models;
 mod right_logs;
 mod scales;
 mod slides;
+mod turns;
 mod units;
 mod zeros;
 

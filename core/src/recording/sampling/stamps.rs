@@ -15,6 +15,9 @@ const COARSE: f64 = 0.05;
 const BURST: f64 = 0.1;
 const USUAL: f64 = 0.9;
 
+/// No arm is logged at shorter steps, s: rows that are closer come at once, however many they are.
+const AT_ONCE_S: f64 = 1e-4;
+
 /// A step this many times longer than the coarse clock's, or than rows are apart, is a gap.
 const GAP: f64 = 4.0;
 
@@ -137,7 +140,7 @@ fn bursts(time: &mut Vec<f64>) -> Option<String> {
         return None;
     }
     steps.sort_by(f64::total_cmp);
-    let usual = steps.get((USUAL * steps.len() as f64) as usize)?;
+    let usual = usual(&steps)?;
     let close = |step: f64| step > 0.0 && step < BURST * usual;
     let count = steps.iter().filter(|step| close(**step)).count();
     if (count as f64) < COARSE * time.len() as f64 {
@@ -145,7 +148,8 @@ fn bursts(time: &mut Vec<f64>) -> Option<String> {
     }
     let mut stamps = time.clone();
     for row in 1..stamps.len() {
-        if close(time[row] - time[row - 1]) {
+        let step = time[row] - time[row - 1];
+        if step == 0.0 || close(step) {
             stamps[row] = stamps[row - 1];
         }
     }
@@ -158,6 +162,17 @@ fn bursts(time: &mut Vec<f64>) -> Option<String> {
         100.0 * count as f64 / time.len() as f64,
         1e3 * BURST * usual
     ))
+}
+
+/// The usual one of ascending steps; that between bursts, where nearly all rows come in these.
+fn usual(steps: &[f64]) -> Option<f64> {
+    let usual = *steps.get((USUAL * steps.len() as f64) as usize)?;
+    let pauses = &steps[steps.partition_point(|step| *step < AT_ONCE_S)..];
+    match pauses {
+        [] => Some(usual),
+        pauses if usual < AT_ONCE_S => Some(pauses[pauses.len() / 2]),
+        _ => Some(usual),
+    }
 }
 
 /// Share of steps that go back.
@@ -299,6 +314,11 @@ mod tests {
             assert!(bursts(&mut time).unwrap().contains("100.0 Hz"), "{apart}");
             assert!(time.windows(2).all(|pair| ((pair[1] - pair[0]) - 0.01).abs() < 1e-4));
         }
+        // Twenty rows within a few us, and then a pause.
+        let late = |row: u32| 0.04 * f64::from(row / 20) + 2e-7 * f64::from(row % 20);
+        let mut time: Vec<f64> = (0..4000).map(late).collect();
+        assert!(bursts(&mut time).unwrap().contains("500.0 Hz"));
+        assert!(time.windows(2).all(|pair| ((pair[1] - pair[0]) - 0.002).abs() < 1e-5));
         // An uneven clock is none of bursts, and neither is one with a pair or two.
         let mut uneven = pairs(0.004);
         assert!(bursts(&mut uneven).is_none() && uneven == pairs(0.004));

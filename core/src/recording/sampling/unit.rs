@@ -72,14 +72,18 @@ pub(super) fn in_seconds(columns: &mut [Vec<f64>], layout: &Layout, given: Optio
 
 /// Seconds per unit, its name, what else it could be, and whether the column may count cycles.
 fn of_numbers(columns: &[Vec<f64>], layout: &Layout, first: f64) -> Option<(f64, &'static str, Option<String>, bool)> {
-    let step = median_step(&columns[layout.time()])?.min(mean_step(&columns[layout.time()]));
-    let rate_in = |factor: f64, [least, most]: [f64; 2]| {
+    let (median, mean) = (median_step(&columns[layout.time()])?, mean_step(&columns[layout.time()]));
+    let step = median.min(mean);
+    let rate_of = |step: f64, factor: f64, [least, most]: [f64; 2]| {
         let rate = 1.0 / (step * factor);
         (least * (1.0 - SCATTER)..=most * (1.0 + SCATTER)).contains(&rate)
     };
+    let rate_in = |factor: f64, rates: [f64; 2]| rate_of(step, factor, rates);
     // A clock that counts from the start of a computer reaches these numbers too, in a smaller unit.
     let of_1970 = UNITS.iter().rev().find(|(least, ..)| first.abs() >= *least);
-    if let Some(&(_, factor, unit)) = of_1970.filter(|(_, factor, _)| rate_in(*factor, POSSIBLE_HZ)) {
+    // Rows that come in bursts have the rate of a log on average.
+    let is_rate = |factor: f64| [median, mean].into_iter().any(|step| rate_of(step, factor, POSSIBLE_HZ));
+    if let Some(&(_, factor, unit)) = of_1970.filter(|(_, factor, _)| is_rate(*factor)) {
         return Some((factor, unit, None, false));
     }
     let least = if layout.open_unit { NO_SECONDS_OPEN } else { NO_SECONDS };

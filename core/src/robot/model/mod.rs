@@ -9,6 +9,7 @@ mod constants;
 mod coupling;
 mod inertia;
 mod joint;
+mod placeholders;
 mod pose;
 mod tree;
 mod units;

@@ -32,7 +32,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let mut logs = dataset.sieved(&arm.robot)?;
     arm.settle(Some(&dataset), &mut logs)?;
     let mut robot = arm.robot;
-    let Logs { train, test, mut notes, correction, units } = dataset::ready(logs, &robot)?;
+    let Logs { train, test, mut notes, correction, torque_is_scaled, units } = dataset::ready(logs, &robot)?;
     notes.extend(robot.notes.clone());
     let folder = ResultFolder::create(global.folder(&format!("run_{}", robot.name)))?;
     if let Some(description) = &correction {
@@ -57,7 +57,7 @@ pub(super) fn run(path: &Path, global: &Global) -> Result<u8> {
     let bodies = consistent(&model, logs, preparation, plain)?;
     let identified = bodies.robot(&robot);
 
-    let found = fit_report::Found { plain, extended: None, consistent: Some(&bodies) };
+    let found = fit_report::Found { plain, extended: None, consistent: Some(&bodies), torque_is_scaled };
     let identification = fit_report::result(&robot, Trust::Structure, found, &notes);
     folder.write_json("identification.json", fit_report::SCHEMA, &identification)?;
     identify::write_robot(&folder, &identified)?;

@@ -6,6 +6,7 @@ use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows};
 use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
+use super::disagreement::{FEWEST, MORE_THAN_ALL};
 use crate::robot::Robot;
 
 /// The logs as they are and without the gravity of the described `bodies`, where bodies of any masses explain the torques clearly better by that, and
@@ -16,14 +17,21 @@ pub(crate) fn judged(robot: &Robot, bodies: &Physics, rows: &Rows, start: &Descr
         return None;
     }
     let before = under(bodies, start)?;
-    if before.share() < ALIKE {
+    // Where joints move in turns, those that gravity does not move keep the mean small.
+    let exceeds = |share: &&f64| **share > MORE_THAN_ALL;
+    if before.share() < ALIKE && before.evaluation.unexplained.iter().flatten().filter(exceeds).count() < FEWEST {
         return None;
     }
     let masses = Physics::masses(robot)?;
-    let after = under(&masses, &start.with(Change::WithoutGravity))?;
+    let after = of_masses(robot, rows, start)?;
     let gain = compare(&under(&masses, start)?.evaluation, &after.evaluation, &rows.log)?;
     tracing::debug!(before = before.share(), after = after.share(), gain = gain.gain, p = gain.p, "compensation");
     (after.share() < WRONG_MASSES && gain.is_better(1, EXPLAINED) && gain.is_large(1)).then_some([before, after])
+}
+
+/// The logs without the gravity of the described bodies, whatever these weigh.
+pub(crate) fn of_masses(robot: &Robot, rows: &Rows, start: &Description) -> Option<Tried> {
+    Tried::new(&Physics::masses(robot)?, rows, start.with(Change::WithoutGravity))
 }
 
 /// Whether bodies of any masses explain what a controller leaves of a torque.

@@ -27,10 +27,10 @@ const UNLIKE_SHAPES: f64 = 2.0;
 const NOT_MASSES: f64 = 0.3;
 
 /// One torque may have a cause of its own, as a spring or a factor.
-const FEWEST: usize = 2;
+pub(super) const FEWEST: usize = 2;
 
 /// Share from which described bodies need more torque than there is: no load, friction or rotor takes that off. Of so many joints that is enough.
-const MORE_THAN_ALL: f64 = 1.0;
+pub(super) const MORE_THAN_ALL: f64 = 1.0;
 
 /// A finding where no bodies explain half of the torques, or only others than those described.
 pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Description>) -> Option<Finding> {

@@ -33,6 +33,9 @@ pub(crate) enum Physics {
     Bodies(Box<Robot>),
     /// The bodies as described, but for their masses: a factor of each is free, and rotors are.
     Masses(Box<Robot>),
+    /// The bodies as described, of whose torques each joint shows another multiple; rotors are free. What one joint has of them says nothing about
+    /// the others, so that a load is none.
+    Multiples(Box<Robot>),
     /// Nothing: each joint has gravity on a level axis and an inertia of its own.
     Alone,
 }
@@ -105,6 +108,11 @@ impl Physics {
         Physics::bodies(robot).map(|_| Physics::Masses(Box::new(robot.clone())))
     }
 
+    /// The bodies as described, in a unit of its own on each joint.
+    pub(crate) fn multiples(robot: &Robot) -> Option<Physics> {
+        Physics::bodies(robot).map(|_| Physics::Multiples(Box::new(robot.clone())))
+    }
+
     /// The tables of a description.
     pub(crate) fn tables(&self, rows: &Rows, description: &Description) -> Tables {
         let dof = description.dof();
@@ -151,6 +159,16 @@ impl Physics {
                     let own = torques.iter().map(|torque| torque.channel(joint).to_vec());
                     let columns = own.chain([motion.qdd.channel(joint).to_vec()]).collect();
                     ((0..bodies).chain([bodies + joint]).collect(), columns)
+                };
+                (0..dof).map(of).collect()
+            }
+            Physics::Multiples(robot) => {
+                nonnegative.resize(2 * dof, true);
+                let chain = Chain::new(robot).with_gravity(gravity);
+                let torques = inverse_dynamics(&chain, &robot.inertial_parameters(), &motion);
+                let of = |joint: usize| {
+                    let columns = vec![torques.channel(joint).to_vec(), motion.qdd.channel(joint).to_vec()];
+                    (vec![joint, dof + joint], columns)
                 };
                 (0..dof).map(of).collect()
             }
@@ -201,7 +219,7 @@ impl Physics {
         let (load, held) = match self {
             Physics::Free(model) if logs > 1 => (Load::difference(model.chain(), gravity, motion), 1),
             Physics::Bodies(robot) | Physics::Masses(robot) => (Load::on(robot, gravity, motion), 0),
-            Physics::Free(_) | Physics::Alone => return None,
+            Physics::Free(_) | Physics::Multiples(_) | Physics::Alone => return None,
         };
         let mut first = vec![None; logs];
         for first in &mut first[held..] {

@@ -4,7 +4,7 @@
 //! square of time. Free bodies show it by themselves where the clock is wrong by much: wrong masses, and inertias that are placeholders, change
 //! nothing about it. A smaller factor shows where the described bodies, whatever they weigh, show the same factor as free ones.
 
-use super::super::change::Description;
+use super::super::change::{Change, Description};
 use super::super::compare::{Comparison, DISTINCT, EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows};
 use super::super::judgement::judge;
@@ -36,6 +36,10 @@ const OF_TEN: f64 = 0.12;
 
 /// Samples that are looked at, from the middle of the log.
 const MOST_SAMPLES: usize = 20_000;
+
+/// A controller whose masses are wrong by half takes off so much of gravity that inertia is three times as large against what is left: as under a
+/// clock with this factor, the square root of a third. Larger factors are none of gravity.
+const OF_GRAVITY: f64 = 0.577;
 
 /// Motion this many times slower has no torque of inertia to speak of.
 const SLOW: f64 = 1e-3;
@@ -182,13 +186,32 @@ impl<'a> Timing<'a> {
         compare(&other.evaluation, &with.evaluation, &rows.log)
     }
 
-    /// Whether a factor explains half of the torques, clearly better than the clock does, and than motion without inertia does.
+    /// Whether a factor explains half of the torques, clearly better than the clock does, and than motion without inertia does, and torques
+    /// without gravity.
     fn is_shown(&self, rows: &Rows, with: &Tried, factor: f64) -> bool {
-        let better = |than: f64| {
-            let gain = self.gain(rows, with, than);
-            gain.is_some_and(|gain| gain.is_better(TRIED.len(), EXPLAINED) && gain.is_large(1))
+        let is_clear = |gain: Comparison| gain.is_better(TRIED.len(), EXPLAINED) && gain.is_large(1);
+        let better = |than: f64| self.gain(rows, with, than).is_some_and(is_clear);
+        with.explains_half()
+            && better(factor)
+            && better(SLOW)
+            && !(factor < OF_GRAVITY && self.lack_gravity(rows, with, factor))
+    }
+
+    /// Whether torques of which a controller takes the gravity off, in the time of the clock, are explained about as well as by a factor. What
+    /// is left of gravity where it knows the masses wrongly is small against inertia, as under a fast clock.
+    fn lack_gravity(&self, rows: &Rows, with: &Tried, factor: f64) -> bool {
+        let as_logged = Rows { motion: faster(&rows.motion, factor), ..rows.clone() };
+        let weightless = |physics: &Physics| {
+            let given = Description::as_given(self.times.robot.dof(), self.times.robot.gravity);
+            Tried::new(physics, &as_logged, given.with(Change::WithoutGravity))
         };
-        with.explains_half() && better(factor) && better(SLOW)
+        let own = weightless(self.physics);
+        let of_masses = Physics::masses(self.times.robot).and_then(|masses| weightless(&masses));
+        let explains = |other: Tried| {
+            let gain = compare(&other.evaluation, &with.evaluation, &rows.log);
+            other.explains_half() && !gain.is_some_and(|gain| gain.is_better(1, EXPLAINED) && gain.is_large(1))
+        };
+        own.into_iter().chain(of_masses).any(explains)
     }
 }
 

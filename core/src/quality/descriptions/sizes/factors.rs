@@ -32,7 +32,8 @@ const ROUNDS: usize = 3;
 pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
     // Nothing joins the torques of joints by themselves. And a factor takes a torque that no model explains out of the fit of the others:
     // together with another change it explains too much, but for the sign of all, which takes no torque out.
-    if matches!(physics, Physics::Alone) || from.dof() < 2 || !from.has_only_scales_and_signs() {
+    if matches!(physics, Physics::Alone | Physics::Multiples(_)) || from.dof() < 2 || !from.has_only_scales_and_signs()
+    {
         return Vec::new();
     }
     let tables = physics.tables(rows, from);

@@ -71,10 +71,13 @@ pub(crate) fn judge(bodies: &Physics, rows: &Rows, start: &Description) -> Optio
             each[joint] = best(each[joint], WIDEST, with)?;
         }
     }
-    let known = |joint: usize| alone[joint].map(|_| each[joint]);
+    // A torque without bound to its factor has no part in the bodies: its factor is not known.
+    let bounded = |factor: f64| (factor / shared).ln().abs() < WIDEST.ln();
+    let known = |joint: usize| alone[joint].and_then(|_| Some(each[joint]).filter(|factor| bounded(*factor)));
     let each_known: Vec<Option<f64>> = (0..each.len()).map(known).collect();
-    let mut own = start.with_scales(shared, &each);
-    own.scale_is_partial = alone.iter().any(Option::is_none);
+    let all: Vec<f64> = each.iter().map(|factor| if bounded(*factor) { *factor } else { shared }).collect();
+    let mut own = start.with_scales(shared, &all);
+    own.scale_is_partial = each_known.iter().any(Option::is_none);
     let candidates = [(scaled(shared), vec![Some(shared)]), (own, each_known)];
     let [one, differing] = candidates.map(|(description, factors)| {
         let after = Tried::new(bodies, rows, description)?;

@@ -47,7 +47,7 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     let chain = match physics {
         Physics::Free(model) => model.chain().clone(),
         Physics::Bodies(robot) | Physics::Masses(robot) => Chain::new(robot),
-        Physics::Alone => return Vec::new(),
+        Physics::Multiples(_) | Physics::Alone => return Vec::new(),
     };
     if from.scaled().next().is_some() {
         return Vec::new();

@@ -67,3 +67,25 @@ fn gravity_that_is_left_is_no_other_robot() {
         assert!(!others, "{share}: {:?}", together.reports[0].findings);
     }
 }
+
+/// Nor is it a clock: masses that a controller knows wrongly leave a gravity that is small against inertia.
+#[test]
+fn gravity_that_is_left_is_no_clock_and_no_scale() {
+    let robot = irb();
+    let mut wrong = Vec::new();
+    for seed in 0..6 {
+        let mut random = random::stream(seed, "controller", 0);
+        let mut actual = robot.clone();
+        for joint in &mut actual.joints {
+            let factor = random.random_range(0.7..1.3);
+            joint.inertia.0.iter_mut().for_each(|value| *value *= factor);
+        }
+        let log = compensated(simulated(&actual, Oddity::None, 30.0, 60 + seed), &robot);
+        let report = examine_together(&[&log], Some(&robot)).unwrap().reports.remove(0);
+        let changes = report.description.map(|verdict| verdict.description.changes).unwrap_or_default();
+        if report.units.time_factor.is_some() || changes.iter().any(|change| *change != Change::WithoutGravity) {
+            wrong.push(format!("{seed}: clock {:?}, {changes:?}", report.units.time_factor));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

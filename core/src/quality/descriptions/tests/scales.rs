@@ -111,3 +111,36 @@ fn a_scale_is_found_with_the_sign_of_all_torques() {
     };
     assert!((factor / 90.0 - 1.0).abs() < 0.3 && !verdict.beyond_doubt, "{factor}");
 }
+
+/// Torques at the motor side of gears, one of them with the other sign, two of them exchanged, or of an arm that hangs or is on a wall.
+#[test]
+fn a_scale_is_found_with_one_more_fault() {
+    let robot = irb();
+    let other = with_other_masses(&robot, 3);
+    let gears = [121.0, 161.0, 101.0, 81.0, 100.0, 51.0];
+    let hanging = Change::Gravity([0.0, 0.0, 9.81]);
+    let wall = Change::Gravity([0.0, -9.81, 0.0]);
+    let mut wrong = Vec::new();
+    for change in [Change::TorqueSign(3), Change::TorqueExchange(1, 2), hanging, wall] {
+        let given = Description::as_given(6, robot.gravity).with(change);
+        let mounted = Robot { gravity: given.gravity, ..other.clone() };
+        let mut log = simulated(&mounted, Oddity::None, 15.0, 4);
+        let torques = log.recording.tau.clone();
+        for (joint, gear) in gears.into_iter().enumerate() {
+            let from = torques.channel(given.torque_of[joint]).iter();
+            let own: Vec<f64> = from.map(|torque| given.torque_sign[joint] * torque / gear).collect();
+            log.recording.tau.channel_mut(joint).copy_from_slice(&own);
+        }
+        let verdict = judged(&log);
+        let holds = verdict.as_ref().is_some_and(|verdict| verdict.description.changes.contains(&change));
+        let is_possible = |factor: &Option<f64>| factor.is_none_or(|factor| (1e-3..1.0).contains(&factor.abs()));
+        let possible = verdict.as_ref().is_some_and(|verdict| verdict.factors.iter().all(is_possible));
+        if !(holds && possible && !verdict.as_ref().is_some_and(|verdict| verdict.beyond_doubt)) {
+            wrong.push(format!(
+                "{change:?}: {:?}",
+                verdict.map(|v| (v.description.changes, v.factors, v.before, v.after))
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -106,7 +106,7 @@ impl Scales<'_> {
     fn of_all(&self, start: &Description) -> Option<Own> {
         let Scaled { before, after, factors } = scale::judge(self.bodies, self.rows, start)?;
         let weightless = Tried::new(self.bodies, self.rows, start.with(Change::WithoutGravity));
-        let compensated = compensation::of_masses(self.robot, self.rows, start);
+        let compensated = self.compensated(start, &factors);
         let worse = |weightless: Tried| {
             compare(&weightless.evaluation, &after.evaluation, &self.rows.log).is_some_and(|gain| gain.is_distinct())
         };
@@ -117,11 +117,18 @@ impl Scales<'_> {
         Some(Own { scales: OtherScales { before, after, factors, alternatives: Vec::new() }, described })
     }
 
+    /// The logs without the gravity of the described bodies, whatever these weigh, where torques are smaller than those of the bodies: to masses
+    /// that are free, larger ones are heavier bodies.
+    fn compensated(&self, start: &Description, factors: &[Option<f64>]) -> Option<Tried> {
+        let are_small = factors.iter().flatten().all(|factor| *factor < 1.0);
+        are_small.then(|| compensation::of_masses(self.robot, self.rows, start)).flatten()
+    }
+
     /// Factors of the torques one by one.
     fn of_each(&self, start: &Tried, found: &Tried) -> Option<Own> {
         let OwnFactors { after, factors } = factors::of_joints(self.free, self.bodies, self.rows, start, found)?;
         let described = Tried::new(self.bodies, self.rows, after.description.clone())?;
-        if let Some(compensated) = compensation::of_masses(self.robot, self.rows, &start.description) {
+        if let Some(compensated) = self.compensated(&start.description, &factors) {
             let gain = compare(&compensated.evaluation, &described.evaluation, &self.rows.log)?;
             gain.is_distinct().then_some(())?;
         }

@@ -181,6 +181,28 @@ fn dead_time_is_measured() {
 }
 
 #[test]
+fn torques_that_come_half_a_second_late_or_early_are_found() {
+    let robot = irb();
+    for (rate_hz, delay) in [(250.0, 0.1), (250.0, 0.4), (50.0, 0.2), (100.0, -0.15)] {
+        let mut sieved = log(&robot, rate_hz, 20.0);
+        let by = (delay * rate_hz).round() as isize;
+        let (all, cut) = (sieved.recording.samples(), by.unsigned_abs());
+        let [first, last] = [sieved.recording.slice(0..all - cut), sieved.recording.slice(cut..all)];
+        let (motion, torques) = if by > 0 { (last, first) } else { (first, last) };
+        sieved.recording = Recording { tau: torques.tau, ..motion };
+        sieved.lines.truncate(all - cut);
+        let report = examine(&sieved, Some(&robot)).unwrap();
+        let told: Vec<&Finding> = report.findings.iter().filter(|f| f.kind == Kind::DeadTime).collect();
+        let [told] = told[..] else { panic!("{delay}: {:?}", report.findings) };
+        let side = if delay > 0.0 { "comes behind" } else { "comes ahead of" };
+        assert!(told.text.contains(side), "{}", told.text);
+        for lag in report.joints.iter().filter_map(|joint| joint.dead_time_s) {
+            assert!((lag - delay).abs() < 0.02, "{lag} of {delay}");
+        }
+    }
+}
+
+#[test]
 fn position_and_velocity_faults() {
     let robot = irb();
     let degrees = 180.0 / std::f64::consts::PI;

@@ -326,6 +326,7 @@ mod tests {
             reversals: 0,
             torque_rms: 1.0,
             unexplained: None,
+            constant: None,
             dead_time_s: None,
         }
     }

@@ -1,8 +1,8 @@
 //! The result of `tauscope inspect`.
 
 use super::console::{significant, table};
-use crate::quality::descriptions::{Alternative, Change, Verdict, words};
-use crate::quality::{Finding, JointSummary, Report, Severity, with_logs};
+use crate::quality::descriptions::{Alternative, Change, Verdict, is_description, words};
+use crate::quality::{Finding, JointSummary, Kind, Report, Severity, with_logs};
 use crate::recording::lenient::Rejected;
 use crate::robot::Robot;
 use serde::Serialize;
@@ -258,6 +258,13 @@ fn nothing_wrong(report: &Report, is_known: bool) -> String {
     if let Some(short) = too_short(report) {
         return short;
     }
+    // Such a note tells what is wrong, though it stops nothing.
+    let tells = |finding: &Finding| {
+        matches!(finding.kind, Kind::OtherRobot | Kind::ModelTorque) || is_description(finding.kind)
+    };
+    if report.findings.iter().any(tells) {
+        return "Nothing else is wrong with it.".into();
+    }
     match is_known {
         true => nothing_but_unexplained(&report.joints),
         false => "Nothing is wrong with it as far as it shows without the robot: --robot compares torques and motion with its file.".into(),
@@ -270,11 +277,16 @@ fn too_short(report: &Report) -> Option<String> {
     reversals.sort_unstable();
     let median = *reversals.get(reversals.len() / 2)?;
     let last = reversals.last()?;
+    let times = match reversals[0] == *last {
+        true => last.to_string(),
+        false => format!("{} to {last}", reversals[0]),
+    };
     (report.duration_s < SHORT_S && median < FEW_REVERSALS).then(|| {
         format!(
-            "Nothing wrong shows in it, but {:.1} s in which joints turn round {} to {last} times are too short to tell: log {LONG_S} s or more in \
+            "Nothing wrong shows in it, but {:.1} s in which joints turn round {times} times are too short to tell: log {LONG_S} s or more in \
              which each turns round {} times or more.",
-            report.duration_s, reversals[0], 2 * FEW_REVERSALS
+            report.duration_s,
+            2 * FEW_REVERSALS
         )
     })
 }

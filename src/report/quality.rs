@@ -1,8 +1,8 @@
 //! The result of `tauscope inspect`.
 
 use super::console::{significant, table};
-use crate::quality::descriptions::{Alternative, Change, Verdict, words};
-use crate::quality::{Finding, JointSummary, Report, Severity, with_logs};
+use crate::quality::descriptions::{Alternative, Change, Verdict, is_description, words};
+use crate::quality::{Finding, JointSummary, Kind, Report, Severity, with_logs};
 use crate::recording::lenient::Rejected;
 use crate::robot::Robot;
 use serde::Serialize;
@@ -11,6 +11,12 @@ use std::path::Path;
 /// Share of a joint's torque from which what the robot's model leaves unexplained is mentioned though nothing is found: that of the right
 /// robot leaves a hundredth of simulated torques, and about a tenth of real ones.
 const MUCH: f64 = 0.3;
+
+/// A log that is shorter, s, of which half of the joints turn round fewer times, has too few independent parts: what is wrong with it may not
+/// show, as friction and gravity are not told apart by it. So long are those that show it.
+const SHORT_S: f64 = 10.0;
+const FEW_REVERSALS: usize = 4;
+const LONG_S: f64 = 30.0;
 
 /// Schema of what `tauscope inspect --json` prints.
 pub(crate) const SCHEMA: &str = "tauscope.quality/1";
@@ -238,30 +244,83 @@ fn text(path: &Path, robot: Option<&Robot>, report: &Report, own: &[&Finding]) -
         ];
         text += &format!("\n\n{}", table(&header, rows));
     }
-    if report.findings.is_empty() {
-        let joints = report.joints.iter().map(|joint| (joint.name.as_str(), joint.unexplained.unwrap_or_default()));
-        return text + "\n\n" + &nothing_wrong(joints);
-    }
     if !own.is_empty() {
         text += &format!("\n\n{}", own.iter().map(|finding| line(finding)).collect::<Vec<_>>().join("\n"));
+    }
+    if report.findings.iter().all(|finding| finding.severity == Severity::Note) {
+        text += &format!("\n\n{}", nothing_wrong(report, robot.is_some()));
     }
     text
 }
 
-/// What is said where nothing is found, with the joints of which the robot's model leaves a share of the torque: another robot, or a zero
-/// that is off, is no fault of a log by itself.
-fn nothing_wrong<'a>(joints: impl Iterator<Item = (&'a str, f64)>) -> String {
-    let much =
-        joints.filter(|(_, share)| *share > MUCH).map(|(name, share)| format!("{:.0} % of {name}", 100.0 * share));
-    let much: Vec<String> = much.collect();
-    if much.is_empty() {
-        return "Nothing is wrong with it.".into();
+/// What is said where nothing wrong is found.
+fn nothing_wrong(report: &Report, is_known: bool) -> String {
+    if let Some(short) = too_short(report) {
+        return short;
     }
-    format!(
-        "Nothing is wrong with it by itself, but the robot's model leaves much of the torque unexplained ({}): check that it is this robot, how it \
-         is mounted (--gravity), that the zeros of its joints are right, and what it carries; `tauscope diagnose` says what the model misses.",
-        much.join(", ")
-    )
+    // Such a note tells what is wrong, though it stops nothing.
+    let tells = |finding: &Finding| {
+        matches!(finding.kind, Kind::OtherRobot | Kind::ModelTorque) || is_description(finding.kind)
+    };
+    if report.findings.iter().any(tells) {
+        return "Nothing else is wrong with it.".into();
+    }
+    match is_known {
+        true => nothing_but_unexplained(&report.joints),
+        false => "Nothing is wrong with it as far as it shows without the robot: --robot compares torques and motion with its file.".into(),
+    }
+}
+
+/// What is said of a log that ends before its torques repeat themselves: none of its faults would be certain.
+fn too_short(report: &Report) -> Option<String> {
+    let mut reversals: Vec<usize> = report.joints.iter().map(|joint| joint.reversals).collect();
+    reversals.sort_unstable();
+    let median = *reversals.get(reversals.len() / 2)?;
+    let last = reversals.last()?;
+    let times = match reversals[0] == *last {
+        true => last.to_string(),
+        false => format!("{} to {last}", reversals[0]),
+    };
+    (report.duration_s < SHORT_S && median < FEW_REVERSALS).then(|| {
+        format!(
+            "Nothing wrong shows in it, but {:.1} s in which joints turn round {times} times are too short to tell: log {LONG_S} s or more in \
+             which each turns round {} times or more.",
+            report.duration_s,
+            2 * FEW_REVERSALS
+        )
+    })
+}
+
+/// The same with the joints of which the robot's model leaves a share of the torque: another robot, or a zero that is off, is no fault of a log by
+/// itself. A constant torque is none of these: it is that of a sensor or a current.
+fn nothing_but_unexplained(joints: &[JointSummary]) -> String {
+    let much = joints.iter().filter_map(|joint| Some((joint, joint.unexplained.filter(|share| *share > MUCH)?)));
+    let (constant, others): (Vec<_>, Vec<_>) =
+        much.partition(|(joint, _)| joint.constant.is_some_and(|constant| constant.unexplained <= MUCH));
+    let of_constants = constant.iter().filter_map(|(joint, share)| {
+        let torque = joint.constant?.torque;
+        Some(format!("{} on {} ({:.0} % of its torque)", significant(torque), joint.name, 100.0 * share))
+    });
+    let of_constants = of_constants.collect::<Vec<_>>().join(", ");
+    let of_others = others.iter().map(|(joint, share)| format!("{:.0} % of {}", 100.0 * share, joint.name));
+    let of_others = of_others.collect::<Vec<_>>().join(", ");
+    let offset = "A constant torque that no body makes, as an offset of a sensor or a current";
+    match (of_constants.is_empty(), of_others.is_empty()) {
+        (true, true) => "Nothing is wrong with it.".into(),
+        (false, true) => format!("Nothing is wrong with it by itself. {offset}, N m or N: {of_constants}."),
+        (has_none, false) => {
+            let constants = if has_none {
+                String::new()
+            } else {
+                format!(" {offset}, N m or N, is not among that: {of_constants}.")
+            };
+            format!(
+                "Nothing is wrong with it by itself, but the robot's model leaves much of the torque unexplained ({of_others}): check that it is this \
+                 robot, how it is mounted (--gravity), that the zeros of its joints are right, and what it carries; `tauscope diagnose` says what \
+                 the model misses.{constants}"
+            )
+        }
+    }
 }
 
 fn line(finding: &Finding) -> String {
@@ -276,6 +335,7 @@ fn line(finding: &Finding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quality::Constant;
     use crate::quality::descriptions::Description;
 
     #[test]
@@ -312,10 +372,33 @@ mod tests {
         assert_eq!(of(given.with(Change::TorqueSign(0)), Vec::new()), serde_json::Value::Null);
     }
 
+    fn joint(name: &str, unexplained: f64, constant: Option<Constant>) -> JointSummary {
+        JointSummary {
+            name: name.into(),
+            range: [0.0, 1.0],
+            range_share: None,
+            speed: 1.0,
+            speed_share: None,
+            reversals: 3,
+            torque_rms: 1.0,
+            unexplained: Some(unexplained),
+            constant,
+            dead_time_s: None,
+        }
+    }
+
     #[test]
     fn torque_that_stays_unexplained_is_mentioned() {
-        assert_eq!(nothing_wrong([("a", 0.29), ("b", 0.01)].into_iter()), "Nothing is wrong with it.");
-        let said = nothing_wrong([("a", 0.31), ("b", 0.01)].into_iter());
+        let of = |unexplained: f64, constant: Option<Constant>| {
+            nothing_but_unexplained(&[joint("a", unexplained, constant), joint("b", 0.01, None)])
+        };
+        assert_eq!(of(0.29, None), "Nothing is wrong with it.");
+        let said = of(0.31, None);
         assert!(said.starts_with("Nothing is wrong with it by itself") && said.contains("31 % of a)"), "{said}");
+        // An offset is no other robot.
+        let said = of(0.47, Some(Constant { torque: -0.2, unexplained: 0.05 }));
+        assert!(said.contains("-0.2") && said.contains("on a (47 %") && !said.contains("this robot"), "{said}");
+        let said = of(0.47, Some(Constant { torque: -0.2, unexplained: 0.4 }));
+        assert!(said.contains("47 % of a)"), "{said}");
     }
 }

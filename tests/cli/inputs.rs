@@ -1,6 +1,7 @@
 //! Bad input: every refusal names the file and line, the key or the joint, and leaves nothing behind.
 
-use super::{Case, ROOT, assert_refusal};
+use super::inspect::{ARM, one_joint, sines};
+use super::{Case, ROOT, assert_done, assert_refusal, text};
 
 #[test]
 fn scenario_keys() {
@@ -210,4 +211,33 @@ fn a_range_without_zero() {
 #[test]
 fn identification_without_enough_motion() {
     Case::new(&[("band_rad_s = 0.03", "band_rad_s = 100.0")]).assert_refused(&["exact signals", "joint 1", "0 usable"]);
+}
+
+#[test]
+fn torques_without_their_signs_stop_inspect_and_identify() {
+    let case = Case::new(&[]);
+    case.write("one.urdf", ARM);
+    let row = |t: f64| {
+        let (q, v, a) = ((3.0 * t).sin(), 3.0 * (3.0 * t).cos(), -9.0 * (3.0 * t).sin());
+        format!("{q:.9},{:.9}", (2.0 * a + 1.5 * v + 3.0 * v.signum()).abs())
+    };
+    case.write("log.csv", &sines("t,q1,tau1", row));
+    let output = case.tauscope(&["inspect", "log.csv", "--robot", "one.urdf"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stdout).contains("fatal: tau1 (a)"), "{}", text(&output.stdout));
+    assert_refusal(&case.tauscope(&["identify", "--robot", "one.urdf", "--train", "log.csv"]), &["log.csv", "sign"]);
+}
+
+#[test]
+fn inertias_that_say_nothing_are_named() {
+    let case = Case::new(&[]);
+    let (inertial, end) = (ARM.find("<inertial>").unwrap(), ARM.find("</inertial>").unwrap() + "</inertial>".len());
+    case.write("one.urdf", &format!("{}{}", &ARM[..inertial], &ARM[end..]));
+    case.write("log.csv", &sines("t,q1,tau1", one_joint));
+    let identify = ["identify", "--robot", "one.urdf", "--train", "log.csv", "--out", "out"];
+    for arguments in [&["inspect", "log.csv", "--robot", "one.urdf"][..], &identify] {
+        let output = case.tauscope(arguments);
+        assert_done(&output);
+        assert!(text(&output.stdout).contains("describes no inertias"), "{}", text(&output.stdout));
+    }
 }

@@ -468,30 +468,14 @@ fn signals_that_lack_something() {
 }
 
 #[test]
-fn torques_without_their_signs_stop_inspect_and_identify() {
+fn what_is_not_looked_at_is_said() {
     let case = Case::new(&[]);
-    case.write("one.urdf", ARM);
-    let row = |t: f64| {
-        let (q, v, a) = ((3.0 * t).sin(), 3.0 * (3.0 * t).cos(), -9.0 * (3.0 * t).sin());
-        format!("{q:.9},{:.9}", (2.0 * a + 1.5 * v + 3.0 * v.signum()).abs())
-    };
-    case.write("log.csv", &sines("t,q1,tau1", row));
-    let output = case.tauscope(&["inspect", "log.csv", "--robot", "one.urdf"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stdout).contains("fatal: tau1 (a)"), "{}", text(&output.stdout));
-    assert_refusal(&case.tauscope(&["identify", "--robot", "one.urdf", "--train", "log.csv"]), &["log.csv", "sign"]);
-}
-
-#[test]
-fn inertias_that_say_nothing_are_named() {
-    let case = Case::new(&[]);
-    let (inertial, end) = (ARM.find("<inertial>").unwrap(), ARM.find("</inertial>").unwrap() + "</inertial>".len());
-    case.write("one.urdf", &format!("{}{}", &ARM[..inertial], &ARM[end..]));
-    case.write("log.csv", &sines("t,q1,tau1", one_joint));
-    let identify = ["identify", "--robot", "one.urdf", "--train", "log.csv", "--out", "out"];
-    for arguments in [&["inspect", "log.csv", "--robot", "one.urdf"][..], &identify] {
-        let output = case.tauscope(arguments);
-        assert_done(&output);
-        assert!(text(&output.stdout).contains("describes no inertias"), "{}", text(&output.stdout));
-    }
+    let slow = |t: f64| format!("{:.7},{:.5}", t.sin(), 5.0 * t.sin() + (2.3 * t).cos());
+    case.write("log.csv", &sines("t,q1 [grad],tau1", slow));
+    let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);
+    assert!(said.contains("grad, in the name of q1 [grad], is no known unit"), "{said}");
+    assert!(said.contains("too short to tell") && !said.contains("Nothing is wrong"), "{said}");
+    case.write("log.csv", &sines("t,q1,tau1", |t| one_joint(3.0 * t)));
+    let said = text(&case.tauscope(&["inspect", "log.csv"]).stdout);
+    assert!(said.contains("Nothing is wrong with it as far as it shows without the robot"), "{said}");
 }

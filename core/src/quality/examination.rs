@@ -150,12 +150,17 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         let position_units = PositionUnits::of(&view, &summaries, robot, &endless);
         // Derivatives across a long gap are those of no motion.
         let longest = resample::longest_stretch(recording).map(|rows| resample::evenly(&recording.slice(rows)));
-        units = rates::found(longest.as_ref().unwrap_or(&even), &position_units, robot)?;
+        let of_units = longest.as_ref().unwrap_or(&even);
+        let position_units = match rates::gear_ratio(of_units, &position_units, robot)? {
+            Some(ratio) => position_units.before_gears(ratio),
+            None => position_units,
+        };
+        units = rates::found(of_units, &position_units, robot)?;
         findings.extend(rates::findings(&units, &position_units, &view));
         // All else is asked of positions in rad and m, and of motion in true time: what comes of a wrong unit is no fault of its own.
         let in_si = units.positions_in_si(&even);
         let view = in_si.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
-        findings.extend(channels::findings(&view, &sieved.recording));
+        findings.extend(channels::findings(&view, &sieved.recording, robot)?);
         let longest = longest.map(|log| units.positions_in_si(&log).unwrap_or(log));
         let whole = view;
         let jumps = Jumps::of(&whole);

@@ -22,7 +22,7 @@ mod view;
 pub use channels::{clipping, motor_off, torque_spikes};
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, with_logs};
-pub use motion::{JointSummary, OtherUnit};
+pub use motion::{Constant, JointSummary, OtherUnit};
 pub use report::{Report, Together};
 pub use unit_changes::{OtherRate, UnitChanges};
 pub use units::examine_in_own_units;

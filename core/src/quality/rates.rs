@@ -27,7 +27,7 @@ const WITHIN: f64 = 1.05;
 /// # Errors
 /// Those of the filters.
 pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<UnitChanges> {
-    let mut units = of_motion(log, positions, robot)?;
+    let mut units = of_motion(log, units_of_positions(log, positions, robot)?, robot)?;
     if let Some(robot) = robot.filter(|_| units.is_none() && !positions.any())
         && descriptions::are_turns(log, robot)?
     {
@@ -43,9 +43,58 @@ pub(super) fn found(log: &Recording, positions: &PositionUnits, robot: Option<&R
     Ok(units.or_none())
 }
 
-/// What positions and velocities show.
-fn of_motion(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<UnitChanges> {
-    let mut units = UnitChanges { positions: positions.units(), ..UnitChanges::default() };
+/// The ratio of the gears before which all joints that turn are logged, where none of them is in rad.
+///
+/// # Errors
+/// Those of the filters.
+pub(super) fn gear_ratio(log: &Recording, positions: &PositionUnits, robot: Option<&Robot>) -> Result<Option<f64>> {
+    match robot.filter(|_| positions.all_turned_doubt()) {
+        Some(robot) => descriptions::gear_ratio(log, robot, &positions.units()),
+        None => Ok(None),
+    }
+}
+
+/// The unit of each joint's positions, where it is none of SI. What half of the joints show is assumed of the others, unless their velocities or
+/// the torques show SI units.
+fn units_of_positions(
+    log: &Recording,
+    positions: &PositionUnits,
+    robot: Option<&Robot>,
+) -> Result<Vec<Option<OtherUnit>>> {
+    let mut units = positions.units();
+    let mut assumed: Vec<usize> = (0..units.len()).filter(|&j| units[j].is_some() && !positions.doubts(j)).collect();
+    if assumed.is_empty() {
+        return Ok(units);
+    }
+    let view = View::new(log, robot)?;
+    let of_unit = |joint: usize, ratio: f64| {
+        let unit = units[joint].map_or(1.0, OtherUnit::in_si);
+        (ratio / unit - 1.0).abs() < SAME
+    };
+    let ratio = |joint: usize| velocity::ratio(&view, joint);
+    // Velocities in rad/s are so many times smaller than positions in another unit have them.
+    let are_in_si = (0..units.len())
+        .filter(|&joint| positions.doubts(joint))
+        .all(|joint| ratio(joint).is_some_and(|ratio| of_unit(joint, ratio)));
+    if are_in_si {
+        for &joint in &assumed {
+            if ratio(joint).is_some_and(|ratio| (ratio - 1.0).abs() < SAME) {
+                units[joint] = None;
+            }
+        }
+        assumed.retain(|&joint| ratio(joint).is_none());
+    }
+    let Some(robot) = robot.filter(|_| !assumed.is_empty()) else { return Ok(units) };
+    let factors: Vec<f64> = units.iter().map(|unit| unit.map_or(1.0, OtherUnit::in_si)).collect();
+    for joint in descriptions::in_si_units(log, robot, &factors, &assumed)? {
+        units[joint] = None;
+    }
+    Ok(units)
+}
+
+/// What positions, in units that they show by themselves, and velocities show.
+fn of_motion(log: &Recording, of_positions: Vec<Option<OtherUnit>>, robot: Option<&Robot>) -> Result<UnitChanges> {
+    let mut units = UnitChanges { positions: of_positions, ..UnitChanges::default() };
     if log.qd.is_none() {
         return Ok(units.or_none());
     }
@@ -159,7 +208,11 @@ pub(super) fn findings(units: &UnitChanges, positions: &PositionUnits, view: &Vi
     for (unit, joints) in grouped(view.dof(), by_velocity) {
         let place = places(view, "q", &joints);
         let of_velocity = joints.iter().any(|&joint| view.log.has_velocity(joint) && units.velocity(joint).is_none());
-        let shown = if of_velocity { "where the velocities are in SI units" } else { "as the torques of gravity show" };
+        let shown = match of_velocity {
+            true => "where the velocities are in SI units",
+            false if positions.any() => "as those of the other joints are, since nothing shows another unit",
+            false => "as the torques of gravity show",
+        };
         let text = format!(
             "the positions are in {} {shown}; convert them, or set [units] position = \"{}\" in a dataset",
             unit.words(),

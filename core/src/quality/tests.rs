@@ -181,6 +181,50 @@ fn dead_time_is_measured() {
 }
 
 #[test]
+fn torques_that_come_half_a_second_late_or_early_are_found() {
+    let robot = irb();
+    for (rate_hz, delay) in [(250.0, 0.1), (250.0, 0.4), (50.0, 0.2), (100.0, -0.15)] {
+        let mut sieved = log(&robot, rate_hz, 20.0);
+        let by = (delay * rate_hz).round() as isize;
+        let (all, cut) = (sieved.recording.samples(), by.unsigned_abs());
+        let [first, last] = [sieved.recording.slice(0..all - cut), sieved.recording.slice(cut..all)];
+        let (motion, torques) = if by > 0 { (last, first) } else { (first, last) };
+        sieved.recording = Recording { tau: torques.tau, ..motion };
+        sieved.lines.truncate(all - cut);
+        let report = examine(&sieved, Some(&robot)).unwrap();
+        let told: Vec<&Finding> = report.findings.iter().filter(|f| f.kind == Kind::DeadTime).collect();
+        let [told] = told[..] else { panic!("{delay}: {:?}", report.findings) };
+        let side = if delay > 0.0 { "comes behind" } else { "comes ahead of" };
+        assert!(told.text.contains(side), "{}", told.text);
+        for lag in report.joints.iter().filter_map(|joint| joint.dead_time_s) {
+            assert!((lag - delay).abs() < 0.02, "{lag} of {delay}");
+        }
+    }
+}
+
+/// A joint on a level axis that goes to and fro at one speed, and whose torque comes to zero twice: on the way, with its sign lost, and
+/// where the joint turns round.
+#[test]
+fn a_few_visits_of_zero_are_chance_unless_the_sign_explains_the_torque() {
+    let is_lost = |law: &dyn Fn(f64) -> f64| {
+        let samples = 3600;
+        let time: Vec<f64> = (0..samples).map(|i| 0.005 * i as f64).collect();
+        let q: Vec<f64> = time.iter().map(|t| 1.0 - 0.25 * (t % 16.0 - 8.0).abs()).collect();
+        let mut noise = random::stream(8, "visits", 0);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut noise) };
+        let tau = q.iter().map(|&q| (law(q) + 1e-3 * normal()).abs()).collect();
+        let of = |signal: Vec<f64>| Channels::from_vectors(&[signal]);
+        let recording =
+            Recording { joints: vec!["a".into()], time, q: of(q), qd: None, tau: of(tau), ..Recording::default() };
+        let sieved = Sieved { lines: (2..samples + 2).collect(), recording, ..Sieved::default() };
+        let report = examine(&sieved, None).unwrap();
+        report.findings.iter().any(|finding| finding.kind == Kind::UnsignedTorque)
+    };
+    assert!(is_lost(&|q| 10.0 * q.sin()));
+    assert!(!is_lost(&|q| 10.0 * (q.sin() + 1f64.sin()) + 0.005));
+}
+
+#[test]
 fn position_and_velocity_faults() {
     let robot = irb();
     let degrees = 180.0 / std::f64::consts::PI;

@@ -7,8 +7,7 @@
 
 use super::channels;
 use super::finding::{Finding, Kind, Severity};
-use super::motion::JointSummary;
-use super::velocity::vertex;
+use super::motion::{Constant, JointSummary};
 use super::view::View;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
@@ -17,16 +16,15 @@ use crate::identification::tsqr::Triangle;
 use crate::linear::{OrthonormalBasis, length};
 use crate::robot::Robot;
 
+mod dead_time;
+
+use dead_time::{Lags, Search};
+
 /// Samples of the log that enter the models.
 const ROWS: usize = 4000;
 
-/// Longest dead time looked for, s, and the shortest that is reported.
+/// Dead times are looked for up to this at every sample, s.
 const REACH_S: f64 = 0.05;
-const DEAD_TIME_S: f64 = 0.0015;
-
-/// Mean square of the residual without a dead time over that with it, on half of the joints: what halves it is most of what is wrong.
-/// Less has other causes, as slow noise, elastic gears and friction after reversals, for which some lag is always the best.
-const DEAD_TIME_COSTS: f64 = 2.0;
 
 /// Distances after a reversal over which friction may build up, as shares of the range of a joint: what it does there is no dead time.
 const BUILDS_UP: [f64; 3] = [0.002, 0.01, 0.05];
@@ -59,25 +57,36 @@ pub(super) fn findings(
         Some(model) => model.columns(&motion, 0.0),
         None => (0..view.dof()).map(|joint| joint_alone(&motion, joint)).collect(),
     };
-    let (mut out, mut lags) = (Vec::new(), Vec::new());
+    let (mut out, mut near, mut far) = (Vec::new(), Lags::default(), Lags::default());
     for joint in 0..view.dof() {
         let tau = view.tau.channel(joint);
         let silent = tau.iter().all(|v| *v == tau[0] || v.is_nan());
-        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint]).filter(|_| !silent);
+        let all = |_: usize| true;
+        let fit = JointFit::new(&columns[joint], &rows, motion.qd.channel(joint), view.band[joint], all);
+        let fit = fit.filter(|_| !silent);
         let Some(fit) = fit else { continue };
         summaries[joint].unexplained = Some(fit.unexplained(tau, 0));
+        summaries[joint].constant = fit.constant(tau);
         // A torque that is no measurement in parts lags nothing.
         if robot.is_some() && channels::spoilt(view, joint).is_empty() {
             let with_reversals = columns[joint].iter().map(<[f64]>::to_vec).chain(after_reversals(view, joint, &rows));
             let with_reversals = Channels::from_vectors(&with_reversals.collect::<Vec<_>>());
-            let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint]);
-            let lag = fit.and_then(|fit| fit.lag(tau, reach));
+            let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], all);
+            let lag = fit.and_then(|fit| Search::Near(reach).lag(&fit, tau));
             summaries[joint].dead_time_s = lag.map(|lag| lag.samples * view.period);
             tracing::debug!(joint, ?lag, "lag");
-            lags.extend(lag);
+            near.add(joint, lag);
+            let search = Search::far(view);
+            let within = |row: usize| search.is_within(row, tau.len());
+            let fit = JointFit::new(&with_reversals, &rows, motion.qd.channel(joint), view.band[joint], within);
+            far.add(joint, fit.and_then(|fit| search.lag(&fit, tau)));
         }
     }
-    out.extend(dead_time(view, &lags));
+    out.extend(near.finding(view).or_else(|| {
+        let finding = far.finding(view)?;
+        far.each().for_each(|(joint, lag)| summaries[joint].dead_time_s = Some(lag.samples * view.period));
+        Some(finding)
+    }));
     let condition = model.map(|model| condition_number(&model, &columns, rows.len()));
     if let Some(condition) = condition.filter(|c| *c > POOR) {
         let text = format!(
@@ -138,8 +147,16 @@ struct JointFit {
 }
 
 impl JointFit {
-    fn new(columns: &Channels, rows: &[usize], velocity: &[f64], band: f64) -> Option<JointFit> {
-        let kept: Vec<usize> = (0..rows.len()).filter(|&row| velocity[row].abs() > band).collect();
+    /// Of the rows at samples that are `wanted`.
+    fn new(
+        columns: &Channels,
+        rows: &[usize],
+        velocity: &[f64],
+        band: f64,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Option<JointFit> {
+        let kept = (0..rows.len()).filter(|&row| velocity[row].abs() > band && wanted(rows[row]));
+        let kept: Vec<usize> = kept.collect();
         if kept.len() < ROWS_PER_COLUMN * columns.channels() {
             return None;
         }
@@ -148,55 +165,30 @@ impl JointFit {
         Some(JointFit { rows: kept.iter().map(|&row| rows[row]).collect(), basis })
     }
 
+    /// A torque at the samples, `lag` samples later.
+    fn torque(&self, tau: &[f64], lag: isize) -> Vec<f64> {
+        self.rows.iter().map(|&row| tau[row.saturating_add_signed(lag)]).collect()
+    }
+
     /// Residual share of a torque, `lag` samples later, root mean square over root mean square.
     fn unexplained(&self, tau: &[f64], lag: isize) -> f64 {
-        let torque: Vec<f64> = self.rows.iter().map(|&row| tau[row.saturating_add_signed(lag)]).collect();
+        let torque = self.torque(tau, lag);
         length(&self.basis.residual(&torque)) / length(&torque).max(f64::MIN_POSITIVE)
     }
 
-    /// By how much the torque comes behind the motion; None where the residual does not depend on it.
-    fn lag(&self, tau: &[f64], reach: usize) -> Option<Lag> {
-        let reach = reach as isize;
-        let left: Vec<f64> = (-reach..=reach).map(|lag| self.unexplained(tau, lag).powi(2)).collect();
-        let best = (0..left.len()).min_by(|&a, &b| left[a].total_cmp(&left[b]))?;
-        let worst = left[0].max(left[left.len() - 1]);
-        let inside = best > 0 && best + 1 < left.len();
-        (inside && left[best] < 0.5 * worst && left[best] < 0.25).then(|| Lag {
-            samples: best as f64 - reach as f64 + vertex(&left, best),
-            cost: left[reach as usize] / left[best].max(f64::MIN_POSITIVE),
-        })
+    /// The constant that explains most of what the model leaves of a torque; None where the model has one.
+    fn constant(&self, tau: &[f64]) -> Option<Constant> {
+        let torque = self.torque(tau, 0);
+        let own = self.basis.residual(&vec![1.0; torque.len()]);
+        let square: f64 = own.iter().map(|own| own * own).sum();
+        if square < WEAK * torque.len() as f64 {
+            return None;
+        }
+        let left = self.basis.residual(&torque);
+        let constant = left.iter().zip(&own).map(|(left, own)| left * own).sum::<f64>() / square;
+        let beyond: Vec<f64> = left.iter().zip(&own).map(|(left, own)| left - constant * own).collect();
+        Some(Constant { torque: constant, unexplained: length(&beyond) / length(&torque).max(f64::MIN_POSITIVE) })
     }
-}
-
-/// The lag of a joint's torque behind its motion.
-#[derive(Debug, Clone, Copy)]
-struct Lag {
-    samples: f64,
-    /// Mean squared residual without a lag over that with it.
-    cost: f64,
-}
-
-/// A dead time that the joints agree on.
-fn dead_time(view: &View, lags: &[Lag]) -> Option<Finding> {
-    let costly = lags.iter().filter(|lag| lag.cost > DEAD_TIME_COSTS).count();
-    if lags.len() * 2 < view.dof() || costly * 2 < lags.len() {
-        return None;
-    }
-    let mut lags: Vec<f64> = lags.iter().map(|lag| lag.samples * view.period).collect();
-    lags.sort_by(f64::total_cmp);
-    let median = lags[lags.len() / 2];
-    let agree = lags.iter().filter(|lag| (*lag - median).abs() < 0.3 * median.abs() + view.period).count();
-    if median.abs() < DEAD_TIME_S.max(1.5 * view.period) || agree * 3 < lags.len() * 2 {
-        return None;
-    }
-    let text = format!(
-        "the torque {} the motion by {:.1} ms (median of {} joints): the signals are not taken at the same time, or one \
-         is filtered; shift or filter the other",
-        if median > 0.0 { "comes behind" } else { "comes ahead of" },
-        1e3 * median.abs(),
-        lags.len()
-    );
-    Some(Finding::new(Kind::DeadTime, Severity::Warning, "tau", text))
 }
 
 /// Condition number of the base columns on which the motion depends, each of unit length: joints that stand still have others.

@@ -3,7 +3,9 @@
 use super::finding::{Finding, Kind, Severity};
 use super::view::View;
 use crate::channels::Channels;
+use crate::error::Result;
 use crate::recording::Recording;
+use crate::robot::Robot;
 use crate::signal::{changes, noise_floor, size_quantile};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -11,11 +13,13 @@ use std::ops::Range;
 mod clipped;
 mod digits;
 mod jumps;
+mod unsigned;
 
 use clipped::clipped;
 pub use clipped::clipping;
 use digits::{coarse, extremes, resolution, runs};
 pub(super) use jumps::Jumps;
+use unsigned::{MANY, turns_back, unsigned};
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
@@ -51,8 +55,11 @@ const STRUCK: f64 = 5.0;
 
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
 /// digits that even steps do not keep.
-pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
-    let mut out = Vec::new();
+///
+/// # Errors
+/// Those of the filters.
+pub(super) fn findings(view: &View, logged: &Recording, robot: Option<&Robot>) -> Result<Vec<Finding>> {
+    let (mut out, mut turned_back) = (Vec::new(), 0);
     for joint in 0..view.dof() {
         let (q, tau, own) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged.tau.channel(joint));
         out.extend(wrapped(view, joint, q));
@@ -74,9 +81,12 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
             out.extend(off(view, joint, tau));
         }
-        out.extend(unsigned(view, joint, own));
+        if let Some(visits) = turns_back(own) {
+            turned_back += 1;
+            out.extend(unsigned(view, joint, own, &visits, robot)?);
+        }
     }
-    if let Some(all) = all_unsigned(view, &logged.tau, &out) {
+    if let Some(all) = all_unsigned(view, &logged.tau, turned_back) {
         // One cause: the joints are not listed one by one.
         out.retain(|finding| finding.kind != Kind::UnsignedTorque);
         out.push(all);
@@ -97,7 +107,7 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         };
         out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", text));
     }
-    out
+    Ok(out)
 }
 
 fn path(signal: &[f64]) -> f64 {
@@ -333,51 +343,6 @@ fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     Some(Finding::new(Kind::HeldSamples, Severity::Note, view.place("tau", joint), text))
 }
 
-/// Shares of a torque's size: up to the first it visits zero if it comes from beyond twice that and comes down to the second; up to
-/// the last it meets zero, at which one that turns of its own stops by chance alone; visits of which one that does so is enough.
-const NEAR: f64 = 0.03;
-const VISITS: f64 = 0.02;
-const MEETS: f64 = 0.004;
-const MANY: usize = 5;
-
-/// A torque that lost its sign has a kink where it meets zero: it is within a quarter of [`NEAR`] for a quarter of the time that it is
-/// within all of it, where one that touches zero of its own is there for half of the time. Between the two, over all visits:
-const KINK: f64 = 2.3;
-
-/// So many visits need no kink, which noise hides: a torque that turns of its own does not meet zero as often by chance.
-const OFTEN: usize = 4;
-
-/// A torque that comes down to zero again and again, meets it, and never goes below (or above).
-fn unsigned(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
-    let (low, high) = extremes(tau);
-    let size = size_quantile(tau.iter().copied(), 0.95);
-    let (one_sided, what) = if low >= 0.0 { (true, "never negative") } else { (high <= 0.0, "never positive") };
-    // A torque with few digits meets zero wherever it comes near.
-    if !one_sided || size == 0.0 || resolution(tau) > MEETS * size {
-        return None;
-    }
-    let lowest = |part: &[f64]| part.iter().fold(f64::INFINITY, |least, value| least.min(value.abs()));
-    let away = |value: &f64| value.abs() > 2.0 * NEAR * size;
-    let visits: Vec<&[f64]> = tau.split(away).filter(|part| lowest(part) < VISITS * size).collect();
-    let met: Vec<&[f64]> = visits.iter().copied().filter(|part| lowest(part) < MEETS * size).collect();
-    let met = if met.len() >= OFTEN || have_kinks(&met, 2.0 * NEAR * size) { met.len() } else { 0 };
-    let visits = visits.len();
-    ((met >= 1 && visits >= MANY) || (met >= 2 && 2 * met >= visits)).then(|| {
-        let text = format!(
-            "the torque is {what} but comes to zero {visits} times and turns back: its sign was lost; log it with its sign"
-        );
-        Finding::new(Kind::UnsignedTorque, Severity::Warning, view.place("tau", joint), text)
-    })
-}
-
-/// Whether a torque comes to zero and leaves it on straight lines, from the parts in which it is within `near` of it.
-fn have_kinks(parts: &[&[f64]], near: f64) -> bool {
-    let inner = |part: &&[f64]| part.iter().filter(|value| value.abs() < 0.25 * near).count();
-    let within: usize = parts.iter().map(|part| part.len()).sum();
-    let closer: usize = parts.iter().map(inner).sum();
-    closer <= parts.len() || within as f64 > KINK * closer as f64
-}
-
 /// Joints whose torque lost its sign, as found: such a torque gives no evidence on signs and gravity.
 pub(super) fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
     let unsigned = || found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque);
@@ -392,16 +357,15 @@ fn all_torques(view: &View) -> String {
 
 /// Torques none of which is ever negative (or positive), although two come to zero and turn back, or, of few digits, each comes to
 /// zero again and again: one joint may be loaded so, all of them are not.
-fn all_unsigned(view: &View, logged: &Channels, found: &[Finding]) -> Option<Finding> {
+fn all_unsigned(view: &View, logged: &Channels, turned_back: usize) -> Option<Finding> {
     let changing: Vec<&[f64]> = changing(logged).collect();
     let visits = |tau: &[f64]| runs(tau).filter(|&(start, _)| tau[start] == 0.0).count();
     let one_sided = |tau: &&[f64]| {
         let (low, high) = extremes(tau);
         low >= 0.0 || high <= 0.0
     };
-    let turned_back = found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque).count() > 1;
     let visited = || changing.iter().all(|tau| visits(tau) >= MANY);
-    (changing.len() > 1 && changing.iter().all(one_sided) && (turned_back || visited())).then(|| {
+    (changing.len() > 1 && changing.iter().all(one_sided) && (turned_back > 1 || visited())).then(|| {
         let text = "no torque ever changes its sign, although they come to zero again and again: the signs were lost (a load \
                     without direction, or an absolute value); log the torques with their signs";
         Finding::new(Kind::UnsignedTorque, Severity::Fatal, all_torques(view), text)
@@ -418,18 +382,6 @@ mod tests {
     use super::*;
     use crate::random;
     use rand::RngExt;
-
-    /// A line through zero without its sign, and a parabola that touches zero.
-    #[test]
-    fn a_torque_without_its_sign_has_kinks_at_zero() {
-        let part = |law: fn(f64) -> f64| -> Vec<f64> {
-            (-400..=400).map(|k| law(f64::from(k) / 100.0)).filter(|value| value.abs() <= 1.0).collect()
-        };
-        let (line, touch) = (part(f64::abs), part(|x| 0.02 + x * x));
-        assert!(have_kinks(&[&line, &line], 1.0) && !have_kinks(&[&touch, &touch], 1.0));
-        // So fast that a sample or two are near.
-        assert!(have_kinks(&[&[0.9, 0.1, 0.8]], 1.0));
-    }
 
     /// Torques with friction's jumps and white noise of 1 N m; the first with spikes of a size, the second with a share of them.
     #[test]

@@ -20,6 +20,8 @@ pub enum Change {
     JointExchange(usize, usize),
     /// Position and velocity of a joint have the opposite sign.
     PositionSign(usize),
+    /// All positions and velocities have the opposite sign.
+    AllPositionSigns,
     /// Position, velocity and torque of a joint have the opposite sign: the axis points the other way.
     AxisSign(usize),
     /// Positions and velocities of two joints are in each other's columns.
@@ -50,9 +52,10 @@ impl Change {
             Change::AxisSign(_) => 6,
             Change::ZeroOffset(..) => 7,
             Change::PositionSign(_) => 8,
-            Change::PositionExchange(..) => 9,
-            Change::TorqueScale(_) => 10,
-            Change::JointScale(..) => 11,
+            Change::AllPositionSigns => 9,
+            Change::PositionExchange(..) => 10,
+            Change::TorqueScale(_) => 11,
+            Change::JointScale(..) => 12,
         }
     }
 }
@@ -119,6 +122,7 @@ impl Description {
                 out.position_of.swap(a, b);
             }
             Change::PositionSign(joint) => out.position_sign[joint] = -out.position_sign[joint],
+            Change::AllPositionSigns => out.position_sign.iter_mut().for_each(|sign| *sign = -*sign),
             Change::AxisSign(joint) => {
                 out.position_sign[joint] = -out.position_sign[joint];
                 out.torque_sign[joint] = -out.torque_sign[joint];
@@ -260,6 +264,9 @@ impl Description {
             changes.extend(measured_pairs().map(|(a, b)| Change::JointExchange(a, b)));
             changes.extend((0..dof).map(Change::AxisSign));
             changes.extend((0..dof).map(Change::PositionSign));
+            if dof > 1 {
+                changes.push(Change::AllPositionSigns);
+            }
             changes.extend(pairs().map(|(a, b)| Change::PositionExchange(a, b)));
         }
         let start = Description::as_given(dof, self.gravity);

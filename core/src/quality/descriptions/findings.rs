@@ -18,8 +18,8 @@ const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [moto
 const ANOTHER: &str = "the URDF's bodies do not explain the torques with it: is the log that of another robot?";
 
 /// Said where a changed motion is all that is known.
-const WITHOUT_MASSES: &str =
-    "the robot's file has no masses, which could tell the log of another robot with such joints: is it of this one?";
+const WITHOUT_MASSES: &str = "the robot's file has no bodies that can exist (masses are missing, or inertias are none of a body), which could tell \
+                              the log of another robot with such joints: is it of this one?";
 
 /// Said where the joints feel too little of gravity.
 const BY_BODIES: &str =
@@ -36,6 +36,7 @@ pub fn words(change: Change, joints: &[String]) -> String {
             format!("positions and torques of {} and {} are exchanged", name(a), name(b))
         }
         Change::PositionSign(joint) => format!("the position of {} has the wrong sign", name(joint)),
+        Change::AllPositionSigns => "all positions have the wrong sign".into(),
         Change::AxisSign(joint) => format!("position and torque of {} have the wrong sign", name(joint)),
         Change::PositionExchange(a, b) => format!("the positions of {} and {} are exchanged", name(a), name(b)),
         Change::WithoutGravity => "the torque lacks that of gravity: it is gravity-compensated".into(),
@@ -278,6 +279,7 @@ fn kind(change: Change, joints: &[String]) -> (Kind, String) {
         Change::TorqueExchange(a, _) => (Kind::Swapped, column("tau", a)),
         Change::JointExchange(a, _) | Change::PositionExchange(a, _) => (Kind::Swapped, column("q", a)),
         Change::PositionSign(joint) | Change::AxisSign(joint) => (Kind::PositionSign, column("q", joint)),
+        Change::AllPositionSigns => (Kind::PositionSign, format!("q1 .. q{}", joints.len())),
         Change::ZeroOffset(joint, _) => (Kind::PositionZero, column("q", joint)),
         Change::WithoutGravity => (Kind::GravityCompensated, "tau".into()),
         Change::Gravity(_) => (Kind::Mounting, "gravity".into()),

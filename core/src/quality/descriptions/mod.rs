@@ -15,7 +15,8 @@
 //! | which way friction acts, without a model | `jumps` |
 //! | changes that have a size: gravity, scales, zeros | `sizes` |
 //! | what the described bodies say to the rest | `bodies` |
-//! | whether the clock is wrong, or positions are in turns | `motion_units` |
+//! | whether one torque lost its sign on the way | `lost_signs` |
+//! | whether the clock is wrong, or positions are in another unit | `motion_units` |
 //! | the judgement of all of these | `judgement` |
 //! | what it says | `verdict` |
 //! | texts | `findings` |
@@ -28,6 +29,7 @@ mod fitting;
 mod judgement;
 mod jumps;
 mod known;
+mod lost_signs;
 mod motion_units;
 mod scales;
 mod search;
@@ -43,7 +45,8 @@ pub use change::{Change, Description};
 pub(super) use findings::findings;
 pub use findings::{is_description, words};
 pub(super) use judgement::{is_modelled, judge};
-pub(super) use motion_units::{are_turns, clock_factor, clock_text};
+pub(super) use lost_signs::is_explained_with_signs;
+pub(super) use motion_units::{are_turns, clock_factor, clock_text, gear_ratio, in_si_units};
 pub use verdict::{Alternative, Shown, Spread, Verdict};
 
 #[cfg(test)]

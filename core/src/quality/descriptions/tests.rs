@@ -206,6 +206,7 @@ fn a_wrong_description_is_found() {
         vec![Change::AxisSign(2)],
         vec![Change::PositionSign(1)],
         vec![Change::PositionSign(4)],
+        vec![Change::AllPositionSigns],
         vec![Change::PositionExchange(1, 2)],
         vec![Change::PositionExchange(0, 3)],
         vec![Change::TorqueSign(1), Change::TorqueSign(4)],
@@ -284,13 +285,17 @@ fn a_description_applied_twice_is_the_log() {
     let robot = irb();
     let log = simulated(&robot, Oddity::None, 2.0, 1).recording;
     let start = Description::as_given(6, robot.gravity);
-    for change in
-        [Change::AxisSign(2), Change::TorqueExchange(0, 4), Change::JointExchange(1, 5), Change::AllTorqueSigns]
-    {
+    for change in [
+        Change::AxisSign(2),
+        Change::TorqueExchange(0, 4),
+        Change::JointExchange(1, 5),
+        Change::AllTorqueSigns,
+        Change::AllPositionSigns,
+    ] {
         let description = start.with(change);
         let mut twice = log.clone();
         description.apply(&mut twice);
-        assert!(twice.tau != log.tau, "{change:?}");
+        assert!(twice.tau != log.tau || twice.q != log.q, "{change:?}");
         description.apply(&mut twice);
         let same = |a: &Channels, b: &Channels| a.as_slice() == b.as_slice();
         assert!(same(&twice.tau, &log.tau) && same(&twice.q, &log.q), "{change:?}");

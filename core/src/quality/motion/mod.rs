@@ -6,8 +6,8 @@ mod summary;
 
 pub use position_unit::OtherUnit;
 pub(crate) use position_unit::PositionUnits;
-pub use summary::JointSummary;
 pub(crate) use summary::summaries;
+pub use summary::{Constant, JointSummary};
 
 use super::finding::{Finding, Kind, Severity};
 use super::places::places;

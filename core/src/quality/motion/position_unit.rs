@@ -192,6 +192,8 @@ pub(crate) struct PositionUnits {
     /// Of each joint the one whose positions it may have.
     exchanged: Vec<Option<usize>>,
     kinds: Vec<JointKind>,
+    /// Ratio of the gears, where the positions are those of motors.
+    gear: Option<f64>,
 }
 
 impl PositionUnits {
@@ -224,7 +226,7 @@ impl PositionUnits {
         let partner = |joint: usize| exchange::partner(robot.filter(|_| doubts[joint].is_some())?, summaries, joint);
         let exchanged: Vec<Option<usize>> = (0..view.dof()).map(partner).collect();
         doubts.iter_mut().zip(&exchanged).filter(|(_, other)| other.is_some()).for_each(|(doubt, _)| *doubt = None);
-        PositionUnits { doubts, exchanged, kinds }
+        PositionUnits { doubts, exchanged, kinds, gear: None }
     }
 
     /// The joint whose positions this one may have: in each other's place both are within their limits.
@@ -240,6 +242,20 @@ impl PositionUnits {
     /// Whether the positions of a joint are not in rad or m.
     pub(crate) fn doubts(&self, joint: usize) -> bool {
         self.doubts[joint].is_some()
+    }
+
+    /// Whether no joint that turns is in rad as far as its positions show.
+    pub(crate) fn all_turned_doubt(&self) -> bool {
+        let mut turned = (0..self.kinds.len()).filter(|&joint| self.kinds[joint] == JointKind::Revolute).peekable();
+        turned.peek().is_some() && turned.all(|joint| self.doubts(joint))
+    }
+
+    /// The same where the positions of joints that turn are those of motors behind gears of a ratio: in no unit of the joints.
+    pub(crate) fn before_gears(mut self, ratio: f64) -> Self {
+        let turned = self.doubts.iter_mut().zip(&self.kinds).filter(|(_, kind)| **kind == JointKind::Revolute);
+        turned.for_each(|(doubt, _)| *doubt = Some(Vec::new()));
+        self.gear = Some(ratio);
+        self
     }
 
     /// Whether the positions of a joint are in none of the known units.
@@ -301,6 +317,14 @@ impl PositionUnits {
                     unit.words(),
                     unit.symbol()
                 ),
+                None if self.gear.is_some() && self.kinds[joints[0]] == JointKind::Revolute => {
+                    let ratio = self.gear.unwrap_or(1.0);
+                    format!(
+                        "the positions are those of the motors, before gears of about {ratio:.0}: up to {largest:.1}, they are so many times too \
+                         large in rad, and in no unit do they explain the torques as well. Give the gears in a dataset ([motors] gear_ratio = \
+                         {ratio:.0}, position_at = \"motor\"; torque_at = \"motor\" for torques of the motors)"
+                    )
+                }
                 None => {
                     let else_ = Units::of(self.kinds[joints[0]]).else_;
                     format!("positions up to {largest:.3e} are {else_} Convert them to {si} at the joint")
@@ -326,6 +350,7 @@ mod tests {
             reversals: 0,
             torque_rms: 1.0,
             unexplained: None,
+            constant: None,
             dead_time_s: None,
         }
     }

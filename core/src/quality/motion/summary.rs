@@ -24,8 +24,20 @@ pub struct JointSummary {
     pub torque_rms: f64,
     /// Part of the torque that the joint's own model leaves unexplained, root mean square over root mean square.
     pub unexplained: Option<f64>,
+    /// The constant torque that the joint's model lacks, and what it leaves unexplained with that.
+    #[serde(skip)]
+    pub constant: Option<Constant>,
     /// Time by which the torque lags the motion, s, where it can be estimated.
     pub dead_time_s: Option<f64>,
+}
+
+/// A constant torque that no body makes: an offset of a sensor or of a current.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constant {
+    /// Its size with its sign, N m or N.
+    pub torque: f64,
+    /// Part of the torque that stays unexplained with it, root mean square over root mean square.
+    pub unexplained: f64,
 }
 
 /// Summaries of all joints.
@@ -47,6 +59,7 @@ pub(crate) fn summaries(view: &View, robot: Option<&Robot>) -> Vec<JointSummary>
                 reversals: reversals(view.qd.channel(joint), view.band[joint]),
                 torque_rms: root_mean_square(view.log.tau.channel(joint)),
                 unexplained: None,
+                constant: None,
                 dead_time_s: None,
             }
         })

@@ -13,6 +13,7 @@ mod map;
 pub(super) mod names;
 mod resolve;
 mod search;
+mod unknown_units;
 
 pub use families::JointNames;
 pub(crate) use families::joint_names;

@@ -5,6 +5,7 @@ use super::families::{Place, any_position, base, behind_prefix, best_family, can
 use super::layout::{ABSENT, Layout};
 use super::names::{self, QUANTITIES, TRUE};
 use super::resolve::{Clock, Found, Resolver, listed};
+use super::unknown_units;
 use crate::error::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -163,6 +164,8 @@ impl Layout {
         if !unused.is_empty() {
             notes.push(format!("columns not used: {}", listed(&unused)));
         }
+        let of_quantities = [Some(&q), qd.as_ref(), qdd.as_ref(), Some(&tau)];
+        notes.extend(unknown_units::notes(header, &names, of_quantities, &units));
         let first_torque = tau.iter().find(|column| **column != ABSENT).map_or("", |column| header[*column].as_str());
         if currents {
             understood.push(format!(

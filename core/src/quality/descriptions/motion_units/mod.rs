@@ -1,9 +1,16 @@
-//! Units of the motion that show in the torques alone: the clock's second, and positions in turns.
+//! Units of the motion that show in the torques alone: the clock's second, positions in turns, joints in another unit than the others, and
+//! positions before the gears.
 //!
-//! In: one log and the arm. Out: the factor of its clock, or whether its positions are in turns.
+//! In: one log and the arm. Out: the factor of its clock, whether its positions are in turns, joints that are in rad where others are not, or
+//! the ratio of the gears.
 
 mod clock;
+mod gears;
+mod mixed;
+mod scaled;
 mod turns;
 
 pub(crate) use clock::{clock_factor, clock_text};
+pub(crate) use gears::ratio as gear_ratio;
+pub(crate) use mixed::in_si_units;
 pub(crate) use turns::are_turns;

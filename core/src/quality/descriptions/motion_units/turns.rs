@@ -4,8 +4,7 @@ use super::super::change::Description;
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows};
 use super::super::tried::Tried;
-use crate::channels::Channels;
-use crate::dynamics::Motion;
+use super::scaled::{scaled, scaled_motion};
 use crate::error::Result;
 use crate::quality::view::View;
 use crate::recording::Recording;
@@ -30,19 +29,14 @@ pub(crate) fn are_turns(log: &Recording, robot: &Robot) -> Result<bool> {
     if !(0..robot.dof()).all(fits) || !(0..robot.dof()).any(turns) {
         return Ok(false);
     }
-    let times = |signals: &Channels, factor: f64| {
-        signals.map(|joint, signal| {
-            let factor = if turns(joint) { factor } else { 1.0 };
-            signal.iter().map(|value| factor * value).collect()
-        })
-    };
-    let converted = Recording { q: times(&log.q, TAU), ..log.clone() };
+    let by =
+        |factor: f64| -> Vec<f64> { (0..robot.dof()).map(|joint| if turns(joint) { factor } else { 1.0 }).collect() };
+    let converted = Recording { q: scaled(&log.q, &by(TAU)), ..log.clone() };
     let Some(mut rows) = Rows::new(&[&View::new(&converted, Some(robot))?], Some(robot)) else { return Ok(false) };
     let physics = Physics::free(robot);
     let tried = |rows: &Rows| Tried::new(&physics, rows, Description::as_given(robot.dof(), robot.gravity));
     let Some(with) = tried(&rows) else { return Ok(false) };
-    let Motion { q, qd, qdd } = &rows.motion;
-    rows.motion = Motion { q: times(q, 1.0 / TAU), qd: times(qd, 1.0 / TAU), qdd: times(qdd, 1.0 / TAU) };
+    rows.motion = scaled_motion(&rows.motion, &by(1.0 / TAU));
     let Some(as_given) = tried(&rows) else { return Ok(false) };
     let explained = with.explains_half();
     let gain = compare(&as_given.evaluation, &with.evaluation, &rows.log);

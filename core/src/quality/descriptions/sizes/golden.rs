@@ -1,7 +1,12 @@
 //! The least value of a function of one number.
 
 /// The place between two others at which `value`, which has one valley there, is least, by so many golden sections.
-pub(super) fn golden(mut low: f64, mut high: f64, sections: usize, value: impl Fn(f64) -> f64) -> f64 {
+pub(in crate::quality::descriptions) fn golden(
+    mut low: f64,
+    mut high: f64,
+    sections: usize,
+    value: impl Fn(f64) -> f64,
+) -> f64 {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let mut inner = [high - golden * (high - low), low + golden * (high - low)];
     let mut values = inner.map(&value);

@@ -12,7 +12,7 @@
 
 pub(super) mod effort;
 pub(super) mod factors;
-mod golden;
+pub(super) mod golden;
 pub(super) mod scale;
 pub(super) mod spread;
 pub(super) mod tilt;

@@ -17,3 +17,44 @@ fn a_wrong_sign_is_found_together_with_degrees() {
     assert_eq!(together.verdict.unwrap().description.changes, [Change::TorqueSign(2)]);
     assert_eq!(together.reports[0].units.positions, [Some(OtherUnit::Degree); 6]);
 }
+
+/// A log of which positions of some joints are in degrees.
+fn in_degrees(oddity: Oddity, joints: std::ops::Range<usize>) -> Sieved {
+    let mut log = simulated(&irb(), oddity, 20.0, 9);
+    for joint in joints {
+        log.recording.q.channel_mut(joint).iter_mut().for_each(|q| *q = q.to_degrees());
+    }
+    log
+}
+
+#[test]
+fn joints_that_fit_rad_stay_in_rad_where_others_are_in_degrees() {
+    let report = examine_together(&[&in_degrees(Oddity::None, 3..6)], Some(&irb())).unwrap().reports.remove(0);
+    let degree = Some(OtherUnit::Degree);
+    assert_eq!(report.units.positions, [None, None, None, degree, degree, degree]);
+    let of_motion: Vec<&str> =
+        report.findings.iter().filter(|f| f.place.starts_with('q')).map(|f| f.place.as_str()).collect();
+    assert_eq!(of_motion, ["q4 (joint_4), q5 (joint_5), q6 (joint_6)"], "{:?}", report.findings);
+}
+
+#[test]
+fn joints_that_hardly_move_are_in_the_degrees_of_the_others() {
+    let report = examine_together(&[&in_degrees(Oddity::HardlyMoves, 0..6)], Some(&irb())).unwrap().reports.remove(0);
+    assert_eq!(report.units.positions, [Some(OtherUnit::Degree); 6]);
+}
+
+#[test]
+fn positions_before_gears_are_in_no_unit() {
+    for (ratio, named) in
+        [(101.0, Some("gears of about 101:")), (50.0, Some("gears of about 50:")), (180.0 / std::f64::consts::PI, None)]
+    {
+        let mut log = simulated(&irb(), Oddity::None, 20.0, 10);
+        log.recording.q.as_mut_slice().iter_mut().for_each(|q| *q *= ratio);
+        let report = examine_together(&[&log], Some(&irb())).unwrap().reports.remove(0);
+        let told: Vec<&str> = report.findings.iter().map(|finding| finding.text.as_str()).collect();
+        match named {
+            Some(named) => assert!(told.len() == 1 && told[0].contains(named), "{ratio}: {told:?}"),
+            None => assert_eq!(report.units.positions, [Some(OtherUnit::Degree); 6]),
+        }
+    }
+}

@@ -23,9 +23,9 @@ const CURRENT: [&str; 14] = [
 ];
 
 /// Units that stand behind a name without brackets.
-const UNIT_WORDS: [&str; 26] = [
-    "deg", "degs", "degree", "degrees", "dps", "degps", "rad", "rads", "radps", "rps", "rpm", "mrad", "rev", "revs",
-    "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
+const UNIT_WORDS: [&str; 27] = [
+    "deg", "degs", "degree", "degrees", "dps", "degps", "mdeg", "rad", "rads", "radps", "rps", "rpm", "mrad", "rev",
+    "revs", "turn", "turns", "mm", "um", "nm", "mnm", "nmm", "knm", "kgfcm", "ma", "pct", "percent",
 ];
 
 /// Words around a quantity that mean it was measured; nothing depends on them.
@@ -166,6 +166,16 @@ pub(crate) fn meanings(column: &str) -> Vec<Meaning> {
         out.extend(in_unit(readings(stem), Some(unit)));
     }
     out
+}
+
+/// What stands in brackets behind a name and is no unit of the quantity that is known; `joints` may stand there too.
+pub(crate) fn unknown_unit<'a>(column: &'a str, quantity: usize, joints: &[String]) -> Option<&'a str> {
+    let (_, unit) = without_unit(column);
+    let is_word = |word: &String| MEASURED.contains(&word.as_str()) || OF_CONTROLLER.contains(&word.as_str());
+    unit.filter(|unit| {
+        let is_joint = joints.iter().any(|joint| joint == unit);
+        !is_joint && Unit::of(unit, quantity).is_none() && !words(unit).iter().all(is_word)
+    })
 }
 
 fn is_unit_word(word: &str) -> bool {

@@ -27,10 +27,11 @@ const AMPERE: &str = "A";
 /// Quantity, symbol, unit of SI, factor, and spellings in small letters without what stands between the parts of a unit.
 type Row = (usize, &'static str, &'static str, f64, &'static [&'static str]);
 
-const UNITS: [Row; 34] = [
+const UNITS: [Row; 36] = [
     (POSITION, "rad", "rad", 1.0, &["rad", "rads", "radian", "radians"]),
     (POSITION, "deg", "rad", DEGREE, &["deg", "degs", "degree", "degrees", "°"]),
     (POSITION, "mrad", "rad", 1e-3, &["mrad"]),
+    (POSITION, "mdeg", "rad", 1e-3 * DEGREE, &["mdeg", "m°"]),
     (POSITION, "rev", "rad", TAU, &["rev", "revs", "turn", "turns", "revolution", "revolutions"]),
     (POSITION, "m", "m", 1.0, &["m", "metre", "metres", "meter", "meters"]),
     (POSITION, "cm", "m", 1e-2, &["cm"]),
@@ -39,6 +40,7 @@ const UNITS: [Row; 34] = [
     (VELOCITY, "rad/s", "rad/s", 1.0, &["rad/s", "radps", "rads1", "rad/sec"]),
     (VELOCITY, "deg/s", "rad/s", DEGREE, &["deg/s", "°/s", "dps", "degps", "degs1", "deg/sec", "degrees/s"]),
     (VELOCITY, "mrad/s", "rad/s", 1e-3, &["mrad/s"]),
+    (VELOCITY, "mdeg/s", "rad/s", 1e-3 * DEGREE, &["mdeg/s", "m°/s"]),
     (VELOCITY, "rpm", "rad/s", TAU / 60.0, &["rpm", "r/min", "rev/min", "u/min", "1/min", "min1"]),
     (VELOCITY, "rev/s", "rad/s", TAU, &["rev/s", "turns/s", "turn/s"]),
     (VELOCITY, "m/s", "m/s", 1.0, &["m/s", "ms1", "m/sec"]),
@@ -118,6 +120,7 @@ mod tests {
         for (quantity, texts, factor) in [
             (POSITION, &["deg", "Degrees", "°"][..], DEGREE),
             (POSITION, &["turns", "rev"], TAU),
+            (POSITION, &["mdeg"], 1e-3 * DEGREE),
             (VELOCITY, &["deg/s", "°/s", "dps", "deg s^-1", "deg"], DEGREE),
             (VELOCITY, &["rpm", "1/min", "U/min", "min-1"], TAU / 60.0),
             (VELOCITY, &["rad", "rad/s", "rad s-1", "m/s"], 1.0),

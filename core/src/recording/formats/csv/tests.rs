@@ -41,10 +41,12 @@ fn semicolons_tabs_and_decimal_commas() {
     ] {
         assert_eq!(parse_text(text).unwrap().0, plain, "{text}");
     }
-    for (text, word) in [("t;q1;tau1\n0;1.234,5;2\n", "1.234,5"), ("t;q1;tau1\n0;1,2,3;2\n", "1,2,3")] {
+    for (text, word) in [("t;q1;tau1\n0;1.23,5;2\n", "1.23,5"), ("t;q1;tau1\n0;1,2,3;2\n", "1,2,3")] {
         let error = parse_text(text).unwrap_err().to_string();
         assert!(error.contains("log.csv:2: q1: ") && error.contains(word), "{error}");
     }
+    // Points stand between thousands.
+    assert_eq!(parse_text("t;q1;tau1\n0;1.234,5;2\n").unwrap().0.q.channel(0), [1234.5]);
     // With commas between the cells, none is a decimal comma.
     assert!(parse_text("t,q1,tau1\n0,1,5,2\n").unwrap_err().to_string().contains("4 cells"));
 }

@@ -36,7 +36,24 @@ pub(super) fn number(cell: &[u8], decimal_comma: bool) -> Option<f64> {
     if plain.is_none() && decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.') {
         return cell.replace(',', ".").parse().ok();
     }
+    if plain.is_none() && decimal_comma {
+        return grouped(cell);
+    }
     plain
+}
+
+/// A number with a comma and points between its thousands, `-1.234,567`. One without a comma is not read so: it has a decimal point.
+fn grouped(cell: &str) -> Option<f64> {
+    let (whole, fraction) = cell.split_once(',')?;
+    let mut groups = whole.trim_start_matches(['-', '+']).split('.');
+    let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    let first = groups.next()?;
+    let all =
+        (1..=3).contains(&first.len()) && is_digits(first) && groups.all(|part| part.len() == 3 && is_digits(part));
+    if !all || !is_digits(fraction) {
+        return None;
+    }
+    format!("{}.{fraction}", whole.replace('.', "")).parse().ok()
 }
 
 /// Seconds of a date with a time, from 1970, or of a time of day, from midnight: `2024-05-01 12:00:00.004`, `5/1/2024 12:00:00 PM`.
@@ -138,6 +155,11 @@ mod tests {
     fn numbers_of_many_programs() {
         assert_eq!(number(b" 1.5D-03 ", false), Some(0.0015));
         assert_eq!(number(b"-2,5", true), Some(-2.5));
+        assert_eq!(number(b"-1.234,567", true), Some(-1234.567));
+        assert_eq!(number(b"12.345.678,5", true), Some(12_345_678.5));
+        for cell in ["1.234,567", "1.23,5", "1234.567,8", "1.234,5,6", "1.234,5e3", ".234,5"] {
+            assert_eq!(number(cell.as_bytes(), cell != "1.234,567"), None, "{cell}");
+        }
         assert_eq!([number(b"1,5", false), number(b"D1", false), number(b"12d", false)], [None; 3]);
         assert!([b"#N/A".as_slice(), b"1.#IND", b"-1.#INF", b"-nan(ind)", b"None"].iter().all(|cell| is_empty(cell)));
         assert!(!is_empty(b"-1.5") && !is_empty(b"x"));

@@ -1,0 +1,14 @@
+//! A motion in other units.
+
+use crate::channels::Channels;
+use crate::dynamics::Motion;
+
+/// Signals of which each is so many times larger.
+pub(super) fn scaled(signals: &Channels, factors: &[f64]) -> Channels {
+    signals.map(|joint, signal| signal.iter().map(|value| factors[joint] * value).collect())
+}
+
+/// A motion of which each joint's is so many times larger.
+pub(super) fn scaled_motion(motion: &Motion, factors: &[f64]) -> Motion {
+    Motion { q: scaled(&motion.q, factors), qd: scaled(&motion.qd, factors), qdd: scaled(&motion.qdd, factors) }
+}

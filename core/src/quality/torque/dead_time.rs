@@ -1,0 +1,142 @@
+//! The time by which torques come behind the motion: a search over lags, joint by joint, and what the joints agree on.
+
+use super::JointFit;
+use crate::quality::finding::{Finding, Kind, Severity};
+use crate::quality::velocity::vertex;
+use crate::quality::view::View;
+
+/// Shortest dead time that is reported, s.
+const SHORTEST_S: f64 = 0.0015;
+
+/// Mean square of the residual without a dead time over that with it, on half of the joints: what halves it is most of what is wrong.
+/// Less has other causes, as slow noise, elastic gears and friction after reversals, for which some lag is always the best.
+const COSTS: f64 = 2.0;
+
+/// Dead times of signals that two programs log are no longer than this, s. Those are looked for in steps first, which a motion of three turns per
+/// second cannot hide, and at every sample around the best.
+const FAR_S: f64 = 0.5;
+const STEP_S: f64 = 0.02;
+
+/// Part of a log that may be lost at either end for that.
+const LOST: usize = 8;
+
+/// The lag of a joint's torque behind its motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lag {
+    pub samples: f64,
+    /// Mean squared residual without a lag over that with it.
+    cost: f64,
+}
+
+/// Which lags are tried, in samples to either side.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Search {
+    /// Each up to this one.
+    Near(usize),
+    /// Those so many steps of so many samples away, and then each around the best.
+    Far { steps: usize, step: usize },
+}
+
+impl Search {
+    /// Far lags of a log.
+    pub(super) fn far(view: &View) -> Search {
+        let step = ((STEP_S / view.period) as usize).max(1);
+        let reach = ((FAR_S / view.period) as usize).min(view.log.samples() / LOST);
+        Search::Far { steps: reach / step, step }
+    }
+
+    fn reach(self) -> usize {
+        match self {
+            Search::Near(reach) => reach,
+            Search::Far { steps, step } => steps * step,
+        }
+    }
+
+    /// Whether all lags of a row are within so many samples.
+    pub(super) fn is_within(self, row: usize, samples: usize) -> bool {
+        row >= self.reach() && row + self.reach() < samples
+    }
+
+    /// By how much a torque comes behind the motion; None where the residual does not depend on it.
+    pub(super) fn lag(self, fit: &JointFit, tau: &[f64]) -> Option<Lag> {
+        let left = |lag: isize| fit.unexplained(tau, lag).powi(2);
+        match self {
+            Search::Near(reach) => valley(reach as isize, 1, left),
+            Search::Far { steps, step } => {
+                let step = step as isize;
+                let coarse = valley(steps as isize, step, left)?;
+                let about = coarse.samples.round() as isize;
+                let fine: Vec<f64> = (about - step..=about + step).map(left).collect();
+                let best = (0..fine.len()).min_by(|&a, &b| fine[a].total_cmp(&fine[b]))?;
+                let samples = (about - step) as f64 + best as f64 + vertex(&fine, best);
+                Some(Lag { samples, cost: left(0) / fine[best].max(f64::MIN_POSITIVE) })
+            }
+        }
+    }
+}
+
+/// The lowest of residuals, so many steps to either side, where they depend on the lag and the lowest explains most of the torque.
+fn valley(steps: isize, step: isize, left: impl Fn(isize) -> f64) -> Option<Lag> {
+    let each: Vec<f64> = (-steps..=steps).map(|place| left(place * step)).collect();
+    let best = (0..each.len()).min_by(|&a, &b| each[a].total_cmp(&each[b]))?;
+    let worst = each[0].max(each[each.len() - 1]);
+    let inside = best > 0 && best + 1 < each.len();
+    (inside && each[best] < 0.5 * worst && each[best] < 0.25).then(|| Lag {
+        samples: (best as f64 - steps as f64 + vertex(&each, best)) * step as f64,
+        cost: each[steps as usize] / each[best].max(f64::MIN_POSITIVE),
+    })
+}
+
+/// The lags of the joints that have one.
+#[derive(Default)]
+pub(super) struct Lags(Vec<(usize, Lag)>);
+
+impl Lags {
+    pub(super) fn add(&mut self, joint: usize, lag: Option<Lag>) {
+        self.0.extend(lag.map(|lag| (joint, lag)));
+    }
+
+    pub(super) fn each(&self) -> impl Iterator<Item = (usize, Lag)> + '_ {
+        self.0.iter().copied()
+    }
+
+    /// A dead time that the joints agree on.
+    pub(super) fn finding(&self, view: &View) -> Option<Finding> {
+        let lags = &self.0;
+        let costly = lags.iter().filter(|(_, lag)| lag.cost > COSTS).count();
+        if lags.len() * 2 < view.dof() || costly * 2 < lags.len() {
+            return None;
+        }
+        let mut lags: Vec<f64> = lags.iter().map(|(_, lag)| lag.samples * view.period).collect();
+        lags.sort_by(f64::total_cmp);
+        let median = lags[lags.len() / 2];
+        let agree = lags.iter().filter(|lag| (*lag - median).abs() < 0.3 * median.abs() + view.period).count();
+        if median.abs() < SHORTEST_S.max(1.5 * view.period) || agree * 3 < lags.len() * 2 {
+            return None;
+        }
+        let text = format!(
+            "the torque {} the motion by {:.1} ms (median of {} joints): the signals are not taken at the same time, or one \
+             is filtered; shift or filter the other",
+            if median > 0.0 { "comes behind" } else { "comes ahead of" },
+            1e3 * median.abs(),
+            lags.len()
+        );
+        Some(Finding::new(Kind::DeadTime, Severity::Warning, "tau", text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_valley_is_lower_than_its_ends_and_explains_most() {
+        let parabola = |floor: f64| move |lag: isize| floor + 1e-3 * (lag as f64 - 3.4).powi(2);
+        let found = valley(10, 2, parabola(0.01)).unwrap();
+        assert!((found.samples - 3.4).abs() < 0.1, "{found:?}");
+        assert!(found.cost > 2.0, "{found:?}");
+        // Most is left; the ends are as low; the lowest is an end.
+        assert!(valley(10, 2, parabola(0.26)).is_none() && valley(10, 1, parabola(0.24)).is_none());
+        assert!(valley(3, 1, parabola(0.01)).is_none());
+    }
+}

@@ -170,7 +170,7 @@ fn friction_that_falls_with_speed_is_said_to() {
     let case = Case::new(&[]);
     std::fs::copy(format!("{ROOT}/tests/reference/pendulum.urdf"), case.path("rod.urdf")).unwrap();
     let swing = |friction: fn(f64) -> f64| {
-        let mut rows = "t,q,tau\n".to_owned();
+        let mut rows = "t,q1,tau1\n".to_owned();
         for k in 0..6000 {
             let t = 0.005 * f64::from(k);
             let (sin, cos) = (1.3 * t).sin_cos();

@@ -39,6 +39,7 @@ pub(super) fn found_that_matter(
         minor.extend(more);
         selection.settle(session)?;
     }
+    selection.converge(session)?;
     if hold_undetermined(session, &mut selection.found, &selection.whitener)? {
         selection.settle(session)?;
         with_scatter(session, &mut selection.found, &selection.whitener)?;

@@ -96,23 +96,34 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
     let present = session.model.columns(&session.logs.train, &members)?;
     let whitener = session.noise_under(&present);
     session.settle(&mut members, &whitener)?;
-    // Columns of gears and sensors are those along the arm as found, which holds a part of what an effect does until that is in the model, and
-    // those of departures belong to one size.
-    for _ in 0..ROUNDS {
-        if !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
-            break;
-        }
-        members.iter_mut().for_each(Member::take_departures_at_estimates);
-        let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();
-        session.settle(&mut members, &whitener)?;
-        if members.iter().zip(&before).all(|(member, before)| has_converged(member, before)) {
-            break;
-        }
-    }
     found.iter_mut().zip(members.clone()).for_each(|(found, member)| found.member = member);
     let columns = session.model.columns(&session.logs.train, &members)?;
     let fit = whitener.fit(&columns, &session.logs.train.torque);
     Ok((whitener, fit))
+}
+
+/// Fits what was `found` until the sizes of gears and sensors no longer change, with estimates written back, and returns the noise under that; none
+/// where nothing that was found acts upon the arm. Their columns are those along the arm as found, which holds a part of what an effect does until
+/// that is in the model, and those of departures belong to one size.
+///
+/// # Errors
+/// If a log is too short to differentiate.
+pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<Option<Whitener>> {
+    let mut members = members(found);
+    if !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
+        return Ok(None);
+    }
+    for _ in 0..ROUNDS {
+        members.iter_mut().for_each(Member::take_departures_at_estimates);
+        let before: Vec<Vec<f64>> = members.iter().map(|member| member.factors.clone()).collect();
+        session.settle(&mut members, whitener)?;
+        if members.iter().zip(&before).all(|(member, before)| has_converged(member, before)) {
+            break;
+        }
+    }
+    let columns = session.model.columns(&session.logs.train, &members)?;
+    found.iter_mut().zip(members).for_each(|(found, member)| found.member = member);
+    Ok(Some(session.noise_under(&columns)))
 }
 
 /// Whether the amplitudes of a member are what they were `before`, to within a part of their standard deviations.

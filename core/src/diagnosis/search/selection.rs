@@ -9,7 +9,7 @@ use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
 use super::parsimony::chosen;
 use super::play::rattling_gears;
 use super::reselection::rename;
-use super::round::{Round, settled};
+use super::round::{Round, converged, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Multiplicity, Ranked, ranking};
@@ -153,6 +153,18 @@ impl Selection {
     pub(crate) fn settle(&mut self, session: &mut Session) -> Result<()> {
         (self.whitener, _) = settled(session, &mut self.found)?;
         self.held_out = held_out_steps(session, &mut self.found, &self.whitener)?;
+        Ok(())
+    }
+
+    /// Fits the effects found until their sizes no longer change.
+    ///
+    /// # Errors
+    /// If a log is too short to differentiate.
+    pub(crate) fn converge(&mut self, session: &mut Session) -> Result<()> {
+        if let Some(whitener) = converged(session, &mut self.found, &self.whitener)? {
+            self.whitener = whitener;
+            self.held_out = held_out_steps(session, &mut self.found, &self.whitener)?;
+        }
         Ok(())
     }
 }

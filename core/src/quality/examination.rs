@@ -9,7 +9,7 @@ use super::report::{Report, Together};
 use super::unit_changes::UnitChanges;
 use super::velocity::in_true_time;
 use super::view::View;
-use super::{channels, motion, rates, torque, velocity};
+use super::{channels, lost_signs, motion, rates, torque, velocity};
 use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::lenient::{self, ColumnMap, Sieved};
@@ -160,7 +160,8 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
         // All else is asked of positions in rad and m, and of motion in true time: what comes of a wrong unit is no fault of its own.
         let in_si = units.positions_in_si(&even);
         let view = in_si.as_ref().map_or(Ok(view), |log| View::new(log, robot))?;
-        findings.extend(channels::findings(&view, &sieved.recording, robot)?);
+        findings.extend(channels::findings(&view, &sieved.recording));
+        findings.extend(lost_signs::findings(&view, &sieved.recording, robot)?);
         let longest = longest.map(|log| units.positions_in_si(&log).unwrap_or(log));
         let whole = view;
         let jumps = Jumps::of(&whole);
@@ -232,7 +233,7 @@ fn examine_alone(sieved: &Sieved, robot: Option<&Robot>) -> Result<(Report, Opti
             let (found, condition) = torque::findings(view, &mut summaries, robot);
             findings.extend(found);
             condition_number = condition;
-            unsigned = channels::without_sign(view, &findings);
+            unsigned = lost_signs::without_sign(view, &findings);
             let mut log = view.log.clone();
             unsigned.iter().for_each(|&joint| log.tau.channel_mut(joint).fill(0.0));
             comparable = Some(log).filter(|_| unsigned.len() < recording.joints());

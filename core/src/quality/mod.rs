@@ -7,6 +7,7 @@ mod channels;
 pub mod descriptions;
 mod examination;
 mod finding;
+mod lost_signs;
 mod motion;
 mod places;
 mod rates;

@@ -7,18 +7,19 @@
 
 use super::channels;
 use super::finding::{Finding, Kind, Severity};
-use super::motion::{Constant, JointSummary};
+use super::motion::JointSummary;
 use super::view::View;
 use crate::channels::Channels;
 use crate::dynamics::Motion;
 use crate::identification::model::Model;
 use crate::identification::tsqr::Triangle;
-use crate::linear::{OrthonormalBasis, length};
 use crate::robot::Robot;
 
 mod dead_time;
+mod joint_fit;
 
 use dead_time::{Lags, Search};
+use joint_fit::JointFit;
 
 /// Samples of the log that enter the models.
 const ROWS: usize = 4000;
@@ -29,17 +30,11 @@ const REACH_S: f64 = 0.05;
 /// Distances after a reversal over which friction may build up, as shares of the range of a joint: what it does there is no dead time.
 const BUILDS_UP: [f64; 3] = [0.002, 0.01, 0.05];
 
-/// A column of a model of which no more than this share is left over the others is left out: it would take up noise.
-const WEAK: f64 = 3e-5;
-
 /// A condition number above this makes base parameters uncertain.
 const POOR: f64 = 2000.0;
 
 /// Share of the longest column of the base parameters up to which one is rounding: nothing in the motion depends on its parameter.
 const ROUNDING: f64 = 1e-9;
-
-/// Fewest rows per column.
-const ROWS_PER_COLUMN: usize = 4;
 
 /// Findings about torque, and the condition number where the arm is known. Fills in the estimates of the joints' models.
 pub(super) fn findings(
@@ -137,58 +132,6 @@ fn joint_alone(motion: &Motion, joint: usize) -> Channels {
         qd.to_vec(),
         of(f64::signum, qd),
     ])
-}
-
-/// The column space of a joint's model over the samples at which its direction is certain.
-struct JointFit {
-    rows: Vec<usize>,
-    /// Of the columns.
-    basis: OrthonormalBasis,
-}
-
-impl JointFit {
-    /// Of the rows at samples that are `wanted`.
-    fn new(
-        columns: &Channels,
-        rows: &[usize],
-        velocity: &[f64],
-        band: f64,
-        wanted: impl Fn(usize) -> bool,
-    ) -> Option<JointFit> {
-        let kept = (0..rows.len()).filter(|&row| velocity[row].abs() > band && wanted(rows[row]));
-        let kept: Vec<usize> = kept.collect();
-        if kept.len() < ROWS_PER_COLUMN * columns.channels() {
-            return None;
-        }
-        let table: Vec<Vec<f64>> = columns.iter().map(|column| kept.iter().map(|&row| column[row]).collect()).collect();
-        let basis = OrthonormalBasis::new(&table.iter().map(Vec::as_slice).collect::<Vec<_>>(), WEAK);
-        Some(JointFit { rows: kept.iter().map(|&row| rows[row]).collect(), basis })
-    }
-
-    /// A torque at the samples, `lag` samples later.
-    fn torque(&self, tau: &[f64], lag: isize) -> Vec<f64> {
-        self.rows.iter().map(|&row| tau[row.saturating_add_signed(lag)]).collect()
-    }
-
-    /// Residual share of a torque, `lag` samples later, root mean square over root mean square.
-    fn unexplained(&self, tau: &[f64], lag: isize) -> f64 {
-        let torque = self.torque(tau, lag);
-        length(&self.basis.residual(&torque)) / length(&torque).max(f64::MIN_POSITIVE)
-    }
-
-    /// The constant that explains most of what the model leaves of a torque; None where the model has one.
-    fn constant(&self, tau: &[f64]) -> Option<Constant> {
-        let torque = self.torque(tau, 0);
-        let own = self.basis.residual(&vec![1.0; torque.len()]);
-        let square: f64 = own.iter().map(|own| own * own).sum();
-        if square < WEAK * torque.len() as f64 {
-            return None;
-        }
-        let left = self.basis.residual(&torque);
-        let constant = left.iter().zip(&own).map(|(left, own)| left * own).sum::<f64>() / square;
-        let beyond: Vec<f64> = left.iter().zip(&own).map(|(left, own)| left - constant * own).collect();
-        Some(Constant { torque: constant, unexplained: length(&beyond) / length(&torque).max(f64::MIN_POSITIVE) })
-    }
 }
 
 /// Condition number of the base columns on which the motion depends, each of unit length: joints that stand still have others.

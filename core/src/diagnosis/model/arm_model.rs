@@ -6,10 +6,9 @@ use super::candidates::Candidate;
 use super::data_set::DataSet;
 use super::known::Known;
 use super::member::Member;
-use super::roles::shapes;
+use super::roles::{bounded, shapes};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::{Column, combined};
-use crate::effects::Parameter;
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
@@ -102,9 +101,4 @@ impl ArmModel<'_> {
         }
         Ok(tangents)
     }
-}
-
-/// A value within the bounds of its parameter.
-pub(crate) fn bounded(parameter: &Parameter, value: f64) -> f64 {
-    value.clamp(parameter.lower, parameter.upper)
 }

@@ -1,8 +1,7 @@
 //! An effect in the model.
 
-use super::arm_model::bounded;
 use super::candidates::Candidate;
-use super::roles::{is_level, linear, shapes};
+use super::roles::{bounded, is_level, linear, shapes};
 use crate::diagnosis::criteria::EstimateCriteria;
 use crate::effects::{Placed, Role};
 

@@ -21,7 +21,6 @@ mod session;
 
 pub(crate) use arm_columns::Moved;
 pub(crate) use arm_model::ArmModel;
-pub(crate) use arm_model::bounded;
 pub(crate) use blocks::{MemberBlock, ParameterBlocks};
 pub(crate) use candidates::Candidate;
 pub use candidates::{Family, is_candidate, places};
@@ -35,6 +34,6 @@ pub(crate) use known::Known;
 pub(crate) use member::Member;
 pub(crate) use prepared::PreparedLogs;
 pub use roles::is_level;
-pub(crate) use roles::{acts_upon_arm, bends, is_event, is_shift, linear, prior, shapes};
+pub(crate) use roles::{acts_upon_arm, bends, bounded, is_event, is_shift, linear, prior, shapes};
 pub(crate) use session::Fit;
 pub use session::Session;

@@ -1,6 +1,6 @@
 //! What the parameters of an effect are to a test: columns, shapes, levels, departures that bend, events.
 
-use crate::effects::{Effect, Nature, Placed, Role, Search, Site};
+use crate::effects::{Effect, Nature, Parameter, Placed, Role, Search, Site};
 use crate::robot::Robot;
 
 /// Indices of the parameters for which there are columns: amplitudes and departures.
@@ -23,6 +23,11 @@ pub fn is_level(effect: &dyn Effect) -> bool {
 /// which links swing.
 pub(crate) fn bends(effect: &dyn Effect, index: usize) -> bool {
     matches!(effect.search(index), Search::Shift | Search::Compliance)
+}
+
+/// A value within the bounds of its parameter.
+pub(crate) fn bounded(parameter: &Parameter, value: f64) -> f64 {
+    value.clamp(parameter.lower, parameter.upper)
 }
 
 /// Prior standard deviations of the factors of an effect's columns; infinite where nothing is known beforehand.

@@ -12,7 +12,7 @@ pub(super) fn coarse(values: &[f64]) -> bool {
 }
 
 /// The smallest change of a channel.
-pub(super) fn resolution(values: &[f64]) -> f64 {
+pub(in crate::quality) fn resolution(values: &[f64]) -> f64 {
     sizes(values).fold(f64::INFINITY, f64::min)
 }
 
@@ -22,7 +22,7 @@ fn sizes(values: &[f64]) -> impl Iterator<Item = f64> {
 }
 
 /// Runs of equal values: start and length.
-pub(super) fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
+pub(in crate::quality) fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
     values.chunk_by(|a, b| a == b).scan(0, |start, run| {
         let own = *start;
         *start += run.len();
@@ -31,6 +31,6 @@ pub(super) fn runs(values: &[f64]) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// The smallest and the largest value.
-pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
+pub(in crate::quality) fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }

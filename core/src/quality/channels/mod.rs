@@ -1,11 +1,9 @@
-//! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn, torque without a sign.
+//! Faults of single channels: frozen, held, clipped, spikes, jumps of a whole turn.
 
 use super::finding::{Finding, Kind, Severity};
 use super::view::View;
 use crate::channels::Channels;
-use crate::error::Result;
 use crate::recording::Recording;
-use crate::robot::Robot;
 use crate::signal::{changes, noise_floor, size_quantile};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -13,13 +11,12 @@ use std::ops::Range;
 mod clipped;
 mod digits;
 mod jumps;
-mod unsigned;
 
 use clipped::clipped;
 pub use clipped::clipping;
-use digits::{coarse, extremes, resolution, runs};
+use digits::coarse;
+pub(super) use digits::{extremes, resolution, runs};
 pub(super) use jumps::Jumps;
-use unsigned::{MANY, turns_back, unsigned};
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
@@ -55,11 +52,8 @@ const STRUCK: f64 = 5.0;
 
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
 /// digits that even steps do not keep.
-///
-/// # Errors
-/// Those of the filters.
-pub(super) fn findings(view: &View, logged: &Recording, robot: Option<&Robot>) -> Result<Vec<Finding>> {
-    let (mut out, mut turned_back) = (Vec::new(), 0);
+pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
+    let mut out = Vec::new();
     for joint in 0..view.dof() {
         let (q, tau, own) = (view.log.q.channel(joint), view.log.tau.channel(joint), logged.tau.channel(joint));
         out.extend(wrapped(view, joint, q));
@@ -81,19 +75,6 @@ pub(super) fn findings(view: &View, logged: &Recording, robot: Option<&Robot>) -
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
             out.extend(off(view, joint, tau));
         }
-        if let Some(visits) = turns_back(own) {
-            turned_back += 1;
-            out.extend(unsigned(view, joint, own, &visits, robot)?);
-        }
-    }
-    if let Some(all) = all_unsigned(view, &logged.tau, turned_back) {
-        // One cause: the joints are not listed one by one.
-        out.retain(|finding| finding.kind != Kind::UnsignedTorque);
-        out.push(all);
-    } else if without_sign(view, &out).len() == changing(&logged.tau).count() {
-        // Nothing is left to identify from.
-        let unsigned = out.iter_mut().filter(|finding| finding.kind == Kind::UnsignedTorque);
-        unsigned.for_each(|finding| finding.severity = Severity::Fatal);
     }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         // One fault of all: the joints are not listed one by one.
@@ -107,7 +88,7 @@ pub(super) fn findings(view: &View, logged: &Recording, robot: Option<&Robot>) -
         };
         out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", text));
     }
-    Ok(out)
+    out
 }
 
 fn path(signal: &[f64]) -> f64 {
@@ -341,40 +322,6 @@ fn held(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
         100.0 * share
     );
     Some(Finding::new(Kind::HeldSamples, Severity::Note, view.place("tau", joint), text))
-}
-
-/// Joints whose torque lost its sign, as found: such a torque gives no evidence on signs and gravity.
-pub(super) fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
-    let unsigned = || found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque);
-    let of = |joint: &usize| unsigned().any(|f| f.place == view.place("tau", *joint) || f.place == all_torques(view));
-    (0..view.dof()).filter(of).collect()
-}
-
-/// The place of a finding about the torques of all joints.
-fn all_torques(view: &View) -> String {
-    format!("tau1 .. tau{}", view.dof())
-}
-
-/// Torques none of which is ever negative (or positive), although two come to zero and turn back, or, of few digits, each comes to
-/// zero again and again: one joint may be loaded so, all of them are not.
-fn all_unsigned(view: &View, logged: &Channels, turned_back: usize) -> Option<Finding> {
-    let changing: Vec<&[f64]> = changing(logged).collect();
-    let visits = |tau: &[f64]| runs(tau).filter(|&(start, _)| tau[start] == 0.0).count();
-    let one_sided = |tau: &&[f64]| {
-        let (low, high) = extremes(tau);
-        low >= 0.0 || high <= 0.0
-    };
-    let visited = || changing.iter().all(|tau| visits(tau) >= MANY);
-    (changing.len() > 1 && changing.iter().all(one_sided) && (turned_back > 1 || visited())).then(|| {
-        let text = "no torque ever changes its sign, although they come to zero again and again: the signs were lost (a load \
-                    without direction, or an absolute value); log the torques with their signs";
-        Finding::new(Kind::UnsignedTorque, Severity::Fatal, all_torques(view), text)
-    })
-}
-
-/// Torques that change, which a log may lack of some joints.
-fn changing(tau: &Channels) -> impl Iterator<Item = &[f64]> {
-    tau.iter().filter(|tau| tau.iter().any(|v| *v != tau[0] && v.is_finite()))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The time by which torques come behind the motion: a search over lags, joint by joint, and what the joints agree on.
 
-use super::JointFit;
+use super::joint_fit::JointFit;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::velocity::vertex;
 use crate::quality::view::View;

@@ -4,9 +4,8 @@
 use super::super::change::{Change, Description};
 use super::super::compare::{EXPLAINED, compare};
 use super::super::fitting::{Physics, Rows};
-use super::super::shares::{ALIKE, WRONG_MASSES};
+use super::super::shares::{ALIKE, FEWEST, MORE_THAN_ALL, WRONG_MASSES};
 use super::super::tried::Tried;
-use super::disagreement::{FEWEST, MORE_THAN_ALL};
 use crate::robot::Robot;
 
 /// The logs as they are and without the gravity of the described `bodies`, where bodies of any masses explain the torques clearly better by that, and

@@ -3,7 +3,7 @@
 use super::super::change::Description;
 use super::super::compare::EXPLAINED_ALONE;
 use super::super::fitting::{Evaluation, Fit, Physics, Rows};
-use super::super::shares::WRONG_MASSES;
+use super::super::shares::{FEWEST, MORE_THAN_ALL, WRONG_MASSES};
 use super::super::tried::Tried;
 use super::compensation;
 use crate::quality::finding::{Finding, Kind, Severity};
@@ -25,12 +25,6 @@ const UNLIKE_SHAPES: f64 = 2.0;
 
 /// Share of the torques, as a geometric mean, from which masses of the described arm that are wrong do not explain it: less is a note.
 const NOT_MASSES: f64 = 0.3;
-
-/// One torque may have a cause of its own, as a spring or a factor.
-pub(super) const FEWEST: usize = 2;
-
-/// Share from which described bodies need more torque than there is: no load, friction or rotor takes that off. Of so many joints that is enough.
-pub(super) const MORE_THAN_ALL: f64 = 1.0;
 
 /// A finding where no bodies explain half of the torques, or only others than those described.
 pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Description>) -> Option<Finding> {

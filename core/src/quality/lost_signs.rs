@@ -1,10 +1,12 @@
-//! A torque that comes to zero and turns back there: its sign was lost.
+//! Torques that come to zero and turn back there: their signs were lost.
 
-use super::digits::{extremes, resolution};
+use super::channels::{extremes, resolution, runs};
+use super::descriptions;
+use super::finding::{Finding, Kind, Severity};
+use super::view::View;
+use crate::channels::Channels;
 use crate::error::Result;
-use crate::quality::descriptions;
-use crate::quality::finding::{Finding, Kind, Severity};
-use crate::quality::view::View;
+use crate::recording::Recording;
 use crate::robot::Robot;
 use crate::signal::size_quantile;
 
@@ -13,7 +15,7 @@ use crate::signal::size_quantile;
 const NEAR: f64 = 0.03;
 const VISITS: f64 = 0.02;
 const MEETS: f64 = 0.004;
-pub(super) const MANY: usize = 5;
+const MANY: usize = 5;
 
 /// A torque that lost its sign has a kink where it meets zero: it is within a quarter of [`NEAR`] for a quarter of the time that it is
 /// within all of it, where one that touches zero of its own is there for half of the time. Between the two, over all visits:
@@ -23,15 +25,39 @@ const KINK: f64 = 2.3;
 const OFTEN: usize = 4;
 
 /// Visits of zero by a torque that comes down to it, meets it, and never goes below (or above).
-pub(super) struct Visits {
+struct Visits {
     /// Samples at which it meets zero.
     met: Vec<usize>,
     /// Visits, whether or not it meets zero.
     all: usize,
 }
 
+/// Findings about torques that lost their signs; `logged` is the log as it was, with the digits that even steps do not keep.
+///
+/// # Errors
+/// Those of the filters.
+pub(super) fn findings(view: &View, logged: &Recording, robot: Option<&Robot>) -> Result<Vec<Finding>> {
+    let (mut out, mut turned_back) = (Vec::new(), 0);
+    for joint in (0..view.dof()).filter(|&joint| logged.has_torque(joint)) {
+        let own = logged.tau.channel(joint);
+        if let Some(visits) = turns_back(own) {
+            turned_back += 1;
+            out.extend(unsigned(view, joint, own, &visits, robot)?);
+        }
+    }
+    if let Some(all) = all_unsigned(view, &logged.tau, turned_back) {
+        // One cause: the joints are not listed one by one.
+        return Ok(vec![all]);
+    }
+    if out.len() == changing(&logged.tau).count() {
+        // Nothing is left to identify from.
+        out.iter_mut().for_each(|finding| finding.severity = Severity::Fatal);
+    }
+    Ok(out)
+}
+
 /// The visits of a torque that never crosses zero, where it seems to turn back there.
-pub(super) fn turns_back(tau: &[f64]) -> Option<Visits> {
+fn turns_back(tau: &[f64]) -> Option<Visits> {
     let (low, high) = extremes(tau);
     let size = size_quantile(tau.iter().copied(), 0.95);
     // A torque with few digits meets zero wherever it comes near.
@@ -59,13 +85,7 @@ pub(super) fn turns_back(tau: &[f64]) -> Option<Visits> {
 }
 
 /// A torque that turns back at zero. A few visits are chance, unless a model explains the torque better with the sign that it would have lost.
-pub(super) fn unsigned(
-    view: &View,
-    joint: usize,
-    tau: &[f64],
-    visits: &Visits,
-    robot: Option<&Robot>,
-) -> Result<Option<Finding>> {
+fn unsigned(view: &View, joint: usize, tau: &[f64], visits: &Visits, robot: Option<&Robot>) -> Result<Option<Finding>> {
     let turns = || -> Vec<usize> {
         // The view is at even steps.
         let at = |&met: &usize| met * view.log.samples() / tau.len();
@@ -88,6 +108,40 @@ fn have_kinks(parts: &[&[f64]], near: f64) -> bool {
     let within: usize = parts.iter().map(|part| part.len()).sum();
     let closer: usize = parts.iter().map(inner).sum();
     closer <= parts.len() || within as f64 > KINK * closer as f64
+}
+
+/// Joints whose torque lost its sign, as found: such a torque gives no evidence on signs and gravity.
+pub(super) fn without_sign(view: &View, found: &[Finding]) -> Vec<usize> {
+    let unsigned = || found.iter().filter(|finding| finding.kind == Kind::UnsignedTorque);
+    let of = |joint: &usize| unsigned().any(|f| f.place == view.place("tau", *joint) || f.place == all_torques(view));
+    (0..view.dof()).filter(of).collect()
+}
+
+/// The place of a finding about the torques of all joints.
+fn all_torques(view: &View) -> String {
+    format!("tau1 .. tau{}", view.dof())
+}
+
+/// Torques none of which is ever negative (or positive), although two come to zero and turn back, or, of few digits, each comes to
+/// zero again and again: one joint may be loaded so, all of them are not.
+fn all_unsigned(view: &View, logged: &Channels, turned_back: usize) -> Option<Finding> {
+    let changing: Vec<&[f64]> = changing(logged).collect();
+    let visits = |tau: &[f64]| runs(tau).filter(|&(start, _)| tau[start] == 0.0).count();
+    let one_sided = |tau: &&[f64]| {
+        let (low, high) = extremes(tau);
+        low >= 0.0 || high <= 0.0
+    };
+    let visited = || changing.iter().all(|tau| visits(tau) >= MANY);
+    (changing.len() > 1 && changing.iter().all(one_sided) && (turned_back > 1 || visited())).then(|| {
+        let text = "no torque ever changes its sign, although they come to zero again and again: the signs were lost (a load \
+                    without direction, or an absolute value); log the torques with their signs";
+        Finding::new(Kind::UnsignedTorque, Severity::Fatal, all_torques(view), text)
+    })
+}
+
+/// Torques that change, which a log may lack of some joints.
+fn changing(tau: &Channels) -> impl Iterator<Item = &[f64]> {
+    tau.iter().filter(|tau| tau.iter().any(|v| *v != tau[0] && v.is_finite()))
 }
 
 #[cfg(test)]

@@ -28,8 +28,8 @@ const OFTEN: usize = 4;
 struct Visits {
     /// Samples at which it meets zero.
     met: Vec<usize>,
-    /// Visits, whether or not it meets zero.
-    all: usize,
+    /// Samples at which it is nearest to zero in every visit, whether or not it meets it.
+    all: Vec<usize>,
 }
 
 /// Findings about torques that lost their signs; `logged` is the log as it was, with the digits that even steps do not keep.
@@ -72,32 +72,33 @@ fn turns_back(tau: &[f64]) -> Option<Visits> {
         start += part.len() + 1;
     }
     visits.retain(|(_, part)| lowest(part) < VISITS * size);
-    let all = visits.len();
-    visits.retain(|(_, part)| lowest(part) < MEETS * size);
-    let parts: Vec<&[f64]> = visits.iter().map(|(_, part)| *part).collect();
-    let turns = visits.len() >= OFTEN || have_kinks(&parts, 2.0 * NEAR * size);
     let nearest = |&(start, part): &(usize, &[f64])| {
         let at = (0..part.len()).min_by(|&a, &b| part[a].abs().total_cmp(&part[b].abs()));
         start + at.unwrap_or(0)
     };
+    let all: Vec<usize> = visits.iter().map(nearest).collect();
+    visits.retain(|(_, part)| lowest(part) < MEETS * size);
+    let parts: Vec<&[f64]> = visits.iter().map(|(_, part)| *part).collect();
+    let turns = visits.len() >= OFTEN || have_kinks(&parts, 2.0 * NEAR * size);
     let met: Vec<usize> = visits.iter().filter(|_| turns).map(nearest).collect();
-    ((!met.is_empty() && all >= MANY) || (met.len() >= 2 && 2 * met.len() >= all)).then_some(Visits { met, all })
+    ((!met.is_empty() && all.len() >= MANY) || (met.len() >= 2 && 2 * met.len() >= all.len()))
+        .then_some(Visits { met, all })
 }
 
 /// A torque that turns back at zero. A few visits are chance, unless a model explains the torque better with the sign that it would have lost.
 fn unsigned(view: &View, joint: usize, tau: &[f64], visits: &Visits, robot: Option<&Robot>) -> Result<Option<Finding>> {
-    let turns = || -> Vec<usize> {
-        // The view is at even steps.
-        let at = |&met: &usize| met * view.log.samples() / tau.len();
-        visits.met.iter().map(at).collect()
+    // The view is at even steps. Between two samples a torque may cross zero and meet it at none.
+    let at = |samples: &[usize]| -> Vec<usize> {
+        samples.iter().map(|sample| sample * view.log.samples() / tau.len()).collect()
     };
-    if visits.met.len() < OFTEN && !descriptions::is_explained_with_signs(view.log, robot, joint, &turns())? {
+    let is_explained = |samples: &[usize]| descriptions::is_explained_with_signs(view.log, robot, joint, &at(samples));
+    if visits.met.len() < OFTEN && !is_explained(&visits.met)? && !is_explained(&visits.all)? {
         return Ok(None);
     }
     let what = if extremes(tau).0 >= 0.0 { "never negative" } else { "never positive" };
     let text = format!(
         "the torque is {what} but comes to zero {} times and turns back: its sign was lost; log it with its sign",
-        visits.all
+        visits.all.len()
     );
     Ok(Some(Finding::new(Kind::UnsignedTorque, Severity::Warning, view.place("tau", joint), text)))
 }

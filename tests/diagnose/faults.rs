@@ -104,11 +104,23 @@ fn flipped_torques() {
 
 #[test]
 fn unsigned_torques() {
-    for joint in 0..6 {
-        assert_found(Kind::UnsignedTorque, Consequence::Stops, &format!("tau{}", joint + 1), |log| {
-            log.tau.channel_mut(joint).iter_mut().for_each(|v| *v = v.abs());
-        });
+    let (mut missed, mut all) = (Vec::new(), 0);
+    for (seed, log) in CLEAN.iter().enumerate() {
+        for joint in 0..6 {
+            for mut log in [log.clone(), bare(log)] {
+                log.tau.channel_mut(joint).iter_mut().for_each(|v| *v = v.abs());
+                let place = format!("tau{}", joint + 1);
+                let stops = |f: &DataFault| f.kind == Kind::UnsignedTorque && f.consequence == Consequence::Stops;
+                let (_, faults) = screened(&log);
+                all += 1;
+                if !faults.iter().any(|f| stops(f) && f.place.starts_with(&place)) {
+                    missed.push(format!("motion {seed}, {place}: {faults:?}"));
+                }
+            }
+        }
     }
+    // A torque that comes to zero a few times may turn there of its own.
+    assert!(10 * missed.len() <= all, "{}", missed.join("\n"));
 }
 
 #[test]

@@ -91,8 +91,9 @@ fn unsigned(view: &View, joint: usize, tau: &[f64], visits: &Visits, robot: Opti
     let at = |samples: &[usize]| -> Vec<usize> {
         samples.iter().map(|sample| sample * view.log.samples() / tau.len()).collect()
     };
-    let is_explained = |samples: &[usize]| descriptions::is_explained_with_signs(view.log, robot, joint, &at(samples));
-    if visits.met.len() < OFTEN && !is_explained(&visits.met)? && !is_explained(&visits.all)? {
+    let mut turns = vec![at(&visits.met), at(&visits.all)];
+    turns.dedup();
+    if visits.met.len() < OFTEN && !descriptions::is_explained_with_signs(view.log, robot, joint, &turns)? {
         return Ok(None);
     }
     let what = if extremes(tau).0 >= 0.0 { "never negative" } else { "never positive" };

@@ -71,18 +71,18 @@ fn units_of_positions(
         let unit = units[joint].map_or(1.0, OtherUnit::in_si);
         (ratio / unit - 1.0).abs() < SAME
     };
-    let ratio = |joint: usize| velocity::ratio(&view, joint);
+    let ratios: Vec<Option<f64>> = (0..units.len()).map(|joint| velocity::ratio(&view, joint)).collect();
     // Velocities in rad/s are so many times smaller than positions in another unit have them.
     let are_in_si = (0..units.len())
         .filter(|&joint| positions.doubts(joint))
-        .all(|joint| ratio(joint).is_some_and(|ratio| of_unit(joint, ratio)));
+        .all(|joint| ratios[joint].is_some_and(|ratio| of_unit(joint, ratio)));
     if are_in_si {
         for &joint in &assumed {
-            if ratio(joint).is_some_and(|ratio| (ratio - 1.0).abs() < SAME) {
+            if ratios[joint].is_some_and(|ratio| (ratio - 1.0).abs() < SAME) {
                 units[joint] = None;
             }
         }
-        assumed.retain(|&joint| ratio(joint).is_none());
+        assumed.retain(|&joint| ratios[joint].is_none());
     }
     let Some(robot) = robot.filter(|_| !assumed.is_empty()) else { return Ok(units) };
     let factors: Vec<f64> = units.iter().map(|unit| unit.map_or(1.0, OtherUnit::in_si)).collect();

@@ -13,8 +13,8 @@ use nalgebra::Vector3;
 /// The sign that is lost is that of the parts between visits, or that of the others.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Whether the torque of a joint, whose sign changes at the samples `turns`, is explained clearly better with that than as it is logged: by free
-/// bodies where the arm is known, else by a joint of its own.
+/// Whether the torque of a joint, whose sign changes at the samples of one of `turns`, is explained clearly better with that than as it is logged:
+/// by free bodies where the arm is known, else by a joint of its own.
 ///
 /// # Errors
 /// Those of the filters.
@@ -22,7 +22,7 @@ pub(crate) fn is_explained_with_signs(
     log: &Recording,
     robot: Option<&Robot>,
     joint: usize,
-    turns: &[usize],
+    turns: &[Vec<usize>],
 ) -> Result<bool> {
     let physics = robot.map_or(Physics::Alone, Physics::free);
     let limit = if robot.is_some() { EXPLAINED } else { EXPLAINED_ALONE };
@@ -33,7 +33,7 @@ pub(crate) fn is_explained_with_signs(
         Ok(tried.map(|tried| (tried, rows.log)))
     };
     let Some((as_logged, blocks)) = tried(log)? else { return Ok(false) };
-    for sign in SIGNS {
+    for (turns, sign) in turns.iter().flat_map(|turns| SIGNS.map(|sign| (turns, sign))) {
         let mut restored = log.clone();
         let changed = |sample: usize| turns.iter().filter(|&&turn| turn <= sample).count() % 2 == 1;
         for (sample, torque) in restored.tau.channel_mut(joint).iter_mut().enumerate() {

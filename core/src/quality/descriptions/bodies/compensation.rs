@@ -22,7 +22,7 @@ pub(crate) fn judged(robot: &Robot, bodies: &Physics, rows: &Rows, start: &Descr
         return None;
     }
     let masses = Physics::masses(robot)?;
-    let after = of_masses(robot, rows, start)?;
+    let after = under(&masses, &start.with(Change::WithoutGravity))?;
     let gain = compare(&under(&masses, start)?.evaluation, &after.evaluation, &rows.log)?;
     tracing::debug!(before = before.share(), after = after.share(), gain = gain.gain, p = gain.p, "compensation");
     (after.share() < WRONG_MASSES && gain.is_better(1, EXPLAINED) && gain.is_large(1)).then_some([before, after])

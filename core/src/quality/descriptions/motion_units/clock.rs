@@ -206,7 +206,8 @@ impl<'a> Timing<'a> {
             Tried::new(physics, &as_logged, given.with(Change::WithoutGravity))
         };
         let own = weightless(self.physics);
-        let of_masses = Physics::masses(self.times.robot).and_then(|masses| weightless(&masses));
+        let others = (!matches!(self.physics, Physics::Masses(_))).then(|| Physics::masses(self.times.robot)).flatten();
+        let of_masses = others.and_then(|masses| weightless(&masses));
         let explains = |other: Tried| {
             let gain = compare(&other.evaluation, &with.evaluation, &rows.log);
             other.explains_half() && !gain.is_some_and(|gain| gain.is_better(1, EXPLAINED) && gain.is_large(1))

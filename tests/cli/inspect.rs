@@ -137,7 +137,7 @@ fn identify_and_diagnose_go_on_with_degrees_millimetres_and_a_clock_that_runs_wr
         let corrected = case.read("changed/corrected.toml");
         assert!(corrected.contains(written) && !corrected.contains(other), "{corrected}");
         // The logs are those that the dataset names.
-        let again = case.tauscope(&["inspect", "--dataset", "changed/corrected.toml"]);
+        let again = case.tauscope(&["inspect", "changed/corrected.toml"]);
         assert_done(&again);
         assert!(text(&again.stdout).contains("Nothing is wrong with it"), "{}", text(&again.stdout));
         let told = case.tauscope(&["diagnose", "--robot", "one.urdf", "--train", "log.csv", "--out", "answer"]);

@@ -59,3 +59,18 @@ fn a_motor_that_saturates_is_no_gain() {
     assert!(diagnosis.found.iter().all(|found| found.verdict != Verdict::Named), "{:?}", diagnosis.found);
     assert!(told(&diagnosis).iter().any(|(joint, _)| *joint == JOINT), "{:?}", told(&diagnosis));
 }
+
+/// A first axis along gravity does not feel the moments of what it carries until the base is tilted: their error is no part of the tilt.
+#[test]
+fn wrong_moments_of_the_first_link_do_not_change_a_tilt() {
+    let truth = [0.05, -0.04];
+    let tilt = Placed { effect: find("base_tilt").unwrap(), joint: 0, parameters: truth.to_vec() };
+    let mut setup = with(&[tilt]);
+    setup.plant.joints[0].inertia.0.iter_mut().for_each(|value| *value *= 2.0);
+    let diagnosis = super::diagnosed(&SETUP.known, &logs(&setup, 31, 3), &["base_tilt", "torque_offset"]);
+    let [found] = &diagnosis.found[..] else { panic!("{} found", diagnosis.found.len()) };
+    for (k, truth) in truth.into_iter().enumerate() {
+        let (value, std) = (found.member.placed.parameters[k], found.member.std[k]);
+        assert!((value - truth).abs() < 4.0 * std && std < 0.002, "{value} +- {std}, truth {truth}");
+    }
+}

@@ -158,6 +158,19 @@ impl BaseParameters {
         (&self.regrouping * nalgebra::DVector::from_column_slice(standard)).as_slice().to_vec()
     }
 
+    /// Changes of the standard parameters that change no base parameter: one for each that is not kept.
+    pub fn unseen(&self) -> Vec<Vec<f64>> {
+        let count = self.regrouping.ncols();
+        let change = |parameter: usize| {
+            let mut change = vec![0.0; count];
+            change[parameter] = 1.0;
+            let shares = self.carried(self.regrouping.column(parameter).as_slice());
+            self.kept.iter().zip(shares).for_each(|(&kept, share)| change[kept] -= share);
+            change
+        };
+        (0..count).filter(|parameter| !self.kept.contains(parameter)).map(change).collect()
+    }
+
     /// Values of the standard parameters that are kept with which base parameters come to `sums` where all others are zero:
     /// what a parameter is merged into holds less of it.
     pub fn carried(&self, sums: &[f64]) -> Vec<f64> {

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example:\n  tauscope inspect monday.csv tuesday.csv --robot arm.urdf")]
 pub(crate) struct Arguments {
     /// Log: .csv, .parquet, .npz, .mcap, .db3, or the folder of a ROS 2 bag. Several logs of one arm are examined together.
-    /// Default: those of the dataset.
+    /// Default: those of the dataset, which may also stand here by itself.
     #[arg(required_unless_present = "dataset")]
     log: Vec<PathBuf>,
     #[command(flatten)]
@@ -31,12 +31,23 @@ pub(crate) struct Arguments {
     convert: Option<PathBuf>,
 }
 
+impl Arguments {
+    /// The dataset and the logs. A single file of TOML in place of a log is a dataset.
+    fn given(&self) -> (Option<&PathBuf>, &[PathBuf]) {
+        match (&self.dataset, &self.log[..]) {
+            (None, [only]) if only.extension().is_some_and(|extension| extension == "toml") => (Some(only), &[]),
+            (dataset, logs) => (dataset.as_ref(), logs),
+        }
+    }
+}
+
 /// Examines the logs and prints the findings; a log that cannot be used is an error after the report.
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
-    let dataset = arguments.dataset.as_ref().map(Dataset::load).transpose()?;
+    let (described, logs) = arguments.given();
+    let dataset = described.map(Dataset::load).transpose()?;
     let mut files = match &dataset {
-        Some(dataset) if arguments.log.is_empty() => dataset.files(),
-        _ => arguments.log.clone(),
+        Some(dataset) if logs.is_empty() => dataset.files(),
+        _ => logs.to_vec(),
     };
     // Parts of one log are examined together.
     files.dedup();

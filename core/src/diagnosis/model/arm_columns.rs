@@ -266,6 +266,6 @@ fn over_rows<'a>(rows: &Rows, of: impl Fn(usize, usize) -> Option<&'a [f64]>) ->
 }
 
 /// Torques of all logs, `[joint][time]`, at their own rates as a column over the rows.
-fn all_over_rows(rows: &Rows, logs: &[Channels]) -> Column {
+pub(super) fn all_over_rows(rows: &Rows, logs: &[Channels]) -> Column {
     over_rows(rows, |log, joint| Some(logs[log].channel(joint)))
 }

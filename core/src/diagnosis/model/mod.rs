@@ -18,6 +18,7 @@ mod member;
 mod prepared;
 mod roles;
 mod session;
+mod unseen;
 
 pub(crate) use arm_columns::Moved;
 pub(crate) use arm_model::ArmModel;

@@ -104,13 +104,15 @@ pub(super) fn settled(session: &mut Session, found: &mut [Found]) -> Result<(Whi
 
 /// Fits what was `found` until the sizes of gears and sensors no longer change, with estimates written back, and returns the noise under that; none
 /// where nothing that was found acts upon the arm. Their columns are those along the arm as found, which holds a part of what an effect does until
-/// that is in the model, and those of departures belong to one size.
+/// that is in the model, and those of departures belong to one size. Bodies weigh under a gravity that is turned what no base parameter holds: that
+/// is fitted with it.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
 pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &Whitener) -> Result<Option<Whitener>> {
     let mut members = members(found);
-    if !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
+    let unseen = session.free_unseen(&members);
+    if unseen.is_empty() && !members.iter().any(|member| !member.held && acts_upon_arm(member.placed.effect)) {
         return Ok(None);
     }
     for _ in 0..ROUNDS {
@@ -120,6 +122,11 @@ pub(super) fn converged(session: &mut Session, found: &mut [Found], whitener: &W
         if members.iter().zip(&before).all(|(member, before)| has_converged(member, before)) {
             break;
         }
+    }
+    if !unseen.is_empty() {
+        let solved = session.solved(&members, whitener)?;
+        session.model.arm.describe(&unseen.change(&solved.values));
+        session.settle(&mut members, whitener)?;
     }
     let columns = session.model.columns(&session.logs.train, &members)?;
     found.iter_mut().zip(members).for_each(|(found, member)| found.member = member);

@@ -86,6 +86,15 @@ impl Arm {
         self.found = Model::with_standard_values(&self.known, &standard);
     }
 
+    /// Takes a change of the standard parameters that no base parameter shows into the description: what effects that turn gravity showed.
+    pub fn describe(&mut self, change: &[f64]) {
+        for robot in [&mut self.known, &mut self.found] {
+            let mut standard = Model::standard_values(robot);
+            standard.iter_mut().zip(change).for_each(|(value, change)| *value += change);
+            *robot = Model::with_standard_values(robot, &standard);
+        }
+    }
+
     /// Takes what a link's inertia has more than described for that of its joint's rotor, where only their sum is determined and the
     /// description knows of no rotor: descriptions without rotors are more common than arms that have none.
     fn split_off_rotors(&self, model: &Model, standard: &mut [f64]) {

@@ -219,12 +219,19 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
         let alone = changes.len() == 1 && matches!(change, Change::ZeroOffset(..));
         of_held.is_some() && (alone || matches!(change, Change::Gravity(_)))
     };
-    let of_changes = changes
+    let own_changes: Vec<Change> = changes.iter().copied().filter(|change| !is_of_held(change)).collect();
+    let of_changes = own_changes
         .iter()
-        .filter(|change| !is_of_held(change))
-        .map(|&change| {
+        .enumerate()
+        .map(|(place, &change)| {
             let others: Vec<Change> = changes.iter().copied().filter(|other| *other != change).collect();
             let own = words(change, joints);
+            // The first of them holds what is known of all.
+            if place > 0 && !matches!(change, Change::TorqueScale(_)) {
+                let text = format!("{own} (together with: {})", words(own_changes[0], joints));
+                let (kind, place) = kind(change, joints);
+                return Finding::new(kind, Severity::Warning, place, text);
+            }
             let also = match others.is_empty() {
                 true => String::new(),
                 false => format!(" (together with: {})", all_words(&others, joints)),

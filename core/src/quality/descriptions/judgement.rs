@@ -128,13 +128,29 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let scaled = bodies.as_ref().and_then(|bodies| {
         Scales { robot, free: &free, bodies, rows: &rows, with_motion: &with_motion }.judge(&outcome.start, found)
     });
+    // With a factor free bodies looked for nothing else; and what they take up, those described may show.
+    let with_more = |first: Verdict| {
+        let (Some(bodies), true) = (bodies.as_ref(), first.alternatives.is_empty() && !first.unlike_bodies) else {
+            return first;
+        };
+        let by_bodies = Known { physics: bodies, other: Some(&free) };
+        let by_free = first.description.scaled().next().map(|_| known);
+        let more = by_free.into_iter().chain([by_bodies]).find_map(|known| {
+            let outcome = search(known, &rows, &with_motion, first.description.clone())?;
+            outcome.found.is_some().then(|| judged(known, Some(bodies), outcome))?
+        });
+        match more {
+            Some(more) => together(first, more),
+            None => first,
+        }
+    };
     if let Some(OtherScales { before, after, factors, alternatives }) = scaled {
-        return Some(Verdict { alternatives, ..untraced_verdict(&before, after, factors) });
+        return Some(with_more(Verdict { alternatives, ..untraced_verdict(&before, after, factors) }));
     }
     let described = || bodies.as_ref().and_then(|bodies| Tried::new(bodies, &rows, start.clone()));
     tracing::debug!(free = ?outcome.start.evaluation.unexplained, share = outcome.start.share(), described = ?described().map(|d| (d.share(), d.evaluation.unexplained)), "shares");
     if outcome.found.is_some() {
-        return judged(known, bodies.as_ref(), outcome);
+        return judged(known, bodies.as_ref(), outcome).map(with_more);
     }
     let bodies = bodies.as_ref()?;
     let known = Known { physics: bodies, other: Some(&free) };
@@ -161,6 +177,23 @@ fn of_drives(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Verdi
     let (description, shown) = effort::of_one_joint(bodies, rows, start)?;
     let [before, after] = [start.clone(), description].map(|own| Tried::new(bodies, rows, own));
     of_all(&before?, vec![after?], shown)
+}
+
+/// The verdict on a description to which described bodies add changes that free ones do not show.
+fn together(first: Verdict, more: Verdict) -> Verdict {
+    let [before, _] = first.each;
+    let [_, after] = more.each;
+    Verdict {
+        before: first.before,
+        each: [before, after],
+        factors: first.factors,
+        by_bodies: first.by_bodies || more.by_bodies,
+        spread: more.spread.or(first.spread),
+        assumed: if first.assumed.is_empty() { more.assumed } else { first.assumed },
+        without_bodies: first.without_bodies,
+        beyond_doubt: first.beyond_doubt && more.beyond_doubt,
+        ..more
+    }
 }
 
 /// The verdict on torques of another scale, and on others that the logs do not trace to a cause.

@@ -86,8 +86,9 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
     let mut of_smaller = 0.0;
     for size in 0..MOST {
         let mut candidates: Vec<Description> = Vec::new();
-        let unscaled = grown.iter().filter(|from| from.scaled().next().is_none());
-        for next in unscaled.flat_map(|from| from.neighbours(&rows.measured, !matches!(physics, Physics::Alone))) {
+        // A factor that this search found takes a torque out of the fit of the others.
+        let as_scaled = grown.iter().filter(|from| from.torque_scale == start.description.torque_scale);
+        for next in as_scaled.flat_map(|from| from.neighbours(&rows.measured, !matches!(physics, Physics::Alone))) {
             let known = seen.iter().chain(&candidates).any(|other| other.same_as(&next));
             if !known && !contradicts(with_motion, &next) {
                 candidates.push(next);

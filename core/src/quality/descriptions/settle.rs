@@ -1,6 +1,6 @@
 //! Sets of changes that the logs do not separate, compared by what else is known of the arm.
 
-use super::change::Description;
+use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Physics, Rows};
 use super::known::Known;
@@ -22,12 +22,42 @@ pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut o
     outcome.found = outcome.found.take().map(|found| {
         let mut found = within_limits(rows, with_directions(known.physics, rows, found));
         let Some(bodies) = bodies else { return found };
+        if let Some(core) = in_common(known, bodies, rows, &outcome.start, &found) {
+            found = with_directions(known.physics, rows, core);
+        }
         if !std::ptr::eq(bodies, known.physics) {
             found = under_bodies(bodies, rows, with_directions_of(bodies, known.physics, rows, found));
         }
         by_weights(bodies, rows, found)
     });
     outcome
+}
+
+/// What the best and all its rivals have in common, where the described bodies explain the torques with that alone, and no clearly better with
+/// the rest: changes of which each may stand for another explain what the model lacks.
+fn in_common(known: Known, bodies: &Physics, rows: &Rows, start: &Tried, found: &Found) -> Option<Found> {
+    let best = &found.best.description;
+    let is_shared = |change: &&Change| {
+        found.rivals.iter().all(|rival| match change {
+            Change::Gravity(_) => tilt::has_direction_near(&rival.description, best),
+            other => rival.description.changes.contains(other),
+        })
+    };
+    let shared: Vec<Change> = best.changes.iter().filter(is_shared).copied().collect();
+    if found.rivals.is_empty() || shared.is_empty() || shared.len() == best.changes.len() {
+        return None;
+    }
+    let as_given = Description::as_given(best.dof(), start.description.gravity);
+    let core = shared.into_iter().fold(as_given, |description, change| description.with(change));
+    let [own, whole] = [&core, best].map(|description| Tried::new(bodies, rows, description.clone()));
+    let (own, whole) = (own?, whole?);
+    let is_better = compare(&own.evaluation, &whole.evaluation, &rows.log)?.is_distinct();
+    if own.share() >= ALIKE || is_better {
+        return None;
+    }
+    let best = Tried::new(known.physics, rows, core)?;
+    let gain = compare(&start.evaluation, &best.evaluation, &rows.log)?;
+    Some(Found { best, rivals: Vec::new(), next: None, gain, is_determined: true })
 }
 
 /// The same with other directions of gravity that explain the logs as well among the rivals. The logs determine none where these go on from the

@@ -181,7 +181,7 @@ fn refused(start: &[u8], extension: &str, name: &str, bag: bool) -> Option<(&'st
         ("JSON", python(code))
     } else if text.starts_with("header:") {
         ("the text of ros2 topic echo", "record it with ros2 bag record, or echo it with --csv".to_owned())
-    } else if text.starts_with("schema = \"tauscope") {
+    } else if extension == "toml" || text.starts_with("schema = \"tauscope") {
         ("a file of settings", "give a dataset with --dataset, and as the log the file that it names".to_owned())
     } else {
         return None;
@@ -222,6 +222,7 @@ mod tests {
             ("b.mat", b"\x89HDF\r\n\x1a\n", ["HDF5", "h5py.File('b.mat')"]),
             ("a.xlsx", b"PK\x03\x04\0\0", ["a spreadsheet", "convert-to csv a.xlsx"]),
             ("a.csv", b"PK\x03\x04\0\0", ["a ZIP archive", "unzip a.csv"]),
+            ("corrected.toml", b"robot = \"a.urdf\"\n", ["a file of settings", "--dataset"]),
             ("a.json", b" {\"t\": [0]}", ["JSON", "read_json('a.json')"]),
             ("a.jsonl", b"{\"t\": 0}\n{\"t\": 1}\n", ["JSON", "read_json('a.jsonl', lines=True)"]),
             ("a.csv.gz", b"\x1F\x8B\x08\0", ["gzip", "gunzip a.csv.gz"]),

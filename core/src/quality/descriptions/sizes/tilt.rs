@@ -184,8 +184,14 @@ pub(crate) fn is_another_direction(a: &Tried, b: &Tried) -> bool {
 
 /// Whether two descriptions differ in nothing but the direction of gravity, and that a little.
 pub(crate) fn is_near(a: &Description, b: &Description) -> bool {
-    let (of_a, of_b) = (a.gravity.normalize(), b.gravity.normalize());
-    a.gravity.norm() > 0.0 && within(&of_a, &of_b, NEAR) && a.with_gravity(b.gravity).same_as(b)
+    has_direction_near(a, b) && a.with_gravity(b.gravity).same_as(b)
+}
+
+/// Whether gravity has nearly the same direction under two descriptions.
+pub(crate) fn has_direction_near(a: &Description, b: &Description) -> bool {
+    let both = [a, b].map(|description| description.gravity);
+    let [of_a, of_b] = both.map(|gravity| gravity.normalize());
+    both.iter().all(|gravity| gravity.norm() > 0.0) && within(&of_a, &of_b, NEAR)
 }
 
 /// The step from the center of a circle to the lowest place of the paraboloid through the values on it and in its center, in radii; none where that

@@ -144,3 +144,12 @@ fn a_scale_is_found_with_one_more_fault() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// The sign of the first torque changes little of what free bodies share with the other joints: it is looked for once the factor is known.
+#[test]
+fn the_factor_of_one_torque_is_found_with_the_sign_of_another() {
+    let verdict = judged(&scaled(&with_other_masses(&irb(), 3), [-1.0, 1.0, 0.02, 1.0, 1.0, 1.0])).unwrap();
+    let found = of_single(&verdict);
+    assert!(matches!(found[..], [(2, times)] if (times * 0.02).ln().abs() < 0.1), "{verdict:?}");
+    assert!(verdict.description.changes.contains(&Change::TorqueSign(0)) && !verdict.beyond_doubt, "{verdict:?}");
+}

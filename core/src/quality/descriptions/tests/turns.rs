@@ -53,3 +53,16 @@ fn columns_in_reverse_order_are_found_in_a_jog() {
         assert_eq!(verdict.description.changes, all, "{seed}");
     }
 }
+
+/// What stands beside the mounting in a jog is one of many, of which each explains some of what free bodies lack: the mounting is what all have.
+#[test]
+fn an_arm_that_hangs_is_that_alone_in_a_jog() {
+    let robot = irb();
+    for seed in 0..3 {
+        let hanging = Robot { gravity: -robot.gravity, ..super::scales::with_other_masses(&robot, seed) };
+        let log = in_turns(&hanging, 10.0, seed);
+        let verdict = examine_together(&[&log], Some(&robot)).unwrap().verdict.unwrap();
+        assert!(matches!(verdict.description.changes[..], [Change::Gravity([_, _, z])] if z > 9.0), "{verdict:?}");
+        assert!(verdict.alternatives.is_empty(), "{verdict:?}");
+    }
+}

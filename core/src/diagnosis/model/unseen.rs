@@ -1,0 +1,114 @@
+//! What the bodies weigh under another direction of gravity than that described.
+//!
+//! A first axis along gravity does not feel the first moments of what it carries, so that no base parameter holds them. An effect that turns gravity
+//! makes them felt, in proportion to its size: with the described moments in their place, wrong ones would change the size that is found.
+
+use super::member::Member;
+use super::session::Session;
+use crate::diagnosis::logs::Rows;
+use crate::diagnosis::regression::Column;
+use crate::dynamics::{Chain, Motion, inverse_dynamics};
+use crate::identification::effect_model::{Arm, Trust};
+use crate::identification::model::Model;
+use nalgebra::Vector3;
+
+/// Share of a column's size below which what others leave of it is rounding, and share of the largest column below which one is.
+const ROUNDING: f64 = 1e-6;
+
+/// Changes of the bodies that gravity as described does not show, with their places in the baseline.
+#[derive(Debug, Default)]
+pub struct Unseen {
+    /// Changes of the standard parameters, one for each column.
+    changes: Vec<Vec<f64>>,
+    /// Place of the first column.
+    first: usize,
+}
+
+impl Unseen {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
+    /// The standard parameters' change with these values of the baseline.
+    pub fn change(&self, baseline: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.changes.first().map_or(0, Vec::len)];
+        for (change, value) in self.changes.iter().zip(&baseline[self.first..]) {
+            sum.iter_mut().zip(change).for_each(|(sum, part)| *sum += value * part);
+        }
+        sum
+    }
+}
+
+impl Session<'_> {
+    /// Adds the columns of what the `members` make felt of the bodies by turning gravity to the baselines of the training and the held-out logs.
+    pub fn free_unseen(&mut self, members: &[Member]) -> Unseen {
+        let arm = &self.model.arm;
+        let turned = turned_gravity(arm, members);
+        let described = arm.described().gravity;
+        let differences = self.logs.train.rows.equal_states.is_some();
+        if arm.trust() == Trust::Nominal || turned == described || differences {
+            return Unseen::default();
+        }
+        let model = self.model.base;
+        let more = turned - described;
+        let mut changes = model.base().unseen();
+        let columns = torques(arm, &self.logs.train.rows, more, &changes);
+        let independent = independent(&columns);
+        changes = independent.iter().map(|&place| changes[place].clone()).collect();
+        let first = self.blocks(&[]).known.start;
+        let own = independent.into_iter().map(|place| columns[place].clone());
+        let held_out = torques(arm, &self.logs.test.rows, more, &changes);
+        self.logs.train.baseline.splice(first..first, own);
+        self.logs.test.baseline.splice(first..first, held_out);
+        Unseen { changes, first }
+    }
+}
+
+/// Gravity of the arm as found with the effects in the model, in base coordinates, m/s2.
+fn turned_gravity(arm: &Arm, members: &[Member]) -> Vector3<f64> {
+    let mut robot = arm.found().clone();
+    for Member { placed, .. } in members.iter().filter(|member| !member.held) {
+        placed.effect.alter(&placed.parameters, placed.joint, &mut robot);
+    }
+    robot.gravity
+}
+
+/// Torques of changes of the standard parameters at rest under a gravity, over the rows from after the change in question.
+fn torques(arm: &Arm, rows: &Rows, gravity: Vector3<f64>, changes: &[Vec<f64>]) -> Vec<Column> {
+    let chain = Chain::new(arm.described()).with_gravity(gravity.into());
+    let of = |change: &Vec<f64>| {
+        let inertial = Model::with_standard_values(arm.described(), change).inertial_parameters();
+        let logs = rows.logs.iter().enumerate().map(|(index, log)| {
+            let dof = log.motion.q.channels();
+            let samples = if index < rows.before { 0 } else { log.motion.q.samples() };
+            match samples {
+                0 => crate::channels::Channels::zeros(dof, log.motion.q.samples()),
+                _ => {
+                    let at_rest = Motion { q: log.motion.q.clone(), ..Motion::zeros(dof, samples) };
+                    inverse_dynamics(&chain, &inertial, &at_rest)
+                }
+            }
+        });
+        super::arm_columns::all_over_rows(rows, &logs.collect::<Vec<_>>())
+    };
+    changes.iter().map(of).collect()
+}
+
+/// Places of columns that no others before them make up, without those that are rounding.
+fn independent(columns: &[Column]) -> Vec<usize> {
+    let size = |column: &Column| column.dot(column).sqrt();
+    let largest = columns.iter().map(size).fold(0.0, f64::max);
+    let mut kept: Vec<(usize, Column)> = Vec::new();
+    for (place, column) in columns.iter().enumerate() {
+        let own = size(column);
+        let mut left = column.clone();
+        kept.iter().for_each(|(_, unit)| left.add(-unit.dot(&left), unit));
+        let rest = size(&left);
+        if own > ROUNDING * largest && rest > ROUNDING * own {
+            left.scale(1.0 / rest);
+            kept.push((place, left));
+        }
+    }
+    kept.into_iter().map(|(place, _)| place).collect()
+}

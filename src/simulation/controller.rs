@@ -48,6 +48,7 @@ impl Controller for ComputedTorque<'_> {
         let heading: Vec<f64> = qd_ref.iter().map(|&v| direction(v, COMPENSATION_WIDTH)).collect();
         let wanted = Instant {
             t,
+            started: 0.0,
             q,
             qd: &qd_ref,
             qdd: &command,

@@ -37,6 +37,7 @@ impl<'a> Run<'a> {
 
     /// Starts at time `t` in `state`.
     pub fn starting_at(t: f64, plant: &'a mut Plant, controller: &'a dyn Controller, state: State) -> Self {
+        plant.started = t;
         let mut contacts = plant.contacts(&state.qd);
         let memory = plant.fresh_memory();
         plant.release(t, &state, &memory, &mut contacts, controller);

@@ -73,6 +73,8 @@ pub struct Plant {
     /// The gears that are not rigid.
     gears: Vec<Option<Gear>>,
     uses_acceleration: bool,
+    /// Time at which the simulation began, s.
+    pub(super) started: f64,
     robot: Robot,
     inertial: Vec<f64>,
     chain: Chain,
@@ -121,6 +123,7 @@ impl Plant {
             arm: Engine::new(engine, &links)?,
             dry,
             gears,
+            started: 0.0,
             uses_acceleration: effects.iter().any(|placed| placed.effect.about().uses_acceleration),
             effects,
             inertial: robot.inertial_parameters(),
@@ -192,7 +195,18 @@ impl Plant {
 
     /// An instant whose accelerations and loads are still to be filled in.
     fn instant<'a>(&'a self, t: f64, q: &'a [f64], qd: &'a [f64], direction: &'a [f64]) -> Instant<'a> {
-        Instant { t, q, qd, qdd: &[], direction, load: &[], robot: &self.robot, chain: &self.chain, frames: None }
+        Instant {
+            t,
+            started: self.started,
+            q,
+            qd,
+            qdd: &[],
+            direction,
+            load: &[],
+            robot: &self.robot,
+            chain: &self.chain,
+            frames: None,
+        }
     }
 
     /// Torque the effects take at given directions, accelerations and loads.

@@ -235,6 +235,7 @@ impl Frame {
     fn instant<'a>(&'a self, along: &'a Along) -> Instant<'a> {
         Instant {
             t: self.t,
+            started: along.time[0],
             q: &self.q,
             qd: &self.qd,
             qdd: &self.qdd,

@@ -11,6 +11,8 @@ use crate::robot::{Pose, Robot};
 pub struct Instant<'a> {
     /// Time, s.
     pub t: f64,
+    /// Time at which the log or the simulation began, s.
+    pub started: f64,
     /// Positions.
     pub q: &'a [f64],
     /// Velocities.

@@ -37,6 +37,7 @@ pub(super) fn at<T>(q: f64, qd: f64, check: impl FnOnce(&Instant) -> T) -> T {
     let chain = Chain::new(&robot);
     check(&Instant {
         t: 2.0,
+        started: 0.0,
         q: &[q],
         qd: &[qd],
         qdd: &[1.5],

@@ -218,6 +218,7 @@ mod tests {
         let qd = [2.0; 6];
         let x = Instant {
             t: 0.0,
+            started: 0.0,
             q: &zeros,
             qd: &qd,
             qdd: &zeros,

@@ -75,14 +75,14 @@ impl Effect for FrictionWarmUp {
     }
 
     fn torque(&self, p: &[f64], joint: usize, x: &Instant, _: &[f64], out: &mut [f64]) {
-        out[joint] += p[0] * (-x.t / p[1]).exp() * x.direction[joint];
+        out[joint] += p[0] * (-(x.t - x.started) / p[1]).exp() * x.direction[joint];
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::testing::torque_at;
+    use crate::effects::testing::{at, torque_at};
 
     #[test]
     fn by_hand() {
@@ -92,5 +92,15 @@ mod tests {
         let torque = torque_at(&FrictionWarmUp, &[20.0, 4.0], 0.2, 0.5);
         assert!((torque - 12.130_613_194_26).abs() < 1e-10, "{torque}");
         assert_eq!(torque_at(&FrictionWarmUp, &[0.0, 4.0], 0.2, 0.5), 0.0);
+    }
+
+    /// Recorders stamp by the time of the controller or of the day.
+    #[test]
+    fn time_counts_from_the_start_of_the_log() {
+        at(0.2, 0.5, |x| {
+            let mut out = [0.0];
+            FrictionWarmUp.torque(&[20.0, 4.0], 0, &Instant { t: 3723.0, started: 3721.0, ..*x }, &[], &mut out);
+            assert!((out[0] - 12.130_613_194_26).abs() < 1e-10, "{out:?}");
+        });
     }
 }

@@ -1,7 +1,7 @@
 //! The judgement of a description: without the bodies of the arm first, then with them; then the scale of the torques.
 
 use super::bodies::compensation;
-use super::change::Description;
+use super::change::{Change, Description};
 use super::compare::compare;
 use super::fitting::{Fit, Friction, Physics, Rows};
 use super::jumps;
@@ -62,6 +62,9 @@ fn is_frictionless(friction: &[Friction]) -> bool {
     let certain = |f: &&Friction| f.share.abs() + ERRORS * f.error < CERTAIN;
     friction.iter().all(none) && 2 * friction.iter().filter(certain).count() >= friction.len().max(1)
 }
+
+/// Standard errors that make it certain that friction would drive a joint.
+const ERRORS_OF_SIGN: f64 = 5.0;
 
 /// Seconds of a log, to within half a step: each row stands for one, so that 3750 rows at 125 Hz are 30 s.
 fn lasts(rows: usize, period: f64) -> f64 {
@@ -152,13 +155,42 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     if outcome.found.is_some() {
         return judged(known, bodies.as_ref(), outcome).map(with_more);
     }
-    let bodies = bodies.as_ref()?;
-    let known = Known { physics: bodies, other: Some(&free) };
-    let outcome = search(known, &rows, &with_motion, start.clone())?;
-    if outcome.found.is_some() {
-        return judged(known, Some(bodies), outcome);
+    if let Some(bodies) = &bodies {
+        let known = Known { physics: bodies, other: Some(&free) };
+        let outcome = search(known, &rows, &with_motion, start.clone())?;
+        if outcome.found.is_some() {
+            return judged(known, Some(bodies), outcome);
+        }
+        if let Some(verdict) = of_drives(bodies, &rows, &start) {
+            return Some(verdict);
+        }
     }
-    of_drives(bodies, &rows, &start)
+    of_friction(&free, &rows, &start, &jumps::against_motion(views))
+}
+
+/// The verdict on torques whose friction would drive the joint: those of last joints are little else, and a jog has few blocks in which one moves.
+/// `against_motion` are the torques that jump against the motion at reversals.
+fn of_friction(free: &Physics, rows: &Rows, start: &Description, against_motion: &[bool]) -> Option<Verdict> {
+    // Standard errors take many fits.
+    if !against_motion.contains(&true) {
+        return None;
+    }
+    let friction = Fit::new(&free.tables(rows, start), rows, start).friction()?;
+    let drives =
+        |f: &&Friction| against_motion[f.joint] && f.share < -CERTAIN && f.share + ERRORS_OF_SIGN * f.error < 0.0;
+    let joints: Vec<usize> = friction.iter().filter(drives).map(|f| f.joint).collect();
+    let with = |change: fn(usize) -> Change| {
+        let changed = joints.iter().fold(start.clone(), |description, &joint| description.with(change(joint)));
+        Tried::new(free, rows, changed)
+    };
+    let [before, after] = [Tried::new(free, rows, start.clone())?, with(Change::TorqueSign)?];
+    let left = |tried: &Tried, joint: usize| tried.evaluation.unexplained[joint].unwrap_or(f64::INFINITY);
+    if joints.is_empty() || joints.iter().any(|&joint| left(&after, joint) >= left(&before, joint)) {
+        return None;
+    }
+    let other = with(Change::PositionSign).filter(|_| joints.len() == 1);
+    let other = other.map(|tried| Alternative { unexplained: tried.share(), changes: tried.description.changes });
+    Some(Verdict { alternatives: other.into_iter().collect(), ..untraced_verdict(&before, after, Vec::new()) })
 }
 
 /// The verdict on a description under which a drive would do what none does, though it explains the torques.
@@ -270,7 +302,8 @@ mod tests {
     fn torques_are_modelled_where_no_joint_has_friction_and_half_would_show_it() {
         assert!(is_rigid(&[0.14, 1.0]) && !is_rigid(&[0.16, 1.0]) && !is_rigid(&[0.01, 0.2, 0.2]) && !is_rigid(&[]));
         let of = |each: &[(f64, f64)]| {
-            let friction: Vec<Friction> = each.iter().map(|&(share, error)| Friction { share, error }).collect();
+            let friction: Vec<Friction> =
+                each.iter().map(|&(share, error)| Friction { joint: 0, share, error }).collect();
             is_frictionless(&friction)
         };
         assert!(of(&[(0.001, 0.009), (0.0, 0.05)]) && !of(&[(0.001, 0.01), (0.0, 0.05)]));

@@ -16,14 +16,27 @@ const LONGEST_S: f64 = 2.0;
 /// Share of the jumps that go with the motion from which friction is taken to. Where there is no friction half of them do.
 const WITH: f64 = 0.6;
 
+/// Reversals from which it is said that a torque jumps against the motion.
+const FEWEST: usize = 4;
+
+/// Whether the torque of every channel jumps against the motion of its position channel, more often than with it.
+pub(super) fn against_motion(views: &[&View]) -> Vec<bool> {
+    of_all(views, |with, all| all >= FEWEST && 2 * with < all)
+}
+
 /// Whether the torque of every channel jumps with the motion of its position channel, as logged.
 pub(super) fn with_motion(views: &[&View]) -> Vec<bool> {
+    of_all(views, |with, all| with > 0 && with as f64 > WITH * all as f64)
+}
+
+/// What is said of the jumps with the motion, and all jumps, of every channel in all logs.
+fn of_all(views: &[&View], said: impl Fn(usize, usize) -> bool) -> Vec<bool> {
     let dof = views.first().map_or(0, |view| view.dof());
-    let with = |joint: usize| {
+    let of = |joint: usize| {
         let (with, all) = views.iter().map(|view| jumps(view, joint)).fold((0, 0), |(w, n), (a, b)| (w + a, n + b));
-        with > 0 && with as f64 > WITH * all as f64
+        said(with, all)
     };
-    (0..dof).map(with).collect()
+    (0..dof).map(of).collect()
 }
 
 /// Jumps with the motion, and all jumps, of a log.

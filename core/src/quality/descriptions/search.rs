@@ -57,6 +57,24 @@ pub(super) struct Outcome {
 }
 
 impl Found {
+    /// The same without tilts of the base that are asked of the physics; none where there is nothing else.
+    fn without_tilts(mut self, physics: &Physics, rows: &Rows, start: &Tried) -> Option<Found> {
+        let gravity = start.description.gravity;
+        if let Some(description) = tilt::without_tilt(&self.best.description, gravity) {
+            if description.same_as(&start.description) {
+                return None;
+            }
+            self.best = Tried::new(physics, rows, description)?;
+            self.gain = compare(&start.evaluation, &self.best.evaluation, &rows.log)?;
+        }
+        let is_other = |rival: &Tried| {
+            let rest = tilt::without_tilt(&rival.description, gravity);
+            rest.is_none_or(|rest| !rest.same_as(&self.best.description))
+        };
+        self.rivals.retain(is_other);
+        Some(self)
+    }
+
     /// The same with the simplest of the best and its rivals in front.
     pub(super) fn simplest_first(mut self) -> Found {
         let rank = |tried: &Tried| tried.description.changes.iter().map(|change| change.rank()).sum::<usize>();
@@ -97,6 +115,9 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
         if size == 0 && matches!(physics, Physics::Free(_)) {
             candidates.extend(tilt::free_directions(physics, &whole, &start.description));
         }
+        if size == 0 && matches!(physics, Physics::Free(_) | Physics::Bodies(_)) {
+            candidates.extend(tilt::tilted(physics, &whole, &start.description));
+        }
         // Where joints move in turns, few blocks show to free bodies which is which; those described know their sizes.
         if size == 0 && !matches!(physics, Physics::Alone) {
             candidates.extend(start.description.in_reverse_order(&rows.measured));
@@ -129,6 +150,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             break;
         }
     }
+    let found = found.and_then(|found| found.without_tilts(physics, rows, &start));
     Some(Outcome { start, found })
 }
 

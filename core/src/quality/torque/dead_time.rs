@@ -12,6 +12,10 @@ const SHORTEST_S: f64 = 0.0015;
 /// Less has other causes, as slow noise, elastic gears and friction after reversals, for which some lag is always the best.
 const COSTS: f64 = 2.0;
 
+/// A torque that alone comes late is named from so many seconds on, where that takes this factor off its mean squared residual.
+const ALONE_S: f64 = 0.015;
+const ALONE_COSTS: f64 = 4.0;
+
 /// Dead times of signals that two programs log are no longer than this, s. Those are looked for in steps first, which a motion of three turns per
 /// second cannot hide, and at every sample around the best.
 const FAR_S: f64 = 0.5;
@@ -100,8 +104,32 @@ impl Lags {
         self.0.iter().copied()
     }
 
-    /// A dead time that the joints agree on.
+    /// A dead time that the joints agree on, or that of a single torque.
     pub(super) fn finding(&self, view: &View) -> Option<Finding> {
+        self.of_all(view).or_else(|| self.of_one(view))
+    }
+
+    /// The dead time of the only torque that comes late.
+    fn of_one(&self, view: &View) -> Option<Finding> {
+        let late = |(_, lag): &&(usize, Lag)| {
+            let seconds = lag.samples * view.period;
+            seconds > ALONE_S.max(3.0 * view.period) && lag.cost > ALONE_COSTS
+        };
+        let late: Vec<&(usize, Lag)> = self.0.iter().filter(late).collect();
+        let [(joint, lag)] = late[..] else { return None };
+        if self.0.len() < 3 {
+            return None;
+        }
+        let text = format!(
+            "this torque comes {:.0} ms behind its motion, and the others do not: it is filtered or logged late, or its drive or gear lags; \
+             `tauscope diagnose` tells a torque_lag from a time_delay and an elastic gear",
+            1e3 * lag.samples * view.period
+        );
+        Some(Finding::new(Kind::DeadTime, Severity::Note, format!("tau{}", joint + 1), text))
+    }
+
+    /// A dead time that the joints agree on.
+    fn of_all(&self, view: &View) -> Option<Finding> {
         let lags = &self.0;
         let costly = lags.iter().filter(|(_, lag)| lag.cost > COSTS).count();
         if lags.len() * 2 < view.dof() || costly * 2 < lags.len() {

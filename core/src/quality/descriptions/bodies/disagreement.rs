@@ -17,6 +17,10 @@ const UNLIKE: f64 = 0.3;
 /// .. where free bodies leave so many times less: what neither explains is friction, or noise.
 const LESS: f64 = 3.0;
 
+/// Torques that carry most of all are those of no described body where two of them stay unexplained by more than this, and all together do, as a share
+/// of the root mean square of all: a wrist of which little is known explains itself.
+const MOST: f64 = 0.5;
+
 /// Share of the torques, as a geometric mean, up to which bodies of any masses may leave more than free ones: their shapes are described wrongly.
 const SHAPES: f64 = 0.05;
 
@@ -51,7 +55,9 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
         let masses = under(&Physics::masses(robot)?)?;
         // Torques of this arm under other conventions of its joints are those of its bodies, whatever they weigh; of another they are not.
         let unlike = moved && is_unlike(masses.share(), free.share());
-        let others = bodies.share() >= WRONG_MASSES && others_explain(&bodies.evaluation, &free.evaluation);
+        let both = [&bodies.evaluation, &free.evaluation];
+        let heavy = others_explain_most(both, &rows.size);
+        let others = heavy || bodies.share() >= WRONG_MASSES && others_explain(both[0], both[1]);
         if !(others || unlike) || compensation::is_explained(robot, &rows, description) {
             return None;
         }
@@ -61,12 +67,17 @@ pub(crate) fn finding(views: &[&View], robot: &Robot, description: Option<&Descr
         };
         let text = format!(
             "the robot's bodies do not explain the torques{changed}, whatever they carry{}: {} stay unexplained on parts held out, {} with other bodies on \
-             these joints. Either {cause}, or the log is that of another robot or of other joints",
+             these joints. Either {cause}{}, or the log is that of another robot or of other joints",
             if others { "" } else { " and weigh" },
             percent(left.share()),
-            percent(free.share())
+            percent(free.share()),
+            if others {
+                ", or the torques are in another unit on each joint (amperes: [motors] torque_constant_nm_a)"
+            } else {
+                ""
+            }
         );
-        (if bodies.share() < NOT_MASSES && !unlike { Severity::Note } else { Severity::Warning }, text)
+        (if bodies.share() < NOT_MASSES && !unlike && !heavy { Severity::Note } else { Severity::Warning }, text)
     };
     Some(Finding::new(Kind::OtherRobot, severity, "robot", text))
 }
@@ -86,8 +97,21 @@ fn others_explain(bodies: &Evaluation, free: &Evaluation) -> bool {
     let both: Vec<(f64, f64)> =
         bodies.unexplained.iter().zip(&free.unexplained).filter_map(|(own, free)| (*own).zip(*free)).collect();
     let beyond = |share: f64| both.iter().filter(|(own, free)| *own > share && *own > LESS * free).count();
-    let unlike = beyond(UNLIKE);
-    unlike >= FEWEST && (2 * unlike >= both.len() || beyond(MORE_THAN_ALL) >= FEWEST)
+    let (unlike, more_than_all) = (beyond(UNLIKE), beyond(MORE_THAN_ALL));
+    // A load that no arm carries makes up for heavier bodies on all joints but one or two.
+    let by_load = more_than_all > 0 && 2 * beyond(WRONG_MASSES) >= both.len();
+    unlike >= FEWEST && (2 * unlike >= both.len() || more_than_all >= FEWEST) || by_load
+}
+
+/// Whether other bodies explain the torques of which all joints have the most, and those described do not; `sizes` are the root mean squares of
+/// the torques.
+fn others_explain_most([bodies, free]: [&Evaluation; 2], sizes: &[f64]) -> bool {
+    let each = bodies.unexplained.iter().zip(&free.unexplained).zip(sizes);
+    let each: Vec<(f64, f64, f64)> = each.filter_map(|((own, free), size)| Some(((*own)?, (*free)?, *size))).collect();
+    let unlike = each.iter().filter(|(own, free, _)| *own > MOST && *own > LESS * free).count();
+    let all =
+        |share: &dyn Fn(&(f64, f64, f64)) -> f64| each.iter().map(|own| (share(own) * own.2).powi(2)).sum::<f64>();
+    unlike >= FEWEST && all(&|own| own.0) > MOST.powi(2) * all(&|_| 1.0)
 }
 
 #[cfg(test)]
@@ -107,6 +131,24 @@ mod tests {
         assert!(others(&[0.1, 0.1, 0.1, 1.1, 1.1], &[0.02; 5]) && !others(&[0.1, 0.1, 0.1, 0.9, 0.9], &[0.02; 5]));
         // What no body explains.
         assert!(!others(&[0.6, 0.6], &[0.21, 0.21]));
+    }
+
+    #[test]
+    fn bodies_disagree_where_two_large_torques_are_others() {
+        let most = |bodies: &[f64], free: &[f64]| {
+            others_explain_most([&leaving(bodies), &leaving(free)], &[5.0, 50.0, 30.0, 1.0])
+        };
+        assert!(most(&[0.1, 0.51, 0.52, 0.02], &[0.02; 4]));
+        // One of them alone, as with a balancer; small ones; what no body explains.
+        assert!(!most(&[0.1, 0.9, 0.4, 0.02], &[0.02; 4]) && !most(&[0.9, 0.4, 0.1, 0.9], &[0.02; 4]));
+        assert!(!most(&[0.1, 0.51, 0.52, 0.02], &[0.18; 4]));
+    }
+
+    #[test]
+    fn bodies_disagree_where_a_load_makes_up_for_them_on_all_joints_but_one() {
+        let others = |bodies: &[f64]| others_explain(&leaving(bodies), &leaving(&[0.02; 6]));
+        assert!(others(&[0.21, 0.18, 0.11, 2.8, 0.28, 0.05]));
+        assert!(!others(&[0.21, 0.14, 0.11, 2.8, 0.28, 0.05]) && !others(&[0.21, 0.18, 0.11, 0.9, 0.28, 0.05]));
     }
 
     #[test]

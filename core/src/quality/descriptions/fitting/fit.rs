@@ -40,6 +40,8 @@ pub(crate) struct Evaluation {
 /// Friction in a torque.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Friction {
+    /// The joint.
+    pub joint: usize,
     /// Its mean in the direction of motion, over the root mean square torque.
     pub share: f64,
     /// Standard error of that.
@@ -179,7 +181,15 @@ impl<'a> Fit<'a> {
             let scatter: f64 = left_out.iter().map(|each| (each[joint] - mean).powi(2)).sum();
             (scatter * (count - 1.0) / count).sqrt()
         };
-        Some((0..whole.len()).map(|joint| Friction { share: whole[joint], error: error(joint) }).collect())
+        let friction =
+            |place: usize| Friction { joint: self.joints[place].joint, share: whole[place], error: error(place) };
+        Some((0..whole.len()).map(friction).collect())
+    }
+
+    /// All parameters in a fit of all rows, in the order of the tables.
+    pub(crate) fn parameters(&self) -> Option<Vec<f64>> {
+        let (weights, _) = self.weighted()?;
+        Some(self.solve(&weights, self.bounds, &|_| true)?.as_slice().to_vec())
     }
 
     /// Constant torque of the drive of every joint that takes part, with the joint, in a fit of all rows.

@@ -8,7 +8,7 @@ use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::robot::{PARAMETERS, Robot};
 
 /// The torque that each body makes as described, `[body][joint][row]`.
-pub(super) fn torques(robot: &Robot, gravity: [f64; 3], motion: &Motion) -> Vec<Channels> {
+pub(crate) fn torques(robot: &Robot, gravity: [f64; 3], motion: &Motion) -> Vec<Channels> {
     let chain = Chain::new(robot).with_gravity(gravity);
     let all = robot.inertial_parameters();
     let of = |body: usize| {

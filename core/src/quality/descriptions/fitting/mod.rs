@@ -10,7 +10,7 @@
 
 mod fit;
 mod load;
-mod masses;
+pub(crate) mod masses;
 mod physics;
 mod rows;
 

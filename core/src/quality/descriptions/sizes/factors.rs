@@ -201,6 +201,19 @@ impl Search<'_> {
         let mut all = given.with_scales(1.0 / sizes[sizes.len() / 2], &factors);
         all.scale_is_partial = joints.len() < given.dof();
         let after = self.accepted(all, joints.len() - 1, is_beyond_masses)?;
+        // Those that wrong masses make are none.
+        let beyond: Vec<usize> =
+            joints.iter().copied().filter(|&joint| scales[joint].ln().abs() > REPORTED.ln()).collect();
+        if 2 * beyond.len() < joints.len() {
+            let few = beyond
+                .iter()
+                .fold(given.clone(), |description, &joint| description.with(Change::JointScale(joint, scales[joint])));
+            let few = Tried::new(self.free, self.rows, few)?;
+            let loses = compare(&few.evaluation, &after.evaluation, &self.rows.log);
+            if !loses.is_some_and(|gain| gain.is_distinct()) {
+                return Some(OwnFactors { after: few, factors: Vec::new() });
+            }
+        }
         let known = |joint: usize| joints.contains(&joint).then(|| factors[joint]);
         Some(OwnFactors { after, factors: (0..given.dof()).map(known).collect() })
     }

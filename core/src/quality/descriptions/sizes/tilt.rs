@@ -37,6 +37,10 @@ const FARTHEST: f64 = 2.0;
 /// physics, not of the description.
 const NEAR: f64 = 15.0;
 
+/// A smaller tilt of the base is tried where it fits all rows better than none by so much, in the sum of the logarithms of the mean squares: what it
+/// explains is no other change.
+const TILTS: f64 = 0.5;
+
 /// Two directions nearer than this are one, degrees.
 const SAME: f64 = 7.5;
 
@@ -97,6 +101,35 @@ pub(crate) fn free_directions(physics: &Physics, rows: &Rows, from: &Description
         near(&(from.gravity / size)) || axes().any(as_good)
     };
     lowest(physics, rows, from).into_iter().filter(|found| !is_known(found)).collect()
+}
+
+/// The description with a base that is tilted a little, where that fits better than none.
+pub(crate) fn tilted(physics: &Physics, rows: &Rows, from: &Description) -> Option<Description> {
+    let size = from.gravity.norm();
+    if size == 0.0 {
+        return None;
+    }
+    let given = from.with(Change::Gravity(from.gravity.into()));
+    let merit = Merit { physics, rows, from: &given, size };
+    let start = from.gravity / size;
+    let (least, direction) = merit.lowest_from(start, &LAST_CIRCLES);
+    (least < merit.of(&start) - TILTS && within(&start, &direction, NEAR)).then(|| given.with_gravity(direction * size))
+}
+
+/// A description without a tilt of the base from `gravity` that is asked of the physics; none where it has no such tilt.
+pub(crate) fn without_tilt(description: &Description, gravity: Vector3<f64>) -> Option<Description> {
+    let is_tilt = |change: &Change| match change {
+        Change::Gravity(own) => {
+            let own = Vector3::from(*own);
+            own != gravity && own.norm() > 0.0 && within(&own.normalize(), &gravity.normalize(), NEAR)
+        }
+        _ => false,
+    };
+    description.changes.iter().any(is_tilt).then(|| {
+        let mut out = Description { gravity, ..description.clone() };
+        out.changes.retain(|change| !is_tilt(change));
+        out
+    })
 }
 
 /// The same with all directions that are the lowest of a valley.

@@ -23,11 +23,14 @@ const SCANNED: usize = 400;
 const SECTIONS: usize = 8;
 
 /// Smaller offsets are not reported, degrees: a calibration is off by those, which the diagnosis estimates with its standard error.
-const REPORTED_DEG: f64 = 10.0;
+const REPORTED_DEG: f64 = 15.0;
 
 /// Offsets within this of a multiple of the second are that one, degrees: conventions differ by such.
 const NEAR_DEG: f64 = 2.5;
 const CONVENTION_DEG: f64 = 45.0;
+
+/// So are offsets within this of one, degrees, where the torques say no more against it than chance would: offsets of parallel axes make up for each other.
+const PERHAPS_DEG: f64 = 8.0;
 
 /// An offset fits all rows better than none by so much, in the logarithm of the mean squares.
 const GAINS: f64 = 0.5;
@@ -104,7 +107,7 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
             };
             offsets = along(golden(0.0, FURTHER, SECTIONS, |factor| merit(&along(factor))));
         }
-        reported(&offsets).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, merit)))
+        reported(&conventional(&offsets, merit)).map(|offsets| from.with_zeros(&in_limits(rows, from, offsets, merit)))
     };
     found.into_par_iter().filter_map(together).collect()
 }
@@ -113,6 +116,25 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
 fn is_last(chain: &Chain, joint: usize) -> bool {
     let carries = |other: usize| (0..chain.bodies()).all(|body| !chain.moves(other, body) || chain.moves(joint, body));
     !(0..chain.dof()).any(|other| other != joint && carries(other))
+}
+
+/// The multiples of the angle of conventions in the place of offsets near them, all of them or one, where these fit about as well.
+fn conventional(offsets: &[f64], merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let step = CONVENTION_DEG.to_radians();
+    let usual = |offset: f64| match (offset / step).round() * step {
+        near if near != 0.0 && (near - offset).abs() < PERHAPS_DEG.to_radians() => near,
+        _ => offset,
+    };
+    let least = merit(offsets);
+    let all: Vec<f64> = offsets.iter().map(|&offset| usual(offset)).collect();
+    let one = |joint: usize| {
+        let mut out = offsets.to_vec();
+        out[joint] = usual(out[joint]);
+        out
+    };
+    let tried = std::iter::once(all).chain((0..offsets.len()).map(one)).filter(|out| out != offsets);
+    let mut fits = tried.filter(|out| merit(out) < least + GAINS);
+    fits.next().unwrap_or_else(|| offsets.to_vec())
 }
 
 /// Offsets as they are reported, rad within half a turn; none where one is too small for that.
@@ -165,16 +187,29 @@ fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: impl Fn(
 
 #[cfg(test)]
 mod tests {
-    use super::reported;
+    use super::{conventional, reported};
+
+    #[test]
+    fn offsets_near_a_convention_are_that_where_it_fits_about_as_well() {
+        let right = [0.0, 90f64.to_radians(), -90f64.to_radians()];
+        let found = [0.0, 85f64.to_radians(), -85f64.to_radians()];
+        // A narrow valley, and one in which both make up for each other.
+        let narrow = |at: &[f64]| 300.0 * at.iter().zip(&found).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        let sum = |at: &[f64]| 300.0 * (at[1] + at[2]).powi(2);
+        assert_eq!(conventional(&found, narrow), found);
+        assert_eq!(conventional(&found, sum), right);
+        let far = [0.0, 81f64.to_radians(), 0.1];
+        assert_eq!(conventional(&far, |_| 0.0), far);
+    }
 
     #[test]
     fn offsets_are_reported_beyond_a_calibration_and_are_those_of_a_convention_where_they_are_near() {
         let of = |degrees: f64| reported(&[0.0, degrees.to_radians()]).map(|offsets| offsets[1].to_degrees());
         let near =
             |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-9, "{found:?} {wanted}");
-        near(of(10.1), 10.1);
-        near(of(-10.1), -10.1);
-        assert_eq!([of(9.9), of(-9.9), of(1.0), of(359.0)], [None; 4]);
+        near(of(15.1), 15.1);
+        near(of(-15.1), -15.1);
+        assert_eq!([of(14.9), of(-14.9), of(1.0), of(359.0)], [None; 4]);
         near(of(92.4), 90.0);
         near(of(92.6), 92.6);
         near(of(43.0), 45.0);

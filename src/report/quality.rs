@@ -260,7 +260,7 @@ fn nothing_wrong(report: &Report, is_known: bool) -> String {
     }
     // Such a note tells what is wrong, though it stops nothing.
     let tells = |finding: &Finding| {
-        matches!(finding.kind, Kind::OtherRobot | Kind::ModelTorque) || is_description(finding.kind)
+        matches!(finding.kind, Kind::OtherRobot | Kind::ModelTorque | Kind::DeadTime) || is_description(finding.kind)
     };
     if report.findings.iter().any(tells) {
         return "Nothing else is wrong with it.".into();
@@ -314,10 +314,18 @@ fn nothing_but_unexplained(joints: &[JointSummary]) -> String {
             } else {
                 format!(" {offset}, N m or N, is not among that: {of_constants}.")
             };
+            // A wrong robot or mounting shows on most joints; a coarse encoder, play and noise on those that they are in.
+            let check = match 2 * others.len() > joints.len() {
+                true => {
+                    "check that it is this robot, how it is mounted (--gravity), that the zeros of its joints are right, and what it carries"
+                }
+                false => {
+                    "noise of an encoder or of a torque, play, or friction that is not modelled does that on single joints, as a wrong zero does"
+                }
+            };
             format!(
-                "Nothing is wrong with it by itself, but the robot's model leaves much of the torque unexplained ({of_others}): check that it is this \
-                 robot, how it is mounted (--gravity), that the zeros of its joints are right, and what it carries; `tauscope diagnose` says what \
-                 the model misses.{constants}"
+                "Nothing is wrong with it by itself, but the robot's model leaves much of the torque unexplained ({of_others}): {check}; `tauscope \
+                 diagnose` says what the model misses.{constants}"
             )
         }
     }
@@ -395,6 +403,10 @@ mod tests {
         assert_eq!(of(0.29, None), "Nothing is wrong with it.");
         let said = of(0.31, None);
         assert!(said.starts_with("Nothing is wrong with it by itself") && said.contains("31 % of a)"), "{said}");
+        // One of two joints is no other robot; two of three are.
+        assert!(said.contains("on single joints") && !said.contains("this robot"), "{said}");
+        let three = [joint("a", 0.31, None), joint("b", 0.31, None), joint("c", 0.01, None)];
+        assert!(nothing_but_unexplained(&three).contains("this robot"));
         // An offset is no other robot.
         let said = of(0.47, Some(Constant { torque: -0.2, unexplained: 0.05 }));
         assert!(said.contains("-0.2") && said.contains("on a (47 %") && !said.contains("this robot"), "{said}");

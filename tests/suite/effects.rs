@@ -105,7 +105,18 @@ impl Arm {
 
     /// The arm at one instant: position, velocity and acceleration, directions of motion, and torque on the bodies.
     fn at<'a>(&'a self, [q, qd, qdd]: [&'a [f64]; 3], direction: &'a [f64], load: &'a [f64]) -> Instant<'a> {
-        Instant { t: 0.5, q, qd, qdd, direction, load, robot: &self.robot, chain: &self.chain, frames: None }
+        Instant {
+            t: 0.5,
+            started: 0.0,
+            q,
+            qd,
+            qdd,
+            direction,
+            load,
+            robot: &self.robot,
+            chain: &self.chain,
+            frames: None,
+        }
     }
 
     /// Every place an effect may have.

@@ -30,6 +30,7 @@ fn unexplained(robot: &Robot, step: f64) -> (f64, f64) {
     let zeros = vec![0.0; dof];
     let x = Instant {
         t: 0.0,
+        started: 0.0,
         q: &q,
         qd: &seen,
         qdd: &qdd,

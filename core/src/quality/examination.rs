@@ -66,10 +66,10 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
     let with_torque: Vec<usize> = (0..logs.len()).filter(|&log| torques[log].is_some()).collect();
     let views: Vec<View> = torques.iter().flatten().map(|log| View::new(log, robot)).collect::<Result<_>>()?;
     let all: Vec<&View> = views.iter().collect();
-    let verdict = descriptions::judge(&all, robot);
+    let descriptions::Judged { verdict, tilt } = descriptions::judge(&all, robot);
     for (&log, view) in with_torque.iter().zip(&views) {
         let own = match verdict {
-            None if views.len() > 1 => descriptions::judge(&[view], robot),
+            None if views.len() > 1 => descriptions::judge(&[view], robot).verdict,
             _ => verdict.clone(),
         };
         if let Some(own) = own {
@@ -87,6 +87,10 @@ pub fn examine_together(logs: &[&Sieved], robot: Option<&Robot>) -> Result<Toget
             reports[log].description = Some(own);
             reports[log].findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         }
+    }
+    let tilted = robot.zip(tilt).and_then(|(robot, tilt)| descriptions::of_tilt(tilt, robot.gravity));
+    for &log in with_torque.iter().filter(|_| verdict.is_none()) {
+        reports[log].findings.extend(tilted.clone());
     }
     let measured = |log: &&usize| logs[**log].of_controller.is_none();
     if descriptions::is_modelled(&all, robot, verdict.as_ref().map(|verdict| &verdict.description)) {

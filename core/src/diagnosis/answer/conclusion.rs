@@ -9,7 +9,7 @@ use super::resimulation::{Replay, joints_of};
 use super::searched::{Searched, found_that_matter};
 use crate::channels::Channels;
 use crate::diagnosis::Options;
-use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped};
+use crate::diagnosis::lack_of_fit::{above_noise, disagreement, mapped, not_separated};
 use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -246,6 +246,8 @@ fn answer<'a>(
     let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
     let followed = mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria, options.alpha, apart)?;
     unexplained.extend(followed);
+    let slow = not_separated(&left, &unexplained, &options.criteria.structure);
+    unexplained.extend(slow);
     let extended_test_rms = rms(&test.valid, &extended);
     if unfinished {
         let open = above_noise(&extended_test_rms, &noise_floor, &unexplained, &options.criteria.structure);

@@ -394,7 +394,7 @@ mod tests {
             failed: Judgement::at_most(gate, 1.0, 0.0),
             size: vec![size, size],
         };
-        let all = [minor(Gate::BeyondStructure, 0.2), minor(Gate::Strength, 0.9), minor(Gate::BeyondStructure, 0.4)];
+        let all = [minor(Gate::BeyondStructure, 0.2), minor(Gate::Size, 0.9), minor(Gate::Strength, 0.4)];
         assert_eq!(nearest(&all, 0).unwrap().size[0], 0.4);
         assert!(nearest(&all, 1).is_none(), "a spring acts on its joint alone");
         assert!(nearest(&all[1..2], 0).is_none());

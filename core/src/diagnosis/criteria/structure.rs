@@ -27,6 +27,9 @@ pub struct StructureCriteria {
     /// ended, of logs too short to separate what it follows. Noise that is estimated without the structure is up to 1.7 times too small on
     /// quiet logs.
     pub above_noise: f64,
+    /// Factor on the noise of the map from which a residual is unexplained though no part of it is significant: slow noise and slow structure are
+    /// not separated then. Quiet logs with noise that is correlated over half a second have up to 2.1.
+    pub not_separated: f64,
     /// Share of the noise of a joint from which a part of its residual is reported.
     pub clear: f64,
     /// Ratio to the background from which the model's own torque has a spectral line at the same frequency: then it is the motion's.
@@ -47,6 +50,7 @@ impl Default for StructureCriteria {
             foreign: 3.0,
             carried_on: 0.5,
             above_noise: 2.0,
+            not_separated: 3.0,
             clear: 0.25,
             of_the_motion: 6.0,
             resolved: 0.5,

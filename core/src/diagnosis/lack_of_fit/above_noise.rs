@@ -1,7 +1,9 @@
-//! Residuals well above the noise of a search that was ended before it looked for their structure.
+//! Residuals well above the noise of which no test says what they are: of a search that was ended before it looked for their structure, and of logs
+//! in which it is not separated from slow noise.
 
 use super::structure::Unexplained;
 use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::variance::{JointMap, ResidualMap};
 
 /// What is said of such a joint.
 pub(super) const ABOVE_NOISE: &str = "is above the noise";
@@ -28,9 +30,56 @@ pub(crate) fn above_noise(
     (0..residual.len()).filter(is_open).map(unexplained).collect()
 }
 
+/// What is said of a joint whose residual is far above the noise of the map, though nothing in it is significant.
+const NOT_SEPARATED: &str = "is far above the noise, and not separated from noise that is slow";
+
+/// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few independent
+/// stretches of time no part of it is significant, and yet it is not nothing.
+pub(crate) fn not_separated(
+    map: &ResidualMap,
+    reported: &[Unexplained],
+    criteria: &StructureCriteria,
+) -> Vec<Unexplained> {
+    let is_open = |own: &&JointMap| {
+        own.residual >= criteria.not_separated * own.noise && reported.iter().all(|other| other.joint != own.joint)
+    };
+    let unexplained = |own: &JointMap| Unexplained {
+        joint: own.joint,
+        share: 1.0 - (own.noise / own.residual).powi(2),
+        structure: NOT_SEPARATED,
+        family_wise_p: None,
+        certain: false,
+        instead_of: Vec::new(),
+    };
+    map.joints.iter().filter(is_open).map(unexplained).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn residuals_from_three_times_the_noise_of_the_map_are_reported_once() {
+        let criteria = StructureCriteria::default();
+        let map = |residual: f64| ResidualMap {
+            joints: vec![JointMap {
+                joint: 2,
+                torque: 10.0,
+                residual,
+                noise: 1.0,
+                correlation: 0.3,
+                sensor_noise: 0.1,
+                reported_from: 0.25,
+                misfit: true,
+                parts: Vec::new(),
+                lines: Vec::new(),
+            }],
+        };
+        assert!(not_separated(&map(2.99), &[], &criteria).is_empty());
+        let found = not_separated(&map(3.0), &[], &criteria);
+        assert!(found.len() == 1 && found[0].joint == 2 && !found[0].certain);
+        assert!(not_separated(&map(3.0), &found, &criteria).is_empty());
+    }
 
     #[test]
     fn residuals_from_twice_the_noise_are_reported_once() {

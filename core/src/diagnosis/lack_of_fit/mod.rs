@@ -11,7 +11,7 @@ mod mapped;
 mod structure;
 mod unexplained;
 
-pub(crate) use above_noise::above_noise;
+pub(crate) use above_noise::{above_noise, not_separated};
 pub use disagreement::LOGS_DISAGREE;
 pub(crate) use disagreement::disagreement;
 pub(crate) use mapped::mapped;

@@ -4,12 +4,16 @@ use super::change::Change;
 use super::compare::DISTINCT;
 use super::verdict::{Alternative, Shown, Spread, Verdict};
 use crate::quality::finding::{Finding, Kind, Severity};
+use nalgebra::Vector3;
 
 /// Alternatives that are named; more mean only that the logs do not decide.
 const NAMED: usize = 4;
 
 /// Digits of a percentage at most that tell two shares apart.
 const DIGITS: usize = 2;
+
+/// Floors are level, and bases are on them, to within this angle, degrees.
+const TILTED_DEG: f64 = 3.0;
 
 /// What the factor of one torque comes from.
 const FACTOR_OF_ONE: &str = "its gear, torque constant or unit is another: [motors] gear_ratio, torque_constant_nm_a";
@@ -259,6 +263,17 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
         })
         .collect::<Vec<Finding>>();
     of_held.iter().cloned().chain(of_changes).collect()
+}
+
+/// What is said of a base that is tilted from `given` gravity a little; none of less than gravity is known to.
+pub(crate) fn of_tilt(tilt: Vector3<f64>, given: Vector3<f64>) -> Option<Finding> {
+    let degrees = tilt.angle(&given).to_degrees();
+    let text = format!(
+        "the torques are explained better by gravity along {} of the base: it may be tilted by about {degrees:.0} degrees. `tauscope diagnose` estimates \
+         that with its standard error (base_tilt); `identify` takes gravity as described",
+        direction(tilt.into())
+    );
+    (degrees >= TILTED_DEG).then(|| Finding::new(Kind::Mounting, Severity::Note, "gravity", text))
 }
 
 /// What is said where joints that carry those under study stand at positions that nobody gave.

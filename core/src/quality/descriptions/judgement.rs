@@ -71,8 +71,24 @@ fn lasts(rows: usize, period: f64) -> f64 {
     (rows as f64 + 0.5) * period
 }
 
+/// What is wrong with the description of some logs of one arm.
+#[derive(Default)]
+pub(crate) struct Judged {
+    /// What explains the logs clearly better.
+    pub verdict: Option<Verdict>,
+    /// Gravity of a base that is tilted a little, in base coordinates, m/s2, where nothing else is found.
+    pub tilt: Option<Vector3<f64>>,
+}
+
 /// Judges the description of some logs of one arm.
-pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
+pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Judged {
+    let mut tilt = None;
+    let verdict = changed(views, robot, &mut tilt);
+    Judged { tilt: tilt.filter(|_| verdict.is_none()), verdict }
+}
+
+/// What explains the logs clearly better; `tilt` is set where a search finds a base that is tilted a little.
+fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64>>) -> Option<Verdict> {
     let rows = Rows::new(views, robot)?;
     let dof = rows.measured.len();
     let gravity = robot.map_or(Vector3::zeros(), |robot| robot.gravity);
@@ -121,6 +137,7 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     let free = Physics::free(robot);
     let known = Known { physics: &free, other: bodies.as_ref() };
     let outcome = search(known, &rows, &with_motion, start.clone())?;
+    *tilt = outcome.tilt;
     if outcome.found.is_none()
         && let Some(bodies) = &bodies
         && let Some([before, after]) = compensation::judged(robot, bodies, &rows, &start)
@@ -158,6 +175,7 @@ pub(crate) fn judge(views: &[&View], robot: Option<&Robot>) -> Option<Verdict> {
     if let Some(bodies) = &bodies {
         let known = Known { physics: bodies, other: Some(&free) };
         let outcome = search(known, &rows, &with_motion, start.clone())?;
+        *tilt = tilt.or(outcome.tilt);
         if outcome.found.is_some() {
             return judged(known, Some(bodies), outcome);
         }
@@ -262,7 +280,7 @@ struct Confirmed {
 }
 
 fn verdict(outcome: Outcome, spread: Option<Spread>, confirmed: impl Fn(&Found) -> Confirmed) -> Option<Verdict> {
-    let Outcome { start, found } = outcome;
+    let Outcome { start, found, .. } = outcome;
     let found = found?;
     // From what a factor comes the logs cannot show.
     let scaled = found.best.description.scaled().next();

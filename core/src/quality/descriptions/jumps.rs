@@ -17,7 +17,7 @@ const LONGEST_S: f64 = 2.0;
 const WITH: f64 = 0.6;
 
 /// Reversals from which it is said that a torque jumps against the motion.
-const FEWEST: usize = 4;
+const FEWEST: usize = 2;
 
 /// Whether the torque of every channel jumps against the motion of its position channel, more often than with it.
 pub(super) fn against_motion(views: &[&View]) -> Vec<bool> {

@@ -42,9 +42,9 @@ mod weights;
 
 pub(super) use bodies::finding as of_another_robot;
 pub use change::{Change, Description};
-pub(super) use findings::findings;
+pub(super) use findings::{findings, of_tilt};
 pub use findings::{is_description, words};
-pub(super) use judgement::{is_modelled, judge};
+pub(super) use judgement::{Judged, is_modelled, judge};
 pub(super) use lost_signs::is_explained_with_signs;
 pub(super) use motion_units::{are_turns, clock_factor, clock_text, gear_ratio, in_si_units};
 pub use verdict::{Alternative, Shown, Spread, Verdict};

@@ -14,6 +14,7 @@ use super::sizes::factors;
 use super::sizes::tilt;
 use super::sizes::zeros;
 use super::tried::Tried;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Most changes of a set. Each must be clearly better than the set without it, so that only logs with as many faults come here.
@@ -54,6 +55,8 @@ pub(super) struct Outcome {
     pub start: Tried,
     /// What explains them clearly better.
     pub found: Option<Found>,
+    /// Gravity of a base that is tilted a little, in base coordinates, m/s2, where that was found alone: it is asked of the physics.
+    pub tilt: Option<Vector3<f64>>,
 }
 
 impl Found {
@@ -95,7 +98,7 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
     let explained = |tried: &Tried| tried.evaluation.unexplained.iter().flatten().all(|share| *share < CLEAN);
     let mut found: Option<Found> = None;
     if explained(&start) {
-        return Some(Outcome { start, found });
+        return Some(Outcome { start, found, tilt: None });
     }
     let (mut seen, mut grown) = (vec![start.description.clone()], vec![start.description.clone()]);
     let whole = rows.whole();
@@ -150,8 +153,10 @@ pub(super) fn search(known: Known, rows: &Rows, with_motion: &[bool], start: Des
             break;
         }
     }
-    let found = found.and_then(|found| found.without_tilts(physics, rows, &start));
-    Some(Outcome { start, found })
+    let gravity = found.as_ref().map(|found| found.best.description.gravity);
+    let rest = found.and_then(|found| found.without_tilts(physics, rows, &start));
+    let tilt = gravity.filter(|_| rest.is_none());
+    Some(Outcome { start, found: rest, tilt })
 }
 
 /// The best candidates with their gains over the start, the best first; the rows are those in blocks, and whole.

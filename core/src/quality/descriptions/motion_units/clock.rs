@@ -81,7 +81,7 @@ pub(crate) fn clock_factor(log: &Recording, robot: &Robot) -> Result<Option<f64>
     let Some((factor, share)) = found else { return Ok(None) };
     // Torques without gravity, or under another, change the ratio of gravity to inertia too.
     let other = judge(&[&View::new(&log, Some(robot))?], Some(robot));
-    let explains = other.is_some_and(|verdict| verdict.after < DISTINCT * share);
+    let explains = other.verdict.is_some_and(|verdict| verdict.after < DISTINCT * share);
     Ok((!explains).then_some(factor))
 }
 

@@ -205,12 +205,15 @@ impl Search<'_> {
         let beyond: Vec<usize> =
             joints.iter().copied().filter(|&joint| scales[joint].ln().abs() > REPORTED.ln()).collect();
         if 2 * beyond.len() < joints.len() {
-            let few = beyond
-                .iter()
-                .fold(given.clone(), |description, &joint| description.with(Change::JointScale(joint, scales[joint])));
-            let few = Tried::new(self.free, self.rows, few)?;
-            let loses = compare(&few.evaluation, &after.evaluation, &self.rows.log);
-            if !loses.is_some_and(|gain| gain.is_distinct()) {
+            let mut few = vec![1.0; given.dof()];
+            beyond.iter().for_each(|&joint| few[joint] = scales[joint]);
+            for &joint in beyond.iter().cycle().take(ROUNDS * beyond.len()) {
+                few[joint] = fitted(&tables, self.whole, &with, &few, joint, NEAR)?;
+            }
+            let single =
+                |description: Description, &joint: &usize| description.with(Change::JointScale(joint, few[joint]));
+            let few = Tried::new(self.free, self.rows, beyond.iter().fold(given.clone(), single))?;
+            if !compare(&few.evaluation, &after.evaluation, &self.rows.log).is_some_and(|gain| gain.is_distinct()) {
                 return Some(OwnFactors { after: few, factors: Vec::new() });
             }
         }

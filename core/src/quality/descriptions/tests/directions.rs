@@ -161,3 +161,19 @@ fn columns_in_reverse_order_are_one_candidate() {
     assert!(start.in_reverse_order(&[true, true, false, true, true]).is_none());
     assert!(Description::as_given(3, Vector3::zeros()).in_reverse_order(&[true; 3]).is_none());
 }
+
+/// A base that is tilted a little turns what the first joints carry, as a zero does.
+#[test]
+fn a_small_tilt_is_no_zero_and_is_noted() {
+    let robot = irb();
+    for degrees in [6.0, 12.0f64] {
+        let gravity = nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), degrees.to_radians()) * robot.gravity;
+        let mounted = Robot { gravity, ..scales::with_other_masses(&robot, 5) };
+        let logs = [0, 1].map(|log| simulated(&mounted, Oddity::None, 15.0, 80 + log));
+        let together = examine_together(&[&logs[0], &logs[1]], Some(&robot)).unwrap();
+        assert!(together.verdict.is_none(), "{degrees}: {:?}", together.verdict);
+        let noted = together.reports[0].findings.iter().find(|finding| finding.kind == Kind::Mounting);
+        let noted = noted.unwrap_or_else(|| panic!("{degrees}: {:?}", together.reports[0].findings));
+        assert!(noted.severity == crate::quality::Severity::Note && noted.text.contains("base_tilt"), "{noted:?}");
+    }
+}

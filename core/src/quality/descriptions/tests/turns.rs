@@ -66,3 +66,16 @@ fn an_arm_that_hangs_is_that_alone_in_a_jog() {
         assert!(verdict.alternatives.is_empty(), "{verdict:?}");
     }
 }
+
+/// The last joint is friction for the most part, and moves in few blocks.
+#[test]
+fn the_sign_of_the_last_torque_is_found_in_a_jog() {
+    let robot = irb();
+    for seed in [1, 2, 3] {
+        let mut log = in_turns(&scales::with_other_masses(&robot, seed), 5.0, seed);
+        assert!(accusations(std::slice::from_ref(&log), Some(&robot)).is_empty(), "{seed}");
+        log.recording.tau.channel_mut(5).iter_mut().for_each(|torque| *torque = -*torque);
+        let verdict = examine_together(&[&log], Some(&robot)).unwrap().verdict.unwrap();
+        assert_eq!(verdict.description.changes, [Change::TorqueSign(5)], "{seed}");
+    }
+}

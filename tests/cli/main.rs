@@ -6,6 +6,7 @@ mod diagnose;
 mod disk;
 mod effects;
 mod files;
+mod headers;
 mod inputs;
 mod inspect;
 mod library;

@@ -426,6 +426,9 @@ fn logs_with_more_joints_than_the_robot() {
         let all = text(&case.tauscope(&["inspect", to]).stdout);
         assert!(all.contains("(finger): the joint hardly moves"), "{to}: {all}");
     }
+    // Other programs find the names in the columns too.
+    let content = case.read_bytes("log.parquet");
+    assert!(content.windows(15).any(|part| part == b"finger_position"));
 }
 
 /// Torques of two rates of logging, a velocity that is missing on one joint, and torques that nobody measured.

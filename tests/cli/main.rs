@@ -7,6 +7,7 @@ mod disk;
 mod effects;
 mod files;
 mod headers;
+mod identify;
 mod inputs;
 mod inspect;
 mod library;

@@ -50,10 +50,10 @@ fn a_time_that_jumps_ahead_costs_one_row() {
 
 #[test]
 fn rows_in_reverse_order_keep_their_lines() {
-    let row = |k: usize| format!("{},{k},{}", 0.5 * k as f64, if k == 7 { "x" } else { "2" });
+    let row = |k: usize| format!("{},{},{}", 0.5 * k as f64, 0.1 * k as f64, if k == 7 { "x" } else { "2" });
     let rows: Vec<String> = (0..40).rev().map(row).collect();
     let sieved = read(&format!("t,q1,tau1\n{}\n", rows.join("\n")), &ColumnMap::default()).unwrap();
-    assert_eq!((sieved.recording.samples(), sieved.recording.q.channel(0)[..2].to_vec()), (39, vec![0.0, 1.0]));
+    assert_eq!((sieved.recording.samples(), sieved.recording.q.channel(0)[..2].to_vec()), (39, vec![0.0, 0.1]));
     assert!(
         sieved.recording.time.is_sorted() && sieved.corrections[0].contains("backwards"),
         "{:?}",

@@ -253,8 +253,6 @@ fn exports_of_other_programs() {
         assert!(text(&output.stdout).contains("1000 rows over 3.996 s at 250 Hz"), "{what}: {}", text(&output.stdout));
         assert!(!text(&output.stdout).contains("warning"), "{what}: {}", text(&output.stdout));
     }
-    let mut turned: Vec<&str> = rows().collect();
-    turned.reverse();
     for (what, content, words) in [
         ("nothing", String::new(), ["log.csv: header", "empty"]),
         ("a header alone", "t,q1,tau1\n".to_owned(), ["log.csv:1: rows", "no row below"]),
@@ -266,7 +264,11 @@ fn exports_of_other_programs() {
             rows().collect::<Vec<_>>().join("\n"),
             ["log.csv:1: t", "3 columns of numbers; no line names the columns"],
         ),
-        ("time turned round", format!("t,q1,tau1\n{}", turned.join("\n")), ["log.csv: line", "out of time"]),
+        (
+            "two recordings",
+            format!("{log}{}", rows().skip(300).collect::<Vec<_>>().join("\n")),
+            ["log.csv: line", "out of time"],
+        ),
         ("numbers of no arm", sines("t,q1,tau1", |t| format!("{:e},1", 1e200 * t.sin())), ["log.csv:", "far beyond"]),
         ("no numbers", sines("t,q1,tau1", |_| "nan,inf".to_owned()), ["log.csv:2: q1", "not a finite number"]),
     ] {
@@ -424,6 +426,9 @@ fn logs_with_more_joints_than_the_robot() {
         let all = text(&case.tauscope(&["inspect", to]).stdout);
         assert!(all.contains("(finger): the joint hardly moves"), "{to}: {all}");
     }
+    // Other programs find the names in the columns too.
+    let content = case.read_bytes("log.parquet");
+    assert!(content.windows(15).any(|part| part == b"finger_position"));
 }
 
 /// Torques of two rates of logging, a velocity that is missing on one joint, and torques that nobody measured.

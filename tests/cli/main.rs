@@ -6,6 +6,8 @@ mod diagnose;
 mod disk;
 mod effects;
 mod files;
+mod headers;
+mod identify;
 mod inputs;
 mod inspect;
 mod library;

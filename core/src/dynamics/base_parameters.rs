@@ -102,6 +102,33 @@ impl BaseParameters {
         Self::assembled(&separate, &regrouping, near, names)
     }
 
+    /// The same with the columns taken in another `order`, which holds each of them once.
+    ///
+    /// A parameter is regrouped into those before it. Where a body stands behind what it carries, the carried mass would stand for
+    /// both, and hardly any motion tells its column from those of the links before: the order must be from the base outwards.
+    ///
+    /// # Panics
+    /// If there is not one name per column.
+    pub fn taken_in(observation: &DMatrix<f64>, names: &[String], order: &[usize]) -> Self {
+        let ordered: Vec<String> = order.iter().map(|&column| names[column].clone()).collect();
+        let found = Self::new(&observation.select_columns(order), &ordered);
+        let mut rows: Vec<usize> = (0..found.len()).collect();
+        rows.sort_unstable_by_key(|&row| order[found.kept[row]]);
+        let mut places = vec![0; rows.len()];
+        rows.iter().enumerate().for_each(|(place, &row)| places[row] = place);
+        let mut regrouping = DMatrix::zeros(rows.len(), order.len());
+        for (place, &row) in rows.iter().enumerate() {
+            for (own, &column) in order.iter().enumerate() {
+                regrouping[(place, column)] = found.regrouping[(row, own)];
+            }
+        }
+        let into = |&(other, share): &(usize, f64)| (places[other], share);
+        let merged = rows.iter().map(|&row| found.merged[row].iter().map(into).collect()).collect();
+        let kept: Vec<usize> = rows.iter().map(|&row| order[found.kept[row]]).collect();
+        let groupings = groupings(&regrouping, &kept, names);
+        BaseParameters { kept, merged, regrouping, groupings }
+    }
+
     /// Of columns that are kept as they are, the `regrouping` of all columns into them, and columns that are merged into them.
     fn assembled(separate: &[usize], regrouping: &DMatrix<f64>, near: Vec<Kept>, names: &[String]) -> Self {
         let mut kept: Vec<usize> = separate.iter().copied().chain(near.iter().map(|near| near.column)).collect();
@@ -283,6 +310,38 @@ mod tests {
         for (value, expected) in values.iter().zip([7.0, 0.5, 5.0]) {
             assert!((value - expected).abs() < 1e-12, "{value} {expected}");
         }
+    }
+
+    #[test]
+    fn columns_are_taken_in_the_order_asked_for() {
+        // Columns: 2 a - 0.5 b, a, zero, b.
+        let (a, b) = ([1.0, 0.0, 2.0, 1.0], [0.0, 1.0, 1.0, -1.0]);
+        let rows = DMatrix::from_fn(4, 4, |r, col| [2.0 * a[r] - 0.5 * b[r], a[r], 0.0, b[r]][col]);
+        let names: Vec<String> = ["d", "a", "z", "b"].iter().map(|s| s.to_string()).collect();
+        let base = BaseParameters::taken_in(&rows, &names, &[3, 1, 2, 0]);
+        assert_eq!(base.kept(), [1, 3]);
+        assert_eq!([0, 1].map(|own| base.groupings()[own].name.as_str()), ["a + 2 d", "b - 0.5 d"]);
+        assert_eq!(base.groupings()[1].leader, 3);
+        for (value, expected) in base.values(&[3.0, 1.0, 100.0, 2.0]).iter().zip([7.0, 0.5]) {
+            assert!((value - expected).abs() < 1e-12, "{value} {expected}");
+        }
+        // In the order in which they stand nothing changes, columns that are nearly combinations of others included.
+        for with_p in [false, true] {
+            let (columns, base) = tilted(1e-3, with_p);
+            let names = ["a", "b", "c", "d", "p", "e"].map(str::to_owned);
+            assert_eq!(BaseParameters::taken_in(&columns, &names, &[0, 1, 2, 3, 4, 5]), base);
+        }
+        // What is merged is merged in any order: d and e are nearly combinations of those before.
+        let (columns, base) = tilted(1e-3, false);
+        let moved = columns.select_columns(&[4, 3, 5, 0, 1, 2]);
+        let names = ["p", "d", "e", "a", "b", "c"].map(str::to_owned);
+        let again = BaseParameters::taken_in(&moved, &names, &[3, 4, 5, 1, 0, 2]);
+        assert_eq!(again.kept(), [1, 2, 3, 4, 5]);
+        let leads = |base: &BaseParameters, own: usize| base.groupings()[own].name.chars().next();
+        let named = |base: &BaseParameters, own: usize| -> Vec<_> {
+            base.merged(own).iter().map(|&(other, share)| (leads(base, other), share)).collect()
+        };
+        assert_eq!([named(&again, 0), named(&again, 1)], [named(&base, 3), named(&base, 4)]);
     }
 
     /// Columns a, b, c, d = a + b + tilt (p + q), p or nothing, e = c + 2 tilt q.

@@ -53,7 +53,10 @@ pub fn save(path: &Path, recording: &Recording) -> Result<Vec<&'static str>> {
             lost.extend(has_source.then_some("where the log comes from"));
         }
         #[cfg(feature = "parquet")]
-        Written::Parquet => parquet::write(path, recording)?,
+        Written::Parquet => match recording.is_numbered() {
+            true => parquet::write(path, recording)?,
+            false => parquet::write_named(path, recording)?,
+        },
         #[cfg(feature = "bags")]
         Written::Bag(write) => {
             write(path, recording)?;

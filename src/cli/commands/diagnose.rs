@@ -125,15 +125,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         diagnosis = diagnosis.budget(budget);
     }
     let mut answer = diagnosis.run()?;
+    let mut not_simulated = None;
     if let Outcome::Concluded(conclusion) = &mut answer.outcome {
         bar.inc(1);
         bar.set_length(bar.position() + 1);
         bar.set_message("simulating the extended model");
         conclusion.extended()?;
-        if !arguments.no_resimulation
-            && let Err(problem) = conclusion.resimulate(arguments.engine)
-        {
-            tracing::warn!("the extended model was not simulated: {problem}");
+        if !arguments.no_resimulation {
+            not_simulated = conclusion.resimulate(arguments.engine).err();
         }
     }
     bar.finish_and_clear();
@@ -147,7 +146,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     corrected::write(&folder, dataset.as_ref(), &named, &answer.robot, description, answer.units.clone())?;
     folder.write_json("diagnosis.json", DIAGNOSIS_SCHEMA, &answer)?;
     let text = match answer.conclusion() {
-        Some(conclusion) => write_conclusion(&folder, &answer, conclusion, scenario.as_ref(), global)?,
+        Some(conclusion) => {
+            let lines = write_conclusion(&folder, &answer, conclusion, scenario.as_ref(), global)?;
+            let not_simulated = not_simulated.as_ref().map(report::not_simulated);
+            [lines].into_iter().chain(not_simulated).collect::<Vec<_>>().join("\n")
+        }
         None => {
             let logs: Vec<&Recording> = answer.logs.all().collect();
             let page = html::stopped::page(&answer.robot, &logs, &answer.faults, Provenance::here(global.seed));

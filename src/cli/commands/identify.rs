@@ -114,9 +114,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
         plain = among(&fitted.reversals, Vec::new(), logs)?;
     }
     notes.extend(report::undetermined(model.base(), &plain));
-    notes.extend(report::constants(&robot, extended.as_ref().unwrap_or(&plain)));
-    notes.extend(report::falling_friction(&robot, extended.as_ref().unwrap_or(&plain)));
-    notes.extend(report::between_logs(extended.as_ref().unwrap_or(&plain)));
+    let fitted = extended.as_ref().unwrap_or(&plain);
+    notes.extend(report::constants(&robot, fitted));
+    notes.extend(report::falling_friction(&robot, fitted));
+    notes.extend(report::negative_coulomb(&robot, fitted));
+    notes.extend(report::negative_rotor(&robot, fitted));
+    notes.extend(report::between_logs(fitted));
     stages.begin("finding consistent parameters");
     // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {
@@ -277,7 +280,8 @@ pub(super) fn replayed(identified: &Robot, logs: fit::Logs, preparation: Prepara
     match replay::replay(identified, shown, preparation) {
         Ok(followed) => Some(followed),
         Err(problem) => {
-            tracing::warn!("the identified arm was not simulated for the viewer: {problem}");
+            // The viewer shows the logs without it; what was identified does not depend on it.
+            tracing::debug!("the identified arm was not simulated for the viewer: {problem}");
             None
         }
     }

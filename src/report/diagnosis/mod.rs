@@ -2,4 +2,4 @@
 
 mod text;
 
-pub(crate) use text::{followed, impacts, largest, lines, place, stopped_lines};
+pub(crate) use text::{followed, impacts, largest, lines, not_simulated, place, stopped_lines};

@@ -5,6 +5,7 @@ use crate::diagnosis::{
     Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::effects;
+use crate::error::Error;
 use crate::internal::diagnosis::{NOT_SIZED, effort, finding, findings, joints, remedy, shown, with_unit};
 use crate::quality::with_logs;
 use crate::report::console::{by_joint, significant, table};
@@ -85,6 +86,14 @@ pub(crate) fn lines(
     lines.extend(unseen(robot, diagnosis));
     lines.push(format!("Next: {}.", diagnosis.next_experiment));
     lines.join("\n")
+}
+
+/// The line where the extended model could not be simulated along the held-out motions, which changes nothing else of the answer.
+pub(crate) fn not_simulated(problem: &Error) -> String {
+    format!(
+        "The extended model was not simulated ({problem}); the verdict and the errors above do not depend on it, and --no-resimulation \
+         leaves it out."
+    )
 }
 
 /// The lines where faults of the data forbid an answer.
@@ -355,4 +364,19 @@ fn percent(share: Share) -> String {
 pub(crate) fn place(robot: &Robot, family: Family) -> String {
     let joints = joints(robot, family);
     if joints.is_empty() { family.effect.to_owned() } else { format!("{} on {}", family.effect, joints.join(" and ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_not_simulated_is_said_with_its_joint_in_one_line() {
+        let said = not_simulated(&Error::request("elbow", "the simulation ran away at 0.488 s"));
+        assert!(
+            said.starts_with("The extended model was not simulated (elbow: the simulation ran away at 0.488 s); "),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1);
+    }
 }

@@ -2,7 +2,10 @@
 
 mod notes;
 
-pub use notes::{between_logs, constants, falling_friction, not_of_bodies, undetermined, undetermined_held_out};
+pub use notes::{
+    between_logs, constants, falling_friction, negative_coulomb, negative_rotor, not_of_bodies, undetermined,
+    undetermined_held_out,
+};
 
 use super::console::{by_joint, significant, table};
 use crate::identification::consistent::Consistent;

@@ -141,18 +141,67 @@ pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) ->
     })
 }
 
-/// Standard deviations from which viscous friction is negative.
+/// Standard deviations from which a parameter of a drive is negative.
 const NEGATIVE: f64 = 3.0;
+
+/// Whether a value is surely below zero; one that is not known is not.
+fn is_negative(value: f64, std: f64) -> bool {
+    value < -NEGATIVE * std
+}
+
+/// The joints on which a parameter of the drive is negative, with its place among those of the fit. Sums with parameters of links may be
+/// negative, and are none.
+fn negative<'a>(robot: &'a Robot, fitted: &Fitted, symbol: &str) -> Vec<(&'a Joint, usize)> {
+    let std = fitted.fit.estimate.std();
+    let on = |joint: usize| {
+        let place = place_of(fitted, joint, symbol)?;
+        let alone = !fitted.fit.names[place].contains(' ') && !fitted.fit.undetermined[place];
+        (alone && is_negative(fitted.fit.estimate.beta[place], std[place])).then(|| (&robot.joints[joint], place))
+    };
+    (0..robot.dof()).filter_map(on).collect()
+}
+
+/// Joints with the values of a parameter that is negative on them.
+fn listed(fitted: &Fitted, negative: &[(&Joint, usize)], unit: &'static str) -> String {
+    let std = fitted.fit.estimate.std();
+    let each = negative.iter().map(|&(joint, place)| {
+        let [value, std] = [fitted.fit.estimate.beta[place], std[place]].map(significant);
+        format!("{} ({value} +- {std} {})", joint.name, joint.kind.unit(unit))
+    });
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// A line about the joints whose rotor inertia is negative, if there are any: no rotor has one, and something else acts with the
+/// acceleration.
+pub fn negative_rotor(robot: &Robot, fitted: &Fitted) -> Option<String> {
+    let joints = negative(robot, fitted, "Ia");
+    (!joints.is_empty()).then(|| {
+        format!(
+            "rotor inertia is negative on {}, which no rotor's is: accelerations are wrong (a delay between position and torque, a low-pass of one of \
+             them, a clock that runs wrong), or it makes up for another body's inertia or for a mass that the file lacks. Do not use it; `tauscope \
+             inspect` looks for delays and clocks, `tauscope diagnose` for the other causes",
+            listed(fitted, &joints, "kg m2")
+        )
+    })
+}
+
+/// A line about the joints whose Coulomb friction is negative, if there are any: no drive is pushed along by its friction.
+pub fn negative_coulomb(robot: &Robot, fitted: &Fitted) -> Option<String> {
+    let joints = negative(robot, fitted, "Fc");
+    (!joints.is_empty()).then(|| {
+        format!(
+            "Coulomb friction is negative on {}, which no drive's is: the sign of its torque or of its motion is wrong, its torque comes late or is \
+             that of another joint, or a law of friction that the model lacks is in it. Do not use it; `tauscope inspect` looks for signs, columns and \
+             delays, `tauscope diagnose` for laws of friction",
+            listed(fitted, &joints, "N m")
+        )
+    })
+}
 
 /// A line about the joints whose viscous friction is negative, if there are any: no drive takes up power, but friction that falls with speed
 /// looks like it.
 pub fn falling_friction(robot: &Robot, fitted: &Fitted) -> Option<String> {
-    let std = fitted.fit.estimate.std();
-    let falls = |joint: &usize| {
-        let place = place_of(fitted, *joint, "Fv");
-        place.is_some_and(|place| fitted.fit.estimate.beta[place] < -NEGATIVE * std[place])
-    };
-    let joints: Vec<&str> = (0..robot.dof()).filter(falls).map(|joint| robot.joints[joint].name.as_str()).collect();
+    let joints: Vec<&str> = negative(robot, fitted, "Fv").iter().map(|(joint, _)| joint.name.as_str()).collect();
     let effects: Vec<String> = joints.iter().map(|name| format!("--effect stribeck_friction:{name}")).collect();
     (!joints.is_empty()).then(|| {
         format!(
@@ -199,6 +248,13 @@ fn extrapolates(training: f64, held_out: f64, bodies: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_within_its_noise_is_not_negative() {
+        assert!(is_negative(-3.1, 1.0) && !is_negative(-2.9, 1.0) && !is_negative(3.1, 1.0));
+        // As described, or not known.
+        assert!(!is_negative(0.0, 0.0) && !is_negative(-1.0, f64::NAN) && !is_negative(f64::NAN, 1.0));
+    }
 
     #[test]
     fn base_parameters_extrapolate_where_bodies_do_not() {

@@ -47,7 +47,10 @@ impl Model {
         assert_eq!(equations.len(), robot.dof(), "every joint has an equation or has none");
         let chain = Chain::new(robot);
         let names = standard_names(robot.bodies());
-        let base = BaseParameters::new(&probe(&chain, equations), &names);
+        // Joints that follow others stand behind the coordinates, and may carry some of them.
+        let outwards: Vec<usize> =
+            robot.outwards().into_iter().flat_map(|body| body * STANDARD..(body + 1) * STANDARD).collect();
+        let base = BaseParameters::taken_in(&probe(&chain, equations), &names, &outwards);
         let columns = BaseColumns::new(&chain, equations, &base);
         Model { robot: robot.clone(), chain, names, base, columns, equations: equations.to_vec() }
     }
@@ -340,6 +343,34 @@ mod tests {
             }
         }
         assert!(torque.channel(5).iter().all(|&torque| torque == 0.0));
+    }
+
+    /// A hollow wrist: the second of two tilted joints follows the first, and carries the hand.
+    const WRIST: &str = r#"<robot name="wrist">
+<link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><link name="l3b"/><link name="l4"/>
+<joint name="j1" type="continuous"><parent link="base"/><child link="l1"/><origin xyz="0 0 0.5"/><axis xyz="0 0 1"/></joint>
+<joint name="j2" type="continuous"><parent link="l1"/><child link="l2"/><origin xyz="0.15 0 0.1"/><axis xyz="0 1 0"/></joint>
+<joint name="j3" type="continuous"><parent link="l2"/><child link="l3"/><origin xyz="0.6 0 0.1"/><axis xyz="0.8 0 0.6"/></joint>
+<joint name="j3b" type="continuous"><parent link="l3"/><child link="l3b"/><origin xyz="0.1 0 0"/><axis xyz="0.8 0 -0.6"/>
+<mimic joint="j3" multiplier="-2" offset="0"/></joint>
+<joint name="j4" type="continuous"><parent link="l3b"/><child link="l4"/><origin xyz="0.1 0 0"/><axis xyz="1 0 0"/></joint>
+</robot>"#;
+
+    /// Regrouped into the hand's mass, the masses before it would have columns that hardly any motion tells apart.
+    #[test]
+    fn masses_are_regrouped_into_the_joint_that_follows_and_carries_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wrist.urdf");
+        std::fs::write(&path, WRIST).unwrap();
+        let robot = robot::load(&path, InertiaCheck::Ignored).unwrap();
+        assert_eq!((robot.dof(), robot.bodies()), (4, 5));
+        let model = Model::new(&robot);
+        assert_eq!(model.base().len(), 39);
+        assert!(model.base().kept().is_sorted() && !model.base().kept().contains(&(3 * STANDARD)));
+        let rows = probe(&Chain::new(&robot), &[true; 4]);
+        let unit: Vec<_> = model.base().kept().iter().map(|&column| rows.column(column).normalize()).collect();
+        let singular = DMatrix::from_columns(&unit).svd(false, false).singular_values;
+        assert!(singular.max() < 20.0 * singular.min(), "{singular}");
     }
 
     #[test]

@@ -174,15 +174,53 @@ pub struct JointNames {
     pub numbered: usize,
 }
 
-/// The joints whose positions a header names or numbers.
-pub(crate) fn joint_names(header: &[String]) -> JointNames {
+/// The joints whose positions a header names or numbers. Those of `known` that it names are found under every name that a reader who
+/// wants them understands.
+pub(crate) fn joint_names(header: &[String], known: &[String]) -> JointNames {
     let (meanings, _) = bare::meanings(header);
-    let numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
-    let numbered = positions(&meanings).iter().filter(numbered).count();
+    let is_numbered = |meaning: &&&Meaning| matches!(meaning.joint, Joint::Number(_));
+    let numbered = positions(&meanings).iter().filter(is_numbered).count();
     let names = own_names(&meanings);
     // `joint1_pos` numbers a joint of a robot that calls it otherwise.
     let in_names = numbers_in_names(&meanings, names.len()).len();
+    let of_robot = names.iter().filter(|name| known.contains(name)).count();
+    let around = around_names(&meanings, known);
+    let names = match around.len() > of_robot.max(numbered) {
+        true => around,
+        false if of_robot == 0 => most_behind_prefix(&names, known).unwrap_or(names),
+        false => names,
+    };
     JointNames { names, numbered: numbered.max(in_names) }
+}
+
+/// Those of `known` that stand in the names of positions among words that count only around a joint, as in `msr_pos_elbow`.
+fn around_names(meanings: &[Vec<Meaning>], known: &[String]) -> Vec<String> {
+    let mut named = candidates(meanings, known, &BTreeMap::new(), false, names::POSITION);
+    named.retain(|candidate| matches!(candidate.joint, Place::Index(_)));
+    let of = |candidate: Candidate| match candidate.joint {
+        Place::Index(index) => known.get(index - 1).cloned(),
+        Place::Number(_) => None,
+    };
+    best_family(named).into_iter().filter_map(of).collect()
+}
+
+/// Those of `known` that more than half of the names of a file are behind one prefix, or that are so behind one of the robot's. None where
+/// two prefixes fit as many.
+fn most_behind_prefix(names: &[String], known: &[String]) -> Option<Vec<String>> {
+    let mut found: BTreeMap<(&str, bool), Vec<&String>> = BTreeMap::new();
+    for (name, joint) in names.iter().flat_map(|name| known.iter().map(move |joint| (name, joint))) {
+        let pairs = [(name, joint, true), (joint, name, false)];
+        for (long, short, in_file) in pairs {
+            let prefix = long.strip_suffix(short.as_str()).filter(|prefix| prefix.ends_with(SEPARATORS));
+            if let Some(prefix) = prefix {
+                found.entry((prefix, in_file)).or_default().push(joint);
+            }
+        }
+    }
+    let most = found.values().map(Vec::len).max().filter(|most| 2 * most > names.len())?;
+    let mut best = found.into_values().filter(|joints| joints.len() == most);
+    let joints = best.next().filter(|_| best.next().is_none())?;
+    Some(joints.into_iter().cloned().collect())
 }
 
 /// Joint names in the order of their positions; none where the positions are numbered.
@@ -199,4 +237,52 @@ pub(super) fn own_names(meanings: &[Vec<Meaning>]) -> Vec<String> {
         }
     }
     unique
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(names: &str) -> Vec<String> {
+        names.split(',').map(str::to_owned).collect()
+    }
+
+    /// The joints that a header of positions names, of a tree with two arms.
+    fn named(positions: &str) -> Vec<String> {
+        let known = list("head,l_shoulder,l_elbow,l_wrist_1,r_shoulder,r_elbow,r_wrist_1");
+        joint_names(&list(&format!("t,{positions}")), &known).names
+    }
+
+    #[test]
+    fn joints_of_a_tree_are_named_with_every_word_around_them() {
+        for pattern in [
+            "q_#",
+            "#_position",
+            "msr_pos_#",
+            "meas_position_#",
+            "#_pos_actual",
+            "/joint_states/#/position",
+            "#/actual/pos",
+        ] {
+            let header = ["r_shoulder", "r_elbow", "r_wrist_1"].map(|joint| pattern.replace('#', joint)).join(",");
+            assert_eq!(named(&header), ["r_shoulder", "r_elbow", "r_wrist_1"], "{header}");
+        }
+        // More joints under one kind of name than under another.
+        assert_eq!(named("q_head,msr_pos_r_shoulder,msr_pos_r_elbow"), ["r_shoulder", "r_elbow"]);
+        // Numbers stay numbers, and others stay others.
+        assert_eq!(named("q1,q2,q3,msr_pos_head"), Vec::<String>::new());
+        assert_eq!(named("q_x,q_y"), ["x", "y"]);
+        assert_eq!(named("target_position_r_elbow,q_x,q_y"), ["x", "y"]);
+    }
+
+    #[test]
+    fn joints_of_a_tree_are_named_behind_a_prefix() {
+        assert_eq!(named("robot/r_shoulder_position,robot/r_elbow_position"), ["r_shoulder", "r_elbow"]);
+        assert_eq!(named("q_my_l_elbow,q_my_l_wrist_1"), ["l_elbow", "l_wrist_1"]);
+        // Of either arm, or hardly any of them.
+        assert_eq!(named("q_shoulder,q_elbow"), ["shoulder", "elbow"]);
+        assert_eq!(named("q_a_head,q_b,q_c"), ["a_head", "b", "c"]);
+        let one_arm = joint_names(&list("t,q_elbow,q_wrist"), &list("ur_lift,ur_elbow,ur_wrist"));
+        assert_eq!(one_arm.names, ["ur_elbow", "ur_wrist"]);
+    }
 }

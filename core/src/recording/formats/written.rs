@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::recording::Recording;
+use crate::recording::columns::Layout;
 use crate::recording::columns::names::{ACCELERATION, POSITION, QUANTITIES, TORQUE, TRUE, VELOCITY};
+use std::path::Path;
 
 /// The columns of a recording in the order they are written: numbered, `q1` and so on, or `named`, as in
 /// `elbow_position`.
@@ -42,4 +44,42 @@ pub(crate) fn table(recording: &Recording, named: bool) -> Result<Vec<(String, &
         columns.extend(channels.iter().enumerate().map(|(joint, signal)| (name(joint), signal)));
     }
     Ok(columns)
+}
+
+/// The named columns of a recording, where its joints are found in them again: one may be called like a quantity.
+///
+/// # Errors
+/// Those of [`table`].
+pub(crate) fn named(recording: &Recording) -> Result<Option<Vec<(String, &[f64])>>> {
+    let columns = table(recording, true)?;
+    let header: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
+    let tables = 1 + usize::from(recording.qd.is_some()) + usize::from(recording.qdd.is_some());
+    let is_found = |layout: Layout| {
+        let [positions, torques] = [1, 1 + tables * recording.joints()];
+        layout.used().into_iter().eq(0..header.len())
+            && layout.positions().iter().copied().eq(positions..positions + recording.joints())
+            && layout.torques().iter().copied().eq(torques..torques + recording.joints())
+    };
+    let found = Layout::find(Path::new(""), None, &header, Some(&recording.joints));
+    Ok(found.is_ok_and(is_found).then_some(columns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::samples;
+
+    #[test]
+    fn names_stand_in_columns_where_they_are_found_again() {
+        let mut recording = samples::full(2, 3);
+        let mut first = |joints: [&str; 2]| {
+            recording.joints = joints.map(str::to_owned).to_vec();
+            named(&recording).unwrap().map(|columns| columns[1].0.clone())
+        };
+        assert_eq!(first(["elbow", "wrist 1"]).as_deref(), Some("elbow_position"));
+        assert_eq!(first(["target", "1"]).as_deref(), Some("target_position"));
+        // The position of a joint q reads as that of a joint called position.
+        assert_eq!(first(["q", "tau"]), None);
+        assert_eq!(first(["a", "a"]), None);
+    }
 }

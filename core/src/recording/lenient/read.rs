@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::recording::cleaning::{Rejected, Rows, missing, sentinel, unwrap};
 use crate::recording::columns::{self, ABSENT, ColumnMap, Demand, JointNames, Layout};
-use crate::recording::sampling::{rates, stamps};
+use crate::recording::sampling::{rates, reversed, stamps};
 use std::path::{Path, PathBuf};
 
 /// A log without its unusable rows.
@@ -39,8 +39,8 @@ pub struct Sieved {
     pub spoilt: Option<String>,
 }
 
-/// The joints of which a log holds positions, from its header alone where the format has one. Of several topics in a bag it is the one with
-/// most joints of the robot, `known`.
+/// The joints of which a log holds positions, from its header alone where the format has one: those of the robot, `known`, that it names in
+/// whatever way, else as it names them. Of several topics in a bag it is the one with most joints of the robot.
 ///
 /// # Errors
 /// Those of [`load`] about the file and its header.
@@ -48,7 +48,7 @@ pub fn joint_names(path: impl AsRef<Path>, known: &[String], map: &ColumnMap) ->
     if let Some(q) = &map.q {
         return Ok(JointNames { numbered: q.len(), ..JointNames::default() });
     }
-    Ok(columns::joint_names(source::open(path.as_ref(), Some(known), map)?.header()))
+    Ok(columns::joint_names(source::open(path.as_ref(), Some(known), map)?.header(), known))
 }
 
 /// Reads a log and leaves out rows that are ragged or not numeric, not finite, absurd, or out of time. `joints` are the
@@ -111,6 +111,7 @@ fn read(paths: &[PathBuf], joints: Option<&[String]>, map: &ColumnMap, positions
                        currents";
         return Err(Error::input(path, None, "torque", problem));
     }
+    layout.understood.extend(reversed::undo(&layout, &mut columns, &mut lines));
     let mut corrections = std::mem::take(&mut layout.understood);
     let clock = stamps::clock(path, sources[0].text(), &mut layout, &mut columns, &mut header, lines.len(), map)?;
     corrections.extend(clock.corrections);

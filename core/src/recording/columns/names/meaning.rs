@@ -320,12 +320,15 @@ fn named(name: &str) -> Option<Meaning> {
             return meaning(found, parts[0], format!("#/{}", parts[1]), 1);
         }
     }
-    // The arm or the namespace of a joint stands before it.
+    // The arm or the namespace of a joint stands before it, and behind it may stand that it was measured.
     if let [joint @ .., last] = parts
         && joint.len() > 1
         && let Some(found) = quantity(&words(last))
     {
-        return meaning(found, &joint.join("/"), format!("#/{last}"), 1);
+        let is_measured = |part: &&&str| words(part).iter().all(|word| MEASURED.contains(&word.as_str()));
+        let behind = joint[1..].iter().rev().take_while(is_measured).count();
+        let (joint, others) = parts.split_at(joint.len() - behind);
+        return meaning(found, &joint.join("/"), format!("#/{}", others.join("/")), 1);
     }
     let [part] = parts else { return None };
     // Several words before a joint of a letter and a number: `TORQUE_AXIS_ACT_A1`.

@@ -76,6 +76,8 @@ fn names_before_and_behind_the_quantity() {
         ("rob1_1 position", POSITION, "rob1_1"),
         ("('elbow', 'effort')", TORQUE, "elbow"),
         ("/dynamic_joint_states/elbow/velocity", VELOCITY, "elbow"),
+        ("elbow.actual.position", POSITION, "elbow"),
+        ("left/elbow/position", POSITION, "left/elbow"),
         ("jointpos_elbow", POSITION, "elbow"),
     ] {
         assert_eq!(first(column), Some((quantity, Joint::Name(name.to_owned()))), "{column}");

@@ -13,4 +13,4 @@ mod write;
 
 pub use read::read;
 pub(in crate::recording) use table::Table;
-pub use write::write;
+pub use write::{write, write_named};

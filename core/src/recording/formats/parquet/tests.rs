@@ -7,6 +7,7 @@ use crate::recording::Recording;
 use crate::recording::formats::written;
 use crate::recording::samples;
 use ::parquet::arrow::ArrowWriter;
+use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use arrow_array::types::Float32Type;
 use arrow_array::{ArrayRef, Float32Array, Float64Array, Int64Array, ListArray, RecordBatch, StringArray};
 use proptest::prelude::*;
@@ -36,9 +37,40 @@ proptest! {
         write(&path, &recording).unwrap();
         let (read, notes) = read(&path, Some(&recording.joints)).unwrap();
         prop_assert_eq!(samples::bits(&read), samples::bits(&recording));
-        prop_assert_eq!(read, recording);
+        prop_assert_eq!(&read, &recording);
         prop_assert!(notes.is_empty());
+        write_named(&path, &recording).unwrap();
+        prop_assert_eq!(columns(&path)[1].clone(), "gelenk ä,0_position");
+        prop_assert_eq!(super::read(&path, None).unwrap(), (recording, notes));
     }
+}
+
+/// The names of a file's columns, as other programs see them.
+fn columns(path: &std::path::Path) -> Vec<String> {
+    let file = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+    file.schema().fields().iter().map(|field| field.name().clone()).collect()
+}
+
+#[test]
+fn columns_carry_the_names_of_joints_in_their_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.parquet");
+    let mut recording = samples::full(3, 50);
+    // Neither in the order of letters nor in that of numbers.
+    recording.joints = ["wrist_2", "elbow", "wrist_1"].map(str::to_owned).to_vec();
+    write_named(&path, &recording).unwrap();
+    let header = columns(&path);
+    assert_eq!(header[..4], ["t", "wrist_2_position", "elbow_position", "wrist_1_position"]);
+    assert_eq!(header[10..13], ["wrist_2_effort", "elbow_effort", "wrist_1_effort"]);
+    assert_eq!(read(&path, None).unwrap(), (recording.clone(), Vec::new()));
+    // A file with numbers has the names in its metadata.
+    write(&path, &recording).unwrap();
+    assert_eq!(columns(&path)[..2], ["t", "q1"]);
+    assert_eq!(read(&path, None).unwrap(), (recording.clone(), Vec::new()));
+    // Joints that names do not tell apart keep their numbers.
+    recording.joints = ["a", "a", "b"].map(str::to_owned).to_vec();
+    write_named(&path, &recording).unwrap();
+    assert_eq!(columns(&path)[..2], ["t", "q1"]);
 }
 
 #[test]

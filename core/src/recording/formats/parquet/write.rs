@@ -15,15 +15,30 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Writes a recording.
+/// Writes a recording with numbered columns; the names of the joints stand in the metadata.
 ///
 /// # Errors
 /// The file cannot be written, or the signals differ in shape.
 pub fn write(path: &Path, recording: &Recording) -> Result<()> {
-    let columns = written::table(recording, false)?;
+    write_columns(path, recording, &written::table(recording, false)?)
+}
+
+/// Writes a recording with the names of its joints in those of its columns too: `elbow_position`, `elbow_velocity`, `elbow_effort`. Joints
+/// that such names would not be read as keep their numbers.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_named(path: &Path, recording: &Recording) -> Result<()> {
+    match written::named(recording)? {
+        Some(columns) => write_columns(path, recording, &columns),
+        None => write(path, recording),
+    }
+}
+
+fn write_columns(path: &Path, recording: &Recording, columns: &[(String, &[f64])]) -> Result<()> {
     let failed = |source| Error::io(path, "write the recording", source);
     let file = File::create(path).map_err(failed)?;
-    write_table(file, &columns, metadata(recording)).map_err(|error| failed(into_io(error)))
+    write_table(file, columns, metadata(recording)).map_err(|error| failed(into_io(error)))
 }
 
 pub(super) fn write_table(

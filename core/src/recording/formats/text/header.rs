@@ -2,7 +2,8 @@
 
 use super::cells::{date, is_empty, number};
 use super::separators::SEPARATORS;
-use crate::recording::columns::names;
+use crate::recording::columns::names as columns;
+use std::collections::BTreeSet;
 
 /// Lines that are looked at, and rows of numbers that show how many cells a row has.
 const LINES: usize = 60;
@@ -36,9 +37,31 @@ fn count(line: &[u8], separator: u8) -> usize {
     line.iter().filter(|byte| **byte == separator).count() + 1
 }
 
+/// The cells of a line as text, without quotes.
+fn cells(line: &[u8], separator: u8) -> Vec<String> {
+    let cells = line.split(|byte| *byte == separator);
+    cells.map(|cell| String::from_utf8_lossy(cell.trim_ascii()).trim_matches('"').trim().to_owned()).collect()
+}
+
+/// Whether the cells below a line of names number the columns that are called alike, as pandas writes the second level of labels:
+/// `,0,1,0,1` below `t,q,q,tau,tau`. A row of numbers has one for the time, and other names above it.
+fn are_numbers_of_columns(names: &[String], below: &[String]) -> bool {
+    let whole = |cell: &String| !cell.is_empty() && cell.bytes().all(|byte| byte.is_ascii_digit());
+    // The name of the level may stand in the first cell.
+    let Some((_, others)) = below.split_first().filter(|(first, _)| !is_number(first.as_bytes())) else { return false };
+    let numbered: Vec<(&String, &String)> = names.iter().skip(1).zip(others).filter(|(_, cell)| whole(cell)).collect();
+    let called: BTreeSet<&String> = numbered.iter().map(|(name, _)| *name).collect();
+    let distinct: BTreeSet<&(&String, &String)> = numbered.iter().collect();
+    names.len() == below.len()
+        && others.iter().all(|cell| cell.is_empty() || whole(cell))
+        && called.len() < numbered.len()
+        && distinct.len() == numbered.len()
+        && !called.iter().any(|name| is_number(name.as_bytes()))
+}
+
 /// Makes blank what stands above the header without being marked as a comment: lines with other numbers of cells than the rows
-/// of numbers below. Joins a second line below the header to it, of units or of joints: its cells come behind the names. Lengths
-/// stay, so that places in the file stay what they are, where no second line is joined.
+/// of numbers below. Joins a second line below the header to it, of units, of joints or of their numbers: its cells come behind the
+/// names. Lengths stay, so that places in the file stay what they are, where no second line is joined.
 pub(super) fn blank_titles(bytes: &mut Vec<u8>) {
     let Some((separator, width, first)) = rows(bytes) else { return };
     let lines = lines(bytes);
@@ -81,7 +104,13 @@ fn rows(bytes: &[u8]) -> Option<(u8, usize, usize)> {
             }
             all > 2 && 2 * numbers > all
         };
-        let first = lines.iter().position(|(_, line)| of_numbers(line)).filter(|first| *first > 1)?;
+        let is_row = |&place: &usize| {
+            let of_columns = |above: usize| {
+                are_numbers_of_columns(&cells(lines[above].1, separator), &cells(lines[place].1, separator))
+            };
+            of_numbers(lines[place].1) && !place.checked_sub(1).is_some_and(of_columns)
+        };
+        let first = (0..lines.len()).find(is_row).filter(|first| *first > 1)?;
         let width = count(lines[first].1, separator);
         let alike =
             lines[first..].iter().take(ROWS).all(|(_, line)| of_numbers(line) && count(line, separator) == width);
@@ -89,27 +118,30 @@ fn rows(bytes: &[u8]) -> Option<(u8, usize, usize)> {
     })
 }
 
-/// A line of names with the cells of the line below it: units in brackets, and joints as parts of a path.
+/// A line of names with the cells of the line below it: units in brackets, joints as parts of a path, and their numbers.
 fn joined(names: &[u8], below: &[u8], separator: u8) -> Option<Vec<u8>> {
-    let split = |line: &[u8]| -> Vec<String> {
-        let cells = line.split(|byte| *byte == separator);
-        cells.map(|cell| String::from_utf8_lossy(cell.trim_ascii()).trim_matches('"').to_owned()).collect()
-    };
-    let (names, below) = (split(names), split(below));
-    if below.iter().any(|cell| is_number(cell.as_bytes())) {
+    let (names, below) = (cells(names, separator), cells(below, separator));
+    let numbers = are_numbers_of_columns(&names, &below);
+    if !numbers && below.iter().any(|cell| is_number(cell.as_bytes())) {
         return None;
     }
     let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
-    let is_unit = |cell: &String| names::is_unit(&bare(cell));
+    let is_unit = |cell: &String| columns::is_unit(&bare(cell));
     let units = below.iter().filter(|cell| is_unit(cell)).count();
     let of_units = 2 * units > below.iter().filter(|cell| !cell.is_empty()).count();
-    let cells = names.iter().zip(&below).map(|(name, cell)| match (name.as_str(), cell.as_str()) {
-        (name, "") => name.to_owned(),
-        ("", cell) => cell.to_owned(),
-        (name, cell) if of_units => format!("{name} [{}]", bare(cell)),
-        (name, cell) if name.eq_ignore_ascii_case(cell) => name.to_owned(),
-        (name, cell) => format!("{name}/{cell}"),
-    });
+    // Names of the levels stand above that of the index, and none of them is a column's.
+    let of_index = !of_units && below.iter().skip(1).all(String::is_empty) && columns::time(&names[0], 1).is_none();
+    let cells =
+        names.iter().zip(&below).enumerate().map(|(place, (name, cell))| match (name.as_str(), cell.as_str()) {
+            (name, "") => name.to_owned(),
+            (_, cell) if of_index => cell.to_owned(),
+            (_, _) if numbers && place == 0 => String::new(),
+            ("", cell) => cell.to_owned(),
+            (name, cell) if numbers => format!("{name}_{cell}"),
+            (name, cell) if of_units => format!("{name} [{}]", bare(cell)),
+            (name, cell) if name.eq_ignore_ascii_case(cell) => name.to_owned(),
+            (name, cell) => format!("{name}/{cell}"),
+        });
     Some(cells.collect::<Vec<_>>().join(&char::from(separator).to_string()).into_bytes())
 }
 
@@ -132,10 +164,30 @@ mod tests {
         assert_eq!(read(&two), format!("time,position/elbow,effort/elbow\n\n{rows}"));
         let three = format!(",position,effort\n,elbow,elbow\ntime,,\n{rows}");
         assert_eq!(read(&three), format!("time,position/elbow,effort/elbow\n\n\n{rows}"));
+        let levels = format!("signal,position,effort\njoint,elbow,elbow\ntime,,\n{rows}");
+        assert_eq!(read(&levels), format!("time,position/elbow,effort/elbow\n\n\n{rows}"));
         // One line of names, no line of names, rows of other lengths: as they are.
         for text in
             [format!("t,q1,tau1\n{rows}"), rows.to_owned(), format!("a\nb\n{rows}"), "t,q1\nx\n0,1\n".to_owned()]
         {
+            assert_eq!(read(&text), text);
+        }
+    }
+
+    #[test]
+    fn numbers_below_names_that_are_alike_belong_to_them() {
+        let rows = "0,1,2,3,4\n1,2,3,4,5\n2,3,4,5,6\n";
+        let named = |blanks: &str| format!("t,q_0,q_1,tau_0,tau_1\n{blanks}{rows}");
+        // The index as a column like others, as a line of its own, and below the names of the levels.
+        assert_eq!(read(&format!("t,q,q,tau,tau\n,0,1,0,1\n{rows}")), named("\n"));
+        assert_eq!(read(&format!("t,q,q,tau,tau\n\"\",\"0\",\"1\",\"0\",\"1\"\n{rows}")), named("\n"));
+        assert_eq!(read(&format!(",q,q,tau,tau\n,0,1,0,1\nt,,,,\n{rows}")), named("\n\n"));
+        assert_eq!(read(&format!("signal,q,q,tau,tau\njoint,0,1,0,1\nt,,,,\n{rows}")), named("\n\n"));
+        let index = format!("signal,t,q,q,tau\njoint,,0,1,0\n{rows}");
+        assert_eq!(read(&index), format!(",t,q_0,q_1,tau_0\n\n{rows}"));
+        // Rows whose first has no time or is like the others, and a label that stands twice.
+        for first in ["t,q1,q2,tau1,tau2\n,0,1,0,1", "t,q,q,tau,tau\n0,0,1,0,1", "t,q,q,tau,tau\n,0,0,0,1"] {
+            let text = format!("{first}\n{rows}");
             assert_eq!(read(&text), text);
         }
     }

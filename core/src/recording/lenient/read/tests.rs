@@ -49,6 +49,22 @@ fn a_time_that_jumps_ahead_costs_one_row() {
 }
 
 #[test]
+fn rows_in_reverse_order_keep_their_lines() {
+    let row = |k: usize| format!("{},{},{}", 0.5 * k as f64, 0.1 * k as f64, if k == 7 { "x" } else { "2" });
+    let rows: Vec<String> = (0..40).rev().map(row).collect();
+    let sieved = read(&format!("t,q1,tau1\n{}\n", rows.join("\n")), &ColumnMap::default()).unwrap();
+    assert_eq!((sieved.recording.samples(), sieved.recording.q.channel(0)[..2].to_vec()), (39, vec![0.0, 0.1]));
+    assert!(
+        sieved.recording.time.is_sorted() && sieved.corrections[0].contains("backwards"),
+        "{:?}",
+        sieved.corrections
+    );
+    // The row of k = 0 is the last of the file.
+    assert_eq!((sieved.lines[0], sieved.lines[38]), (41, 2));
+    assert_eq!((sieved.rejected.len(), sieved.rejected[0].line), (1, 34));
+}
+
+#[test]
 fn a_file_without_a_usable_row_is_refused() {
     let error = read("t,q1,tau1\n0,x,1\n1,y,1\n", &ColumnMap::default()).unwrap_err().to_string();
     assert!(error.contains("log.csv:2: q1: none of the 2 rows"), "{error}");

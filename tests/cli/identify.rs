@@ -1,0 +1,56 @@
+//! What `identify` says of numbers that no drive has.
+
+use super::{Case, assert_done, text};
+use std::fmt::Write;
+
+/// A slide that lifts 10 kg: its rotor stands apart from the mass, which gravity shows.
+const LIFT: &str = r#"<robot name="lift"><link name="base"/><joint name="lift" type="prismatic"><parent link="base"/>
+<child link="l1"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="999" velocity="9"/></joint><link name="l1">
+<inertial><mass value="10"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
+
+/// What `identify` prints of the slide with this rotor and this Coulomb friction, and with noise of its force, and on standard error.
+fn identified(rotor: f64, coulomb: f64) -> [String; 2] {
+    let case = Case::new(&[]);
+    case.write("lift.urdf", LIFT);
+    let mut log = "t,q1,qd1,tau1\n".to_owned();
+    for row in 0..4000 {
+        let t = 0.004 * f64::from(row);
+        let (mut q, mut v, mut a) = (0.0, 0.0, 0.0);
+        for (size, w, phase) in [(0.5, 1.1, 0.0), (0.2, 2.9, 1.0), (0.05, 6.3, 2.0)] {
+            let (sin, cos) = f64::sin_cos(w * t + phase);
+            (q, v, a) = (q + size * sin, v + size * w * cos, a - size * w * w * sin);
+        }
+        let noise = (43_758.5 * (12.9898 * f64::from(row)).sin()).fract();
+        let force = 10.0 * (a + 9.81) + rotor * a + 1.5 * v + coulomb * v.signum() + 0.3 * noise;
+        writeln!(log, "{t:.4},{q:.9},{v:.9},{force:.9}").unwrap();
+    }
+    case.write("log.csv", &log);
+    let output = case.tauscope(&["identify", "--robot", "lift.urdf", "--train", "log.csv", "--out", "out"]);
+    assert_done(&output);
+    let json: serde_json::Value = serde_json::from_str(&case.read("out/identification.json")).unwrap();
+    let said = text(&output.stdout);
+    for note in json["notes"].as_array().unwrap() {
+        assert!(said.contains(note.as_str().unwrap()), "{said} lacks {note}");
+    }
+    [said, text(&output.stderr)]
+}
+
+#[test]
+fn negative_drives_are_named_with_their_causes() {
+    let [rotor, coulomb] = ["rotor inertia is negative on lift (-", "Coulomb friction is negative on lift (-"];
+    for (drive, negative) in [
+        ((2.0, 3.0), vec![]),
+        ((-4.0, 3.0), vec![rotor]),
+        ((2.0, -3.0), vec![coulomb]),
+        ((-4.0, -3.0), vec![rotor, coulomb]),
+    ] {
+        let [said, errors] = identified(drive.0, drive.1);
+        for note in [rotor, coulomb] {
+            assert_eq!(said.contains(note), negative.contains(&note), "{drive:?}: {said}");
+        }
+        // What the viewer shows or not is no concern of who asks for numbers.
+        assert!(!errors.contains("WARN"), "{drive:?}: {errors}");
+    }
+    let [said, _] = identified(-4.0, 3.0);
+    assert!(said.contains(" kg)") && said.contains("a mass that the file lacks"), "{said}");
+}

@@ -10,8 +10,8 @@ pub struct StructureCriteria {
     pub together: f64,
     /// Share of alpha at which the training logs by themselves show structure with certainty.
     pub certain: f64,
-    /// Least share of the residual of a joint that structure must have to be reported: with many rows that of any simplification of a
-    /// simulator or a sensor is significant.
+    /// Least share of the residual of a joint that structure must have to be reported: a quarter of its root mean square, as of the noise. With many
+    /// rows that of any simplification of a simulator or a sensor is significant.
     pub share_of_residual: f64,
     /// Share of the cut-off of a joint's positions up to which a spectral line counts: nearer to it, what the differences make of encoder
     /// noise is a peak, too.
@@ -44,7 +44,7 @@ impl Default for StructureCriteria {
         StructureCriteria {
             together: 0.2,
             certain: 0.02,
-            share_of_residual: 0.03,
+            share_of_residual: 0.0625,
             below_cutoff: 0.5,
             same_line_hz: 0.1,
             foreign: 3.0,

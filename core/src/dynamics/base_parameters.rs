@@ -295,6 +295,19 @@ mod tests {
     }
 
     #[test]
+    fn changes_that_are_unseen_change_no_base_parameter() {
+        // Columns: a, b, 2 a - 0.5 b, zero.
+        let columns = DMatrix::from_row_slice(3, 4, &[1.0, 0.0, 2.0, 0.0, 0.0, 1.0, -0.5, 0.0, 1.0, 1.0, 1.5, 0.0]);
+        let base = BaseParameters::new(&columns, &["a", "b", "c", "z"].map(str::to_owned));
+        let unseen = base.unseen();
+        assert_eq!(unseen.len(), 2);
+        for change in &unseen {
+            assert!(base.values(change).iter().all(|value| value.abs() < 1e-12), "{change:?}");
+            assert!(change.contains(&1.0));
+        }
+    }
+
+    #[test]
     fn groups_by_hand() {
         // Columns: a, b, 2 a - 0.5 b, zero, c.
         let a = [1.0, 0.0, 2.0, 1.0];

@@ -86,7 +86,7 @@ pub(super) fn findings(
     if let Some(condition) = condition.filter(|c| *c > POOR) {
         let text = format!(
             "the condition number of the base parameters is {condition:.3e}: some of them are not separable on this \
-             motion; move more joints faster and further"
+             motion; move several joints at the same time, faster and further"
         );
         out.push(Finding::new(Kind::PoorExcitation, Severity::Note, "motion", text));
     }

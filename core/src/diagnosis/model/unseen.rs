@@ -12,7 +12,7 @@ use crate::identification::effect_model::{Arm, Trust};
 use crate::identification::model::Model;
 use nalgebra::Vector3;
 
-/// Share of a column's size below which what others leave of it is rounding, and share of the largest column below which one is.
+/// Share of a column's size below which what others leave of it is rounding, and share of what a moment of 1 kg m weighs below which one is.
 const ROUNDING: f64 = 1e-6;
 
 /// Changes of the bodies that gravity as described does not show, with their places in the baseline.
@@ -54,7 +54,7 @@ impl Session<'_> {
         let more = turned - described;
         let mut changes = model.base().unseen();
         let columns = torques(arm, &self.logs.train.rows, more, &changes);
-        let independent = independent(&columns);
+        let independent = independent(&columns, more.norm() * (self.logs.train.rows.len() as f64).sqrt());
         changes = independent.iter().map(|&place| changes[place].clone()).collect();
         let first = self.blocks(&[]).known.start;
         let own = independent.into_iter().map(|place| columns[place].clone());
@@ -95,20 +95,61 @@ fn torques(arm: &Arm, rows: &Rows, gravity: Vector3<f64>, changes: &[Vec<f64>]) 
     changes.iter().map(of).collect()
 }
 
-/// Places of columns that no others before them make up, without those that are rounding.
-fn independent(columns: &[Column]) -> Vec<usize> {
+/// Places of columns that no others before them make up, without those that are rounding against the size of `one`.
+fn independent(columns: &[Column], one: f64) -> Vec<usize> {
     let size = |column: &Column| column.dot(column).sqrt();
-    let largest = columns.iter().map(size).fold(0.0, f64::max);
     let mut kept: Vec<(usize, Column)> = Vec::new();
     for (place, column) in columns.iter().enumerate() {
         let own = size(column);
         let mut left = column.clone();
         kept.iter().for_each(|(_, unit)| left.add(-unit.dot(&left), unit));
         let rest = size(&left);
-        if own > ROUNDING * largest && rest > ROUNDING * own {
+        if own > ROUNDING * one && rest > ROUNDING * own {
             left.scale(1.0 / rest);
             kept.push((place, left));
         }
     }
     kept.into_iter().map(|(place, _)| place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_kept_that_are_no_rounding_and_no_sums_of_others() {
+        let on = |values: [f64; 3]| Column::on(0, values.to_vec());
+        let columns =
+            [on([1e-9; 3]), on([1.0, 0.0, 1.0]), on([0.0, 2e-6, 0.0]), on([-2.0, 0.0, -2.0]), on([1.0, 1.0, 1.0])];
+        assert_eq!(independent(&columns, 1.0), [1, 2]);
+        assert_eq!(independent(&columns, 3.0), [1, 4]);
+        assert!(independent(&columns, 1e7).is_empty());
+    }
+
+    #[test]
+    fn a_first_axis_along_gravity_hides_two_moments_of_what_it_carries() {
+        use crate::robot::{InertiaCheck, load};
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../urdf/irb1600_6_120.urdf");
+        let robot = load(path, InertiaCheck::Required).unwrap();
+        let felt = |gravity: Vector3<f64>, more: Vector3<f64>| {
+            let robot = crate::robot::Robot { gravity, ..robot.clone() };
+            let changes = Model::new(&robot).base().unseen();
+            let chain = Chain::new(&robot).with_gravity(more.into());
+            let q = crate::channels::Channels::from_vectors(
+                &(0..6)
+                    .map(|j| (0..9).map(|k| (1.3 * f64::from(k) + f64::from(j)).sin()).collect())
+                    .collect::<Vec<_>>(),
+            );
+            let column = |change: &Vec<f64>| {
+                let inertial = Model::with_standard_values(&robot, change).inertial_parameters();
+                let torque = inverse_dynamics(&chain, &inertial, &Motion::at_rest(q.clone()));
+                Column::new((0..6).map(|joint| torque.channel(joint).to_vec()))
+            };
+            independent(&changes.iter().map(column).collect::<Vec<_>>(), more.norm() * 3.0).len()
+        };
+        let upright = robot.gravity;
+        assert_eq!(felt(upright, Vector3::new(0.5, -0.3, 0.0)), 2);
+        // Gravity that is along no axis shows all that another shows.
+        assert_eq!(felt(Vector3::new(6.0, 1.0, -7.6), Vector3::new(0.5, -0.3, 0.2)), 0);
+    }
 }

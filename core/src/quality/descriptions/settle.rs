@@ -6,7 +6,7 @@ use super::fitting::{Physics, Rows};
 use super::known::Known;
 use super::search::{Found, Outcome};
 use super::shares::{ALIKE, WRONG_MASSES};
-use super::sizes::tilt;
+use super::sizes::{tilt, zeros};
 use super::tried::Tried;
 use super::weights;
 
@@ -26,6 +26,7 @@ pub(super) fn settled(known: Known, bodies: Option<&Physics>, rows: &Rows, mut o
             found = with_directions(known.physics, rows, core);
         }
         if !std::ptr::eq(bodies, known.physics) {
+            found = with_zeros_of(bodies, known.physics, rows, found);
             found = under_bodies(bodies, rows, with_directions_of(bodies, known.physics, rows, found));
         }
         by_weights(bodies, rows, found)
@@ -72,6 +73,26 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
         if !found.has_direction_of(&other) {
             found.rivals.push(other);
         }
+    }
+    found
+}
+
+/// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes that are
+/// parallel these see the sum of the zeros.
+fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found) -> Found {
+    let best = &found.best;
+    let under = |description: &Description| Tried::new(bodies, rows, description.clone());
+    let has_zero = best.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..)));
+    if !has_zero || under(&best.description).is_none_or(|tried| tried.share() < ALIKE) {
+        return found;
+    }
+    let others = zeros::of_single_joints(bodies, &rows.whole(), &best.description);
+    let explained = others.iter().filter_map(under).filter(|tried| tried.share() < ALIKE);
+    let Some(least) = explained.min_by(|a, b| a.share().total_cmp(&b.share())) else { return found };
+    let own = Tried::new(free, rows, least.description)
+        .filter(|own| compare(&own.evaluation, &best.evaluation, &rows.log).is_some_and(|worse| !worse.is_distinct()));
+    if let Some(own) = own {
+        found.best = own;
     }
     found
 }

@@ -305,7 +305,9 @@ impl PositionUnits {
         };
         let doubtful = |joint: usize| {
             self.doubts[joint].as_ref()?;
-            Some((Units::of(self.kinds[joint]).si, self.of_joint(joint)))
+            // Zeros that are others take a joint in the unit of all out of its limits.
+            let unit = self.of_joint(joint).map(|own| self.shared(self.kinds[joint]).unwrap_or(own));
+            Some((Units::of(self.kinds[joint]).si, unit))
         };
         let text = |si: &str, unit: Option<OtherUnit>, joints: &[usize]| {
             let fastest = joints.iter().map(|&joint| summaries[joint].speed).fold(0.0, f64::max);

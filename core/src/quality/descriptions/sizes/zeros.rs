@@ -62,9 +62,14 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
         merit_of(&tables, &few, &description)
     };
     let given = &from.position_offset;
-    let at = |joint: usize, offset: f64| -> Vec<f64> {
+    // Axes that are parallel take from each other what one of them has: all of it, in either sense, or nothing.
+    let earlier = (0..from.dof()).filter(|&joint| given[joint] != 0.0);
+    let taken: Vec<Option<(usize, f64)>> =
+        std::iter::once(None).chain(earlier.flat_map(|joint| [-1.0, 1.0].map(|sign| Some((joint, sign))))).collect();
+    let at = |joint: usize, offset: f64, taken: Option<(usize, f64)>| -> Vec<f64> {
         let mut offsets = given.clone();
         offsets[joint] = offset;
+        taken.iter().for_each(|&(other, sign)| offsets[other] += sign * offset);
         offsets
     };
     let without = merit(given);
@@ -72,16 +77,19 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     let grid = |place: usize| (place as f64 * STEP_DEG).to_radians();
     let joints: Vec<usize> =
         (0..from.dof()).filter(|&joint| rows.turns[joint] && given[joint] == 0.0 && !is_last(&chain, joint)).collect();
-    let tried: Vec<(usize, usize)> =
-        joints.iter().flat_map(|&joint| (1..steps).map(move |place| (joint, place))).collect();
-    let merits: Vec<f64> = tried.par_iter().map(|&(joint, place)| merit(&at(joint, grid(place)))).collect();
+    let places = || taken.iter().flat_map(|&taken| (1..steps).map(move |place| (place, taken)));
+    let tried: Vec<(usize, usize, Option<(usize, f64)>)> =
+        joints.iter().flat_map(|&joint| places().map(move |(place, taken)| (joint, place, taken))).collect();
+    let merits: Vec<f64> =
+        tried.par_iter().map(|&(joint, place, taken)| merit(&at(joint, grid(place), taken))).collect();
     let refined = |&joint: &usize| {
-        let own = tried.iter().zip(&merits).filter(|((other, _), _)| *other == joint);
-        let each = own.map(|((_, place), merit)| (*place, *merit)).chain([(0, without)]);
-        let (least, _) = each.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let own = tried.iter().zip(&merits).filter(|((other, ..), _)| *other == joint);
+        let each = own.map(|((_, place, taken), merit)| (*place, *taken, *merit)).chain([(0, None, without)]);
+        let (least, taken, _) = each.min_by(|a, b| a.2.total_cmp(&b.2))?;
         let step = STEP_DEG.to_radians();
-        let offset = golden(grid(least) - step, grid(least) + step, SECTIONS, |offset| merit(&at(joint, offset)));
-        let offsets = at(joint, offset);
+        let offset =
+            golden(grid(least) - step, grid(least) + step, SECTIONS, |offset| merit(&at(joint, offset, taken)));
+        let offsets = at(joint, offset, taken);
         let merit = merit(&offsets);
         (merit < without - GAINS).then_some((merit, offsets))
     };

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::recording::Recording;
-use crate::signal::ZeroPhaseLowPass;
+use crate::signal::{ZeroPhaseLowPass, quantum};
 use rayon::prelude::*;
 
 /// Order of the low-pass of the positions, in each direction: steep, so that a slow motion does not leak past the cut-off.
@@ -71,33 +71,49 @@ fn cutoff_of(q: &[f64], rate_hz: f64) -> Result<f64> {
 }
 
 /// Upper edge of the highest band, Hz, that `holds` more than noise, which is asked with what is in it and the power that the encoder's
-/// white noise has there.
+/// noise has there: white noise, and of few digits what rounding does to the same motion. A joint that takes several samples for a step of its
+/// encoder has rounding errors that are slow, and no white noise.
 fn highest_band(q: &[f64], rate_hz: f64, holds: impl Fn(&[f64], f64) -> bool) -> Result<f64> {
     let candidates: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz <= HIGHEST_SHARE * rate_hz).collect();
     let edges: Vec<f64> = candidates.iter().copied().chain([NOISE_SHARE * rate_hz]).collect();
     let filters: Vec<ZeroPhaseLowPass> =
         edges.iter().map(|&hz| ZeroPhaseLowPass::new(ORDER, hz, rate_hz)).collect::<Result<_>>()?;
-    let mut passed = Vec::with_capacity(filters.len());
-    for filter in &filters {
-        let mut out = vec![0.0; q.len()];
-        filter.apply(q, &mut out)?;
-        passed.push(out);
-    }
+    let passed = passed(q, &filters)?;
+    let rounding = match quantum(q) {
+        Some(step) => {
+            let error: Vec<f64> = passed[0].iter().map(|x| step * (x / step).round() - x).collect();
+            Some(self::passed(&error, &filters)?)
+        }
+        None => None,
+    };
     let top = filters.len() - 1;
     let above: Vec<f64> = q.iter().zip(&passed[top]).map(|(x, low)| x - low).collect();
     let all = |hz: f64| 1.0 - filters[top].gain(hz);
     let noise = inner_power(&above, rate_hz) / share(all, rate_hz);
     // From the top down: the first band that holds more than noise must still pass.
     let mut lowest = 0;
+    let inside = |passed: &[Vec<f64>], band: usize| -> Vec<f64> {
+        passed[band + 1].iter().zip(&passed[band]).map(|(wide, narrow)| wide - narrow).collect()
+    };
     for band in (0..top).rev() {
-        let inside: Vec<f64> = passed[band + 1].iter().zip(&passed[band]).map(|(wide, narrow)| wide - narrow).collect();
-        let expected = noise * share(|hz| filters[band + 1].gain(hz) - filters[band].gain(hz), rate_hz);
-        if holds(&inside, expected) {
+        let white = noise * share(|hz| filters[band + 1].gain(hz) - filters[band].gain(hz), rate_hz);
+        let rounded = rounding.as_ref().map_or(0.0, |passed| inner_power(&inside(passed, band), rate_hz));
+        if holds(&inside(&passed, band), white.max(rounded)) {
             lowest = (band + 1).min(candidates.len() - 1);
             break;
         }
     }
     Ok(candidates.get(lowest).copied().unwrap_or(CUTOFFS_HZ[0]))
+}
+
+/// What each of the filters passes of a signal.
+fn passed(signal: &[f64], filters: &[ZeroPhaseLowPass]) -> Result<Vec<Vec<f64>>> {
+    let through = |filter: &ZeroPhaseLowPass| {
+        let mut out = vec![0.0; signal.len()];
+        filter.apply(signal, &mut out)?;
+        Ok(out)
+    };
+    filters.iter().map(through).collect()
 }
 
 /// Mean square away from both ends, where the filters settle.
@@ -147,6 +163,18 @@ pub(super) mod tests {
         assert!(slow <= 4.0, "{slow}");
         let fast = cutoff_of(&swing(9.0, 1e-3), RATE).unwrap();
         assert!((10.0..=16.0).contains(&fast), "{fast}");
+    }
+
+    /// An encoder of 12 bits takes five samples for a step where the joint moves at 0.15 rad/s.
+    #[test]
+    fn rounding_of_a_coarse_encoder_is_no_motion() {
+        let step = std::f64::consts::TAU / 4096.0;
+        let rounded = |q: Vec<f64>| -> Vec<f64> { q.into_iter().map(|x| step * (x / step).round()).collect() };
+        let slow: Vec<f64> = swing(0.4, 0.0).into_iter().map(|x| 0.3 * x).collect();
+        let cutoff = |q: Vec<f64>| cutoff_of(&rounded(q), RATE).unwrap();
+        assert!(cutoff(slow.clone()) <= 5.0, "{}", cutoff(slow));
+        assert!(cutoff(swing(0.4, 0.0)) <= 5.0);
+        assert!((10.0..=16.0).contains(&cutoff(swing(9.0, 0.01))), "{}", cutoff(swing(9.0, 0.01)));
     }
 
     #[test]

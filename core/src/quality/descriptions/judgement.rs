@@ -8,7 +8,7 @@ use super::jumps;
 use super::known::Known;
 use super::scales::{OtherScales, Scales};
 use super::search::{Found, Outcome, search};
-use super::settle::settled;
+use super::settle::{opposite_zeros, settled};
 use super::shares::ALIKE;
 use super::sizes::{effort, spread};
 use super::tried::Tried;
@@ -178,6 +178,9 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         *tilt = tilt.or(outcome.tilt);
         if outcome.found.is_some() {
             return judged(known, Some(bodies), outcome);
+        }
+        if let Some(found) = opposite_zeros(bodies, &free, &rows, &start) {
+            return judged(known, Some(bodies), Outcome { found: Some(found), ..outcome });
         }
         if let Some(verdict) = of_drives(bodies, &rows, &start) {
             return Some(verdict);

@@ -1,7 +1,7 @@
 //! Sets of changes that the logs do not separate, compared by what else is known of the arm.
 
 use super::change::{Change, Description};
-use super::compare::compare;
+use super::compare::{EXPLAINED, compare};
 use super::fitting::{Physics, Rows};
 use super::known::Known;
 use super::search::{Found, Outcome};
@@ -95,6 +95,25 @@ fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found
         found.best = own;
     }
     found
+}
+
+/// Zeros of two neighbours that make up for each other, where the described bodies explain the torques by them and far from that without, and free
+/// ones no worse: these see the sum of the zeros of parallel axes, which is none.
+pub(super) fn opposite_zeros(bodies: &Physics, free: &Physics, rows: &Rows, start: &Description) -> Option<Found> {
+    let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
+    let before = under(bodies, start)?;
+    if before.share() < WRONG_MASSES {
+        return None;
+    }
+    let pairs = zeros::of_neighbours(bodies, &rows.whole(), start);
+    let tried: Vec<Tried> = pairs.iter().filter_map(|pair| under(bodies, pair)).collect();
+    let best = tried.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()))?;
+    let gain = compare(&before.evaluation, &best.evaluation, &rows.log)?;
+    let changes = best.description.changes.len();
+    let [own, other] = [under(free, &best.description)?, under(free, start)?];
+    let is_worse = compare(&own.evaluation, &other.evaluation, &rows.log)?.is_distinct();
+    let is_clear = gain.is_better(changes, EXPLAINED) && gain.is_large(changes) && best.share() < WRONG_MASSES;
+    (is_clear && !is_worse).then_some(Found { best, rivals: Vec::new(), next: None, gain, is_determined: true })
 }
 
 /// The same with the directions of gravity that the described bodies prefer, where free ones determine none.

@@ -45,8 +45,34 @@ const CHANGES_DEG: f64 = 20.0;
 /// After each round, the way that it went is gone on by so many times its length at most.
 const FURTHER: f64 = 5.0;
 
+/// What an offset takes from that of another joint: all of it, in this sense; or nothing.
+type Taken = Option<(usize, f64)>;
+
 /// The description with an offset of one more zero, for joints that have none yet and to which all rows give one beyond what is reported.
 pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+    // Axes that are parallel take from each other what one of them has.
+    let earlier = (0..from.dof()).filter(|&joint| from.position_offset[joint] != 0.0);
+    let taken: Vec<Taken> =
+        std::iter::once(None).chain(earlier.flat_map(|joint| [-1.0, 1.0].map(|sign| Some((joint, sign))))).collect();
+    with_more(physics, rows, from, |_| taken.clone())
+}
+
+/// The description with offsets of two neighbours that make up for each other: the joints beyond parallel axes stay where they are, which no single
+/// offset explains.
+pub(crate) fn of_neighbours(physics: &Physics, rows: &Rows, from: &Description) -> Vec<Description> {
+    let next = |joint: usize| (joint + 1 < from.dof() && rows.turns[joint + 1]).then_some(joint + 1);
+    with_more(physics, rows, from, |joint| {
+        next(joint).into_iter().flat_map(|next| [-1.0, 1.0].map(|sign| Some((next, sign)))).collect()
+    })
+}
+
+/// The description with an offset of one more zero, which takes one of what `taken` says for a joint.
+fn with_more(
+    physics: &Physics,
+    rows: &Rows,
+    from: &Description,
+    taken: impl Fn(usize) -> Vec<Taken>,
+) -> Vec<Description> {
     let chain = match physics {
         Physics::Free(model) => model.chain().clone(),
         Physics::Bodies(robot) | Physics::Masses(robot) => Chain::new(robot),
@@ -62,11 +88,7 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
         merit_of(&tables, &few, &description)
     };
     let given = &from.position_offset;
-    // Axes that are parallel take from each other what one of them has: all of it, in either sense, or nothing.
-    let earlier = (0..from.dof()).filter(|&joint| given[joint] != 0.0);
-    let taken: Vec<Option<(usize, f64)>> =
-        std::iter::once(None).chain(earlier.flat_map(|joint| [-1.0, 1.0].map(|sign| Some((joint, sign))))).collect();
-    let at = |joint: usize, offset: f64, taken: Option<(usize, f64)>| -> Vec<f64> {
+    let at = |joint: usize, offset: f64, taken: Taken| -> Vec<f64> {
         let mut offsets = given.clone();
         offsets[joint] = offset;
         taken.iter().for_each(|&(other, sign)| offsets[other] += sign * offset);
@@ -77,9 +99,10 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     let grid = |place: usize| (place as f64 * STEP_DEG).to_radians();
     let joints: Vec<usize> =
         (0..from.dof()).filter(|&joint| rows.turns[joint] && given[joint] == 0.0 && !is_last(&chain, joint)).collect();
-    let places = || taken.iter().flat_map(|&taken| (1..steps).map(move |place| (place, taken)));
-    let tried: Vec<(usize, usize, Option<(usize, f64)>)> =
-        joints.iter().flat_map(|&joint| places().map(move |(place, taken)| (joint, place, taken))).collect();
+    let places = |joint: usize| {
+        taken(joint).into_iter().flat_map(move |taken| (1..steps).map(move |place| (joint, place, taken)))
+    };
+    let tried: Vec<(usize, usize, Taken)> = joints.iter().flat_map(|&joint| places(joint)).collect();
     let merits: Vec<f64> =
         tried.par_iter().map(|&(joint, place, taken)| merit(&at(joint, grid(place), taken))).collect();
     let refined = |&joint: &usize| {
@@ -96,9 +119,9 @@ pub(crate) fn of_single_joints(physics: &Physics, rows: &Rows, from: &Descriptio
     let mut found: Vec<(f64, Vec<f64>)> = joints.par_iter().filter_map(refined).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(KEPT);
-    let several = given.iter().any(|offset| *offset != 0.0);
     let together = |(_, mut offsets): (f64, Vec<f64>)| {
         let change = CHANGES_DEG.to_radians();
+        let several = offsets.iter().filter(|offset| **offset != 0.0).count() > 1;
         for _ in 0..if several { ROUNDS } else { 0 } {
             let before = offsets.clone();
             for joint in (0..offsets.len()).filter(|&joint| offsets[joint] != 0.0).collect::<Vec<_>>() {

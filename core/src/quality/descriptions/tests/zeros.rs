@@ -37,6 +37,7 @@ fn a_wrong_zero_is_found_alone_or_with_a_second() {
         (Oddity::None, &[(1, 90.0), (2, -90.0)]),
         (Oddity::None, &[(2, 90.0), (3, 90.0)]),
         (Oddity::None, &[(1, 35.0), (2, -120.0)]),
+        (Oddity::None, &[(1, -30.0), (2, 30.0)]),
     ] {
         let verdict = with_zeros(&robot, oddity, zeros);
         if !are(&verdict, zeros) {

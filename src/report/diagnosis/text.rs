@@ -80,6 +80,10 @@ pub(crate) fn lines(
         let mut line = format!("The findings close {closed} of the gap to the noise");
         if let Some(run) = resimulation {
             line += &format!("; simulated in {}, {}", run.engine.name, percent(run.gap_closed));
+            if run.gap_closed.value < 0.0 {
+                line += ". The simulated arm does not follow the logged motion that closely, as one with soft gears or play: judge the findings by the \
+                         residuals along that motion (`with findings`)";
+            }
         }
         lines.push(line + ".");
     }
@@ -313,7 +317,7 @@ pub(crate) fn followed(robot: &Robot, map: &ResidualMap) -> Option<String> {
         let parts = map.reported().take(MENTIONED).map(part);
         let unseparated: Vec<String> = map.unseparated().take(MENTIONED).map(part).collect();
         let unseparated = (!unseparated.is_empty()).then(|| format!("not separated: {}", unseparated.join(" or ")));
-        let lines = map.lines.iter().map(|line| format!("{} Hz {}", significant(line.hz), significant(line.rms)));
+        let lines = map.reported_lines().map(|line| format!("{} Hz {}", significant(line.hz), significant(line.rms)));
         let follows: Vec<String> = parts.chain(unseparated).chain(lines).collect();
         let sizes = [map.residual, map.noise].map(significant);
         let row = [names[map.joint].clone()].into_iter().chain(sizes).chain([follows.join(", ")]);

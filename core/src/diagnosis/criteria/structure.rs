@@ -8,7 +8,8 @@ pub struct StructureCriteria {
     /// Share of alpha at which training and held-out logs together show structure, and at which the map of all logs does: generic functions
     /// are many, and what they find cannot be checked against a law.
     pub together: f64,
-    /// Share of alpha at which the training logs by themselves show structure with certainty.
+    /// Share of alpha at which the training logs by themselves show structure with certainty, and at which a map shows spectral lines: noise that is
+    /// not stationary makes their p-values too small.
     pub certain: f64,
     /// Least share of the residual of a joint that structure must have to be reported: a quarter of its root mean square, as of the noise. With many
     /// rows that of any simplification of a simulator or a sensor is significant.

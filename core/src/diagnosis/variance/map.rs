@@ -117,7 +117,8 @@ impl ResidualMap {
             .map(|joint| {
                 let mut map = of_joint(&source, joint, criteria, seed);
                 let residual = residual(&source, joint);
-                map.lines = lines(rows, joint, [&residual, &torque[joint]], criteria, alpha / tested);
+                map.lines =
+                    lines(rows, joint, [&residual, &torque[joint]], criteria, criteria.certain * alpha / tested);
                 map
             })
             .collect();

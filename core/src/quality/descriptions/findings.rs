@@ -269,8 +269,8 @@ pub(crate) fn findings(verdict: &Verdict, joints: &[String]) -> Vec<Finding> {
 pub(crate) fn of_tilt(tilt: Vector3<f64>, given: Vector3<f64>) -> Option<Finding> {
     let degrees = tilt.angle(&given).to_degrees();
     let text = format!(
-        "the torques are explained better by gravity along {} of the base: it may be tilted by about {degrees:.0} degrees. `tauscope diagnose` estimates \
-         that with its standard error (base_tilt); `identify` takes gravity as described",
+        "the torques are explained better by gravity along {} of the base: it may be tilted by about {degrees:.0} degrees; `diagnose` estimates that \
+         as base_tilt, `identify` takes gravity as described",
         direction(tilt.into())
     );
     (degrees >= TILTED_DEG).then(|| Finding::new(Kind::Mounting, Severity::Note, "gravity", text))

@@ -20,7 +20,7 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
                 of generic function, whether or not a law of the library explains it. A cell is the darker the larger the part \
                 is over the noise of its joint; parts that are not significant are left white.";
     let rows = diagnosis.map.joints.iter().map(|map| {
-        let lines = map.lines.iter().map(|line| format!("{} Hz: {}", significant(line.hz), significant(line.rms)));
+        let lines = map.reported_lines().map(|line| format!("{} Hz: {}", significant(line.hz), significant(line.rms)));
         let unit = robot.joints[map.joint].effort_unit();
         let mut row = vec![format!("{}, {unit}", robot.joints[map.joint].name)];
         row.extend([map.torque, map.residual, map.noise, map.sensor_noise].map(significant));

@@ -142,14 +142,14 @@ mod tests {
     fn what_is_significant_and_clear_of_the_noise_is_told() {
         let [left] = &reported(&map(0.6, 0.009, None), 15.0, &[])[..] else { panic!() };
         assert!(left.structure == Kind::SlowTime.meaning() && (left.share - 0.25).abs() < 1e-12 && !left.certain);
-        // A fifth of the level decides, and a quarter of the noise.
+        // A fifth of the level decides, and a quarter of the residual, which is 1.2.
         assert!(reported(&map(0.6, 0.011, None), 15.0, &[]).is_empty());
-        assert!(reported(&map(0.24, 0.001, None), 15.0, &[]).is_empty());
-        assert_eq!(reported(&map(0.26, 0.001, None), 15.0, &[]).len(), 1);
-        assert_eq!(reported(&map(0.1, 0.001, Some((0.3, 1e-3))), 15.0, &[])[0].structure, LINE);
+        assert!(reported(&map(0.29, 0.001, None), 15.0, &[]).is_empty());
+        assert_eq!(reported(&map(0.31, 0.001, None), 15.0, &[]).len(), 1);
+        assert_eq!(reported(&map(0.1, 0.001, Some((0.31, 1e-3))), 15.0, &[])[0].structure, LINE);
         assert!(reported(&map(0.1, 0.001, Some((0.2, 1e-3))), 15.0, &[]).is_empty());
         // A line near the cut-off is none.
-        assert!(reported(&map(0.1, 0.001, Some((0.3, 1e-3))), 14.0, &[]).is_empty());
+        assert!(reported(&map(0.1, 0.001, Some((0.31, 1e-3))), 14.0, &[]).is_empty());
         // What is known of a joint stays as it is.
         let once = reported(&map(0.6, 0.001, None), 15.0, &[]);
         assert!(reported(&map(0.6, 0.001, None), 15.0, &once).is_empty());

@@ -102,7 +102,8 @@ fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found
 pub(super) fn opposite_zeros(bodies: &Physics, free: &Physics, rows: &Rows, start: &Description) -> Option<Found> {
     let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
     let before = under(bodies, start)?;
-    if before.share() < WRONG_MASSES {
+    let is_unlike = before.evaluation.unexplained.iter().flatten().any(|share| *share >= ALIKE);
+    if before.share() < WRONG_MASSES && !is_unlike {
         return None;
     }
     let pairs = zeros::of_neighbours(bodies, &rows.whole(), start);

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::quality::Severity;
+use crate::quality::descriptions::fitting::{Physics, Rows};
+use crate::quality::descriptions::settle::opposite_zeros;
 
 /// The offsets of a verdict, degrees, by joint.
 fn offsets(verdict: &Verdict) -> Vec<f64> {
@@ -37,7 +39,7 @@ fn a_wrong_zero_is_found_alone_or_with_a_second() {
         (Oddity::None, &[(1, 90.0), (2, -90.0)]),
         (Oddity::None, &[(2, 90.0), (3, 90.0)]),
         (Oddity::None, &[(1, 35.0), (2, -120.0)]),
-        (Oddity::None, &[(1, -30.0), (2, 30.0)]),
+        (Oddity::None, &[(1, -45.0), (2, 45.0)]),
     ] {
         let verdict = with_zeros(&robot, oddity, zeros);
         if !are(&verdict, zeros) {
@@ -46,6 +48,26 @@ fn a_wrong_zero_is_found_alone_or_with_a_second() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The joints beyond two parallel axes stay where they are, so that no single offset helps.
+#[test]
+fn zeros_that_make_up_for_each_other_are_seen_by_described_bodies() {
+    let robot = irb();
+    let as_given = Description::as_given(6, robot.gravity);
+    let of = |degrees: f64| {
+        let angle = degrees.to_radians();
+        let wrong = as_given.with(Change::ZeroOffset(1, -angle)).with(Change::ZeroOffset(2, angle));
+        let mut log = simulated(&scales::with_other_masses(&robot, 3), Oddity::None, 15.0, 7);
+        wrong.apply(&mut log.recording);
+        let view = crate::quality::view::View::new(&log.recording, Some(&robot)).unwrap();
+        let rows = Rows::new(&[&view], Some(&robot)).unwrap();
+        let found = opposite_zeros(&Physics::bodies(&robot).unwrap(), &Physics::free(&robot), &rows, &as_given)?;
+        Some([1, 2].map(|joint| found.best.description.position_offset[joint].to_degrees()))
+    };
+    let [second, third] = of(120.0).unwrap();
+    assert!((second - 120.0).abs() < 4.0 && (third + 120.0).abs() < 4.0, "{second} {third}");
+    assert_eq!(of(0.0), None);
 }
 
 #[test]

@@ -6,12 +6,15 @@ use crate::recording::columns::Layout;
 use crate::recording::columns::names::{ACCELERATION, POSITION, QUANTITIES, TORQUE, TRUE, VELOCITY};
 use std::path::Path;
 
+/// Columns with their names.
+pub(crate) type Columns<'a> = Vec<(String, &'a [f64])>;
+
 /// The columns of a recording in the order they are written: numbered, `q1` and so on, or `named`, as in
 /// `elbow_position`.
 ///
 /// # Errors
 /// Signals of different shapes.
-pub(crate) fn table(recording: &Recording, named: bool) -> Result<Vec<(String, &[f64])>> {
+pub(crate) fn table(recording: &Recording, named: bool) -> Result<Columns<'_>> {
     let truth = recording.truth.as_ref();
     let groups = [
         (POSITION, "", Some(&recording.q)),
@@ -50,7 +53,7 @@ pub(crate) fn table(recording: &Recording, named: bool) -> Result<Vec<(String, &
 ///
 /// # Errors
 /// Those of [`table`].
-pub(crate) fn named(recording: &Recording) -> Result<Option<Vec<(String, &[f64])>>> {
+pub(crate) fn named(recording: &Recording) -> Result<Option<Columns<'_>>> {
     let columns = table(recording, true)?;
     let header: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
     let tables = 1 + usize::from(recording.qd.is_some()) + usize::from(recording.qdd.is_some());

@@ -2,8 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::recording::Recording;
+#[cfg(any(test, feature = "parquet"))]
 use crate::recording::columns::Layout;
 use crate::recording::columns::names::{ACCELERATION, POSITION, QUANTITIES, TORQUE, TRUE, VELOCITY};
+#[cfg(any(test, feature = "parquet"))]
 use std::path::Path;
 
 /// Columns with their names.
@@ -53,6 +55,7 @@ pub(crate) fn table(recording: &Recording, named: bool) -> Result<Columns<'_>> {
 ///
 /// # Errors
 /// Those of [`table`].
+#[cfg(any(test, feature = "parquet"))]
 pub(crate) fn named(recording: &Recording) -> Result<Option<Columns<'_>>> {
     let columns = table(recording, true)?;
     let header: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();

@@ -204,7 +204,7 @@ impl Search<'_> {
         // Those that wrong masses make are none.
         let beyond: Vec<usize> =
             joints.iter().copied().filter(|&joint| scales[joint].ln().abs() > REPORTED.ln()).collect();
-        if 2 * beyond.len() < joints.len() {
+        if !beyond.is_empty() && 2 * beyond.len() < joints.len() {
             let mut few = vec![1.0; given.dof()];
             beyond.iter().for_each(|&joint| few[joint] = scales[joint]);
             for &joint in beyond.iter().cycle().take(ROUNDS * beyond.len()) {

@@ -1,5 +1,6 @@
 //! Rows in the reverse order of time, as tables sorted by it downwards have them.
 
+use super::unit::joined;
 use crate::recording::columns::{ABSENT, Layout};
 
 /// Share of the steps of time that go back, from which on all rows are in reverse order: some may be out of order besides.
@@ -14,11 +15,11 @@ pub(crate) fn undo(layout: &Layout, columns: &mut [Vec<f64>], lines: &mut [usize
         return None;
     }
     let whole = &columns[layout.time()];
-    let time: Vec<f64> = match layout.nanoseconds() {
-        Some(parts) => whole.iter().zip(&columns[parts]).map(|(s, ns)| s + 1e-9 * ns).collect(),
-        None => whole.clone(),
+    let backwards = match layout.nanoseconds() {
+        Some(parts) => runs_backwards(&joined(whole, &columns[parts])),
+        None => runs_backwards(whole),
     };
-    if !runs_backwards(&time) {
+    if !backwards {
         return None;
     }
     columns.iter_mut().for_each(|values| values.reverse());

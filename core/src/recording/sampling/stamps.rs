@@ -78,10 +78,7 @@ pub(crate) fn clock(
     }
     let column = layout.time();
     if let Some(nanoseconds) = layout.nanoseconds() {
-        let start = columns[column].iter().copied().find(|second| second.is_finite()).unwrap_or(0.0);
-        let joined = columns[column].iter().zip(&columns[nanoseconds]).map(|(s, ns)| (s - start) + 1e-9 * ns);
-        let joined = joined.collect();
-        columns.push(joined);
+        columns.push(unit::joined(&columns[column], &columns[nanoseconds]));
         header.push(header[column].clone());
         layout.set_time(columns.len() - 1);
         clock.corrections.push(format!("time is {} and {} together", header[column], header[nanoseconds]));

@@ -171,6 +171,12 @@ fn seconds_per_unit(columns: &[Vec<f64>], layout: &Layout) -> Option<f64> {
     (path > 0.0 && of_velocity > 0.0).then(|| path / of_velocity)
 }
 
+/// Time of which whole seconds and nanoseconds stand apart, counted from the first second so that no digit is lost.
+pub(super) fn joined(seconds: &[f64], nanoseconds: &[f64]) -> Vec<f64> {
+    let start = seconds.iter().copied().find(|second| second.is_finite()).unwrap_or(0.0);
+    seconds.iter().zip(nanoseconds).map(|(s, ns)| (s - start) + 1e-9 * ns).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use crate::recording::lenient::{ColumnMap, load};

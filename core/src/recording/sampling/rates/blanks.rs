@@ -1,5 +1,6 @@
 //! Rows of two sources, with blanks where one of them has no value.
 
+use super::super::unit::joined;
 use super::rows::{FEWEST, keep};
 use crate::recording::columns::{ABSENT, Layout};
 use crate::recording::sampling::interpolation::interpolate;
@@ -108,10 +109,7 @@ fn clock(layout: &Layout, columns: &[Vec<f64>], count: usize) -> Vec<f64> {
     match (layout.time(), layout.nanoseconds()) {
         (ABSENT, _) => (0..count).map(|row| row as f64).collect(),
         (seconds, None) => columns[seconds].clone(),
-        (seconds, Some(nanoseconds)) => {
-            let start = columns[seconds].iter().copied().find(|second| second.is_finite()).unwrap_or(0.0);
-            columns[seconds].iter().zip(&columns[nanoseconds]).map(|(s, ns)| (s - start) + 1e-9 * ns).collect()
-        }
+        (seconds, Some(nanoseconds)) => joined(&columns[seconds], &columns[nanoseconds]),
     }
 }
 

@@ -19,15 +19,20 @@ pub(crate) fn above_noise(
     let is_open = |joint: &usize| {
         residual[*joint] > criteria.above_noise * noise[*joint] && reported.iter().all(|other| other.joint != *joint)
     };
-    let unexplained = |joint: usize| Unexplained {
+    let unexplained = |joint: usize| untested(joint, [residual[joint], noise[joint]], ABOVE_NOISE);
+    (0..residual.len()).filter(is_open).map(unexplained).collect()
+}
+
+/// What a joint's residual has above the noise, of which no test says what it is.
+fn untested(joint: usize, [residual, noise]: [f64; 2], structure: &'static str) -> Unexplained {
+    Unexplained {
         joint,
-        share: 1.0 - (noise[joint] / residual[joint]).powi(2),
-        structure: ABOVE_NOISE,
+        share: 1.0 - (noise / residual).powi(2),
+        structure,
         family_wise_p: None,
         certain: false,
         instead_of: Vec::new(),
-    };
-    (0..residual.len()).filter(is_open).map(unexplained).collect()
+    }
 }
 
 /// What is said of a joint whose residual is far above the noise of the map, though nothing in it is significant.
@@ -43,14 +48,7 @@ pub(crate) fn not_separated(
     let is_open = |own: &&JointMap| {
         own.residual >= criteria.not_separated * own.noise && reported.iter().all(|other| other.joint != own.joint)
     };
-    let unexplained = |own: &JointMap| Unexplained {
-        joint: own.joint,
-        share: 1.0 - (own.noise / own.residual).powi(2),
-        structure: NOT_SEPARATED,
-        family_wise_p: None,
-        certain: false,
-        instead_of: Vec::new(),
-    };
+    let unexplained = |own: &JointMap| untested(own.joint, [own.residual, own.noise], NOT_SEPARATED);
     map.joints.iter().filter(is_open).map(unexplained).collect()
 }
 

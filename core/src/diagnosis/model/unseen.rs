@@ -3,8 +3,10 @@
 //! A first axis along gravity does not feel the first moments of what it carries, so that no base parameter holds them. An effect that turns gravity
 //! makes them felt, in proportion to its size: with the described moments in their place, wrong ones would change the size that is found.
 
+use super::arm_columns::all_over_rows;
 use super::member::Member;
 use super::session::Session;
+use crate::channels::Channels;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
@@ -77,20 +79,14 @@ fn turned_gravity(arm: &Arm, members: &[Member]) -> Vector3<f64> {
 /// Torques of changes of the standard parameters at rest under a gravity, over the rows from after the change in question.
 fn torques(arm: &Arm, rows: &Rows, gravity: Vector3<f64>, changes: &[Vec<f64>]) -> Vec<Column> {
     let chain = Chain::new(arm.described()).with_gravity(gravity.into());
+    let at_rest: Vec<Motion> = rows.logs.iter().map(|log| Motion::at_rest(log.motion.q.clone())).collect();
     let of = |change: &Vec<f64>| {
         let inertial = Model::with_standard_values(arm.described(), change).inertial_parameters();
-        let logs = rows.logs.iter().enumerate().map(|(index, log)| {
-            let dof = log.motion.q.channels();
-            let samples = if index < rows.before { 0 } else { log.motion.q.samples() };
-            match samples {
-                0 => crate::channels::Channels::zeros(dof, log.motion.q.samples()),
-                _ => {
-                    let at_rest = Motion { q: log.motion.q.clone(), ..Motion::zeros(dof, samples) };
-                    inverse_dynamics(&chain, &inertial, &at_rest)
-                }
-            }
+        let logs = at_rest.iter().enumerate().map(|(index, motion)| match index < rows.before {
+            true => Channels::zeros(motion.q.channels(), motion.q.samples()),
+            false => inverse_dynamics(&chain, &inertial, motion),
         });
-        super::arm_columns::all_over_rows(rows, &logs.collect::<Vec<_>>())
+        all_over_rows(rows, &logs.collect::<Vec<_>>())
     };
     changes.iter().map(of).collect()
 }
@@ -135,7 +131,7 @@ mod tests {
             let robot = crate::robot::Robot { gravity, ..robot.clone() };
             let changes = Model::new(&robot).base().unseen();
             let chain = Chain::new(&robot).with_gravity(more.into());
-            let q = crate::channels::Channels::from_vectors(
+            let q = Channels::from_vectors(
                 &(0..6)
                     .map(|j| (0..9).map(|k| (1.3 * f64::from(k) + f64::from(j)).sin()).collect())
                     .collect::<Vec<_>>(),

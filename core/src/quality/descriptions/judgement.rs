@@ -12,7 +12,7 @@ use super::settle::{opposite_zeros, settled};
 use super::shares::ALIKE;
 use super::sizes::{effort, spread};
 use super::tried::Tried;
-use super::verdict::{Alternative, Shown, Spread, Verdict};
+use super::verdict::{Shown, Spread, Verdict};
 use super::weights::{self, Weighed};
 use crate::quality::view::View;
 use crate::robot::Robot;
@@ -72,7 +72,6 @@ fn lasts(rows: usize, period: f64) -> f64 {
 }
 
 /// What is wrong with the description of some logs of one arm.
-#[derive(Default)]
 pub(crate) struct Judged {
     /// What explains the logs clearly better.
     pub verdict: Option<Verdict>,
@@ -179,7 +178,7 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         if outcome.found.is_some() {
             return judged(known, Some(bodies), outcome);
         }
-        if let Some(found) = opposite_zeros(bodies, &free, &rows, &start) {
+        if let Some(found) = opposite_zeros(bodies, &free, &rows, &outcome.start) {
             return judged(known, Some(bodies), Outcome { found: Some(found), ..outcome });
         }
         if let Some(verdict) = of_drives(bodies, &rows, &start) {
@@ -200,18 +199,21 @@ fn of_friction(free: &Physics, rows: &Rows, start: &Description, against_motion:
     let drives =
         |f: &&Friction| against_motion[f.joint] && f.share < -CERTAIN && f.share + ERRORS_OF_SIGN * f.error < 0.0;
     let joints: Vec<usize> = friction.iter().filter(drives).map(|f| f.joint).collect();
+    if joints.is_empty() {
+        return None;
+    }
     let with = |change: fn(usize) -> Change| {
         let changed = joints.iter().fold(start.clone(), |description, &joint| description.with(change(joint)));
         Tried::new(free, rows, changed)
     };
     let [before, after] = [Tried::new(free, rows, start.clone())?, with(Change::TorqueSign)?];
     let left = |tried: &Tried, joint: usize| tried.evaluation.unexplained[joint].unwrap_or(f64::INFINITY);
-    if joints.is_empty() || joints.iter().any(|&joint| left(&after, joint) >= left(&before, joint)) {
+    if joints.iter().any(|&joint| left(&after, joint) >= left(&before, joint)) {
         return None;
     }
     let other = with(Change::PositionSign).filter(|_| joints.len() == 1);
-    let other = other.map(|tried| Alternative { unexplained: tried.share(), changes: tried.description.changes });
-    Some(Verdict { alternatives: other.into_iter().collect(), ..untraced_verdict(&before, after, Vec::new()) })
+    let alternatives = other.map(Tried::alternative).into_iter().collect();
+    Some(Verdict { alternatives, ..untraced_verdict(&before, after, Vec::new()) })
 }
 
 /// The verdict on a description under which a drive would do what none does, though it explains the torques.
@@ -219,9 +221,7 @@ fn of_drives(bodies: &Physics, rows: &Rows, start: &Description) -> Option<Verdi
     let of_all = |before: &Tried, after: Vec<Tried>, shown: Shown| {
         let mut after = after.into_iter();
         let best = after.next()?;
-        let alternatives =
-            after.map(|tried| Alternative { unexplained: tried.share(), changes: tried.description.changes });
-        let alternatives = alternatives.collect();
+        let alternatives = after.map(Tried::alternative).collect();
         Some(Verdict { alternatives, shown: Some(shown), ..untraced_verdict(before, best, Vec::new()) })
     };
     if let Some(Weighed { before, after, shown }) = weights::weighed(bodies, rows, start) {
@@ -290,14 +290,12 @@ fn verdict(outcome: Outcome, spread: Option<Spread>, confirmed: impl Fn(&Found) 
     let Confirmed { replicated, unlike_bodies, without_bodies, assumed } = confirmed(&found);
     let is_known = spread.as_ref().is_none_or(Spread::is_narrow);
     let beyond_doubt = found.rivals.is_empty() && scaled.is_none() && replicated && assumed.is_empty() && is_known;
-    let alternative =
-        |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
     Some(Verdict {
         before: start.share(),
         after: found.best.share(),
         each: [start.evaluation.unexplained, found.best.evaluation.unexplained.clone()],
-        alternatives: found.rivals.into_iter().map(alternative).collect(),
-        next: found.next.map(alternative),
+        alternatives: found.rivals.into_iter().map(Tried::alternative).collect(),
+        next: found.next.map(Tried::alternative),
         shown: None,
         description: found.best.description,
         factors: Vec::new(),

@@ -96,9 +96,7 @@ impl Scales<'_> {
     fn by_multiples(&self, start: &Description) -> Option<(Description, Vec<Alternative>)> {
         let multiples = Physics::multiples(self.robot)?;
         let found = search(Known::alone(&multiples), self.rows, self.with_motion, start.clone())?.found?;
-        let alternative =
-            |tried: Tried| Alternative { unexplained: tried.share(), changes: tried.description.changes.clone() };
-        Some((found.best.description, found.rivals.into_iter().map(alternative).collect()))
+        Some((found.best.description, found.rivals.into_iter().map(Tried::alternative).collect()))
     }
 
     /// The scale that all torques share, or each has, where no controller took gravity off: torques without it are small against those of the

@@ -99,9 +99,10 @@ fn with_zeros_of(bodies: &Physics, free: &Physics, rows: &Rows, mut found: Found
 
 /// Zeros of two neighbours that make up for each other, where the described bodies explain the torques by them and far from that without, and free
 /// ones no worse: these see the sum of the zeros of parallel axes, which is none.
-pub(super) fn opposite_zeros(bodies: &Physics, free: &Physics, rows: &Rows, start: &Description) -> Option<Found> {
+/// `before` are the logs as they are under the described bodies.
+pub(super) fn opposite_zeros(bodies: &Physics, free: &Physics, rows: &Rows, before: &Tried) -> Option<Found> {
     let under = |physics: &Physics, description: &Description| Tried::new(physics, rows, description.clone());
-    let before = under(bodies, start)?;
+    let start = &before.description;
     let is_unlike = before.evaluation.unexplained.iter().flatten().any(|share| *share >= ALIKE);
     if before.share() < WRONG_MASSES && !is_unlike {
         return None;

@@ -3,6 +3,7 @@
 use super::change::Description;
 use super::compare::EXPLAINED;
 use super::fitting::{Evaluation, Fit, Physics, Rows};
+use super::verdict::Alternative;
 
 /// A description with its residuals.
 pub(super) struct Tried {
@@ -24,6 +25,11 @@ impl Tried {
     pub(super) fn explains_half(&self) -> bool {
         let shares: Vec<f64> = self.evaluation.unexplained.iter().copied().flatten().collect();
         2 * shares.iter().filter(|share| **share < EXPLAINED).count() >= shares.len().max(1)
+    }
+
+    /// What a verdict says of it beside another.
+    pub(super) fn alternative(self) -> Alternative {
+        Alternative { unexplained: self.share(), changes: self.description.changes }
     }
 
     /// Geometric mean over the torques of the shares left unexplained.

@@ -4,6 +4,7 @@ use super::*;
 use crate::quality::Severity;
 use crate::quality::descriptions::fitting::{Physics, Rows};
 use crate::quality::descriptions::settle::opposite_zeros;
+use crate::quality::descriptions::tried::Tried;
 
 /// The offsets of a verdict, degrees, by joint.
 fn offsets(verdict: &Verdict) -> Vec<f64> {
@@ -62,7 +63,9 @@ fn zeros_that_make_up_for_each_other_are_seen_by_described_bodies() {
         wrong.apply(&mut log.recording);
         let view = crate::quality::view::View::new(&log.recording, Some(&robot)).unwrap();
         let rows = Rows::new(&[&view], Some(&robot)).unwrap();
-        let found = opposite_zeros(&Physics::bodies(&robot).unwrap(), &Physics::free(&robot), &rows, &as_given)?;
+        let bodies = Physics::bodies(&robot).unwrap();
+        let before = Tried::new(&bodies, &rows, as_given.clone()).unwrap();
+        let found = opposite_zeros(&bodies, &Physics::free(&robot), &rows, &before)?;
         Some([1, 2].map(|joint| found.best.description.position_offset[joint].to_degrees()))
     };
     let [second, third] = of(120.0).unwrap();

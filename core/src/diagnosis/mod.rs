@@ -37,8 +37,8 @@ pub use answer::{
     NamedParameter, Outcome, ResidualStructure, Resimulation, Scope, Share, Simulator,
 };
 pub use criteria::{
-    ComparisonCriteria, Criteria, EstimateCriteria, Gate, ImpactCriteria, Judgement, Levels, SearchCriteria,
-    StructureCriteria, VerdictCriteria,
+    ComparisonCriteria, Criteria, EstimateCriteria, Gate, Judgement, Levels, SearchCriteria, StructureCriteria,
+    VerdictCriteria,
 };
 pub use evidence::{Play, Ranked};
 pub use lack_of_fit::LOGS_DISAGREE;

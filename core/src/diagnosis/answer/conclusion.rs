@@ -157,7 +157,7 @@ fn residual_map(session: &Session, options: &Options) -> Result<ResidualMap> {
 /// What the residual of the model with `members` follows in the logs of a data set, to which all columns of the model are fitted.
 fn map_on(session: &Session, data: &DataSet, members: &[Member], options: &Options) -> Result<ResidualMap> {
     let columns = session.model.columns(data, members)?;
-    Ok(ResidualMap::new(data, &columns, &session.model.arm, &options.criteria.structure, options.alpha, options.seed))
+    Ok(ResidualMap::new(data, &columns, &session.model.arm, &options.criteria, options.alpha, options.seed))
 }
 
 /// Residual of the arm as described, with the effects that the simulation has, on the held-out logs.
@@ -246,7 +246,7 @@ fn answer<'a>(
     let apart = || data_sets.iter().map(|data| map_on(&session, data, &members, options)).collect();
     let followed = mapped(&left, &session.logs.cutoffs_hz, &unexplained, &options.criteria, options.alpha, apart)?;
     unexplained.extend(followed);
-    let slow = not_separated(&left, &unexplained, &options.criteria.structure);
+    let slow = not_separated(&left, &unexplained, &options.criteria.levels);
     unexplained.extend(slow);
     let extended_test_rms = rms(&test.valid, &extended);
     if unfinished {
@@ -257,12 +257,11 @@ fn answer<'a>(
     let gap_closed = residuals.gap_closed(&joints_of(&unexplained), options.seed);
     let baseline_test_rms = rms(&test.valid, &baseline);
     let simulation_test_rms = rms(&test.valid, &simulation);
-    let criteria = &options.criteria.verdict;
     withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, &options.criteria);
     let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.base.robot());
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
-        match diagnosis::of_sampling(&session, &found, &noise_floor, criteria)? {
+        match diagnosis::of_sampling(&session, &found, &noise_floor)? {
             Some(short) => of_sampling.push(short),
             None => named.push(((found, derived), effect)),
         }
@@ -274,7 +273,7 @@ fn answer<'a>(
         &unexplained,
         session.model.base.robot(),
         [&simulation_test_rms, &extended_test_rms],
-        criteria,
+        &options.criteria.levels,
     );
     let errors = Errors {
         test_torque_rms: rms(&test.valid, &Column::new(test.torque.iter().cloned())),

@@ -3,7 +3,7 @@
 use super::inertias::Gain;
 use super::quantities::{Derived, Evidence, ResidualStructure, Share};
 use crate::diagnosis::Options;
-use crate::diagnosis::criteria::{Criteria, Gate, Judgement, VerdictCriteria};
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, Levels};
 use crate::diagnosis::evidence::Multiplicity;
 use crate::diagnosis::lack_of_fit::{LOGS_DISAGREE, Unexplained};
 use crate::diagnosis::logs::LowPass;
@@ -179,8 +179,11 @@ pub(super) fn withdraw(
     let certain: Vec<usize> = unexplained.iter().filter(|left| left.certain).map(|left| left.joint).collect();
     let explained = |joint: usize| {
         let excess = |rms: &[f64]| (rms[joint].powi(2) - noise[joint].powi(2)).max(0.0);
-        let VerdictCriteria { explained, explained_above_noise, .. } = criteria.verdict;
-        let least = if excess(after) > noise[joint].powi(2) { explained_above_noise } else { explained };
+        // A finding that only comes near the law leaves a tenth of a strong one.
+        let least = match excess(after) > noise[joint].powi(2) {
+            true => 1.0 - criteria.share_of_excess,
+            false => criteria.verdict.explained,
+        };
         // Where nothing is left there is nothing to explain.
         Judgement::at_least(Gate::Explained, 1.0 - excess(after) / excess(before), least).or(excess(after) == 0.0)
     };
@@ -209,17 +212,12 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
 }
 
 /// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
-/// beside the motion. That is worth no name as long as what it adds to the held-out torque, root mean square, is small in the `noise` of
+/// beside the motion. That is worth no name as long as what it adds to the held-out torque, root mean square, is below the `noise` of
 /// every joint.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn of_sampling(
-    session: &Session,
-    found: &Found,
-    noise: &[f64],
-    criteria: &VerdictCriteria,
-) -> Result<Option<OfSampling>> {
+pub(super) fn of_sampling(session: &Session, found: &Found, noise: &[f64]) -> Result<Option<OfSampling>> {
     let Member { placed, std, .. } = &found.member;
     let joint = match placed.effect.about().nature {
         Nature::Delay => None,
@@ -234,7 +232,7 @@ pub(super) fn of_sampling(
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
-    Ok((size < criteria.sampling_size).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
+    Ok((size < 1.0).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
@@ -292,7 +290,7 @@ pub(super) fn next_experiment(
     unexplained: &[Unexplained],
     robot: &Robot,
     [described, left]: [&[f64]; 2],
-    criteria: &VerdictCriteria,
+    levels: &Levels,
 ) -> String {
     let tied = found.iter().find_map(|found| Some((found, found.alternatives.first()?)));
     if let Some((found, other)) = tied {
@@ -319,8 +317,7 @@ pub(super) fn next_experiment(
         );
     }
     let off = |joint: usize| described[joint] / left[joint];
-    let worst =
-        (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > criteria.misdescribed);
+    let worst = (0..robot.dof()).max_by(|&a, &b| off(a).total_cmp(&off(b))).filter(|&joint| off(joint) > levels.far);
     match (found.is_empty(), worst) {
         (true, Some(joint)) if robot.placeholders().is_some() => format!(
             "the inertias of the description are placeholders, which leaves {:.1} times as much on {} as re-identified inertias and friction do: \

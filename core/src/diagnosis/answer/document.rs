@@ -4,7 +4,7 @@ use super::findings::{Finding, NamedParameter, finding, findings, joints};
 use super::notices;
 use super::outcome::{Answer, Conclusion};
 use super::quantities::{ResidualStructure, Share};
-use crate::diagnosis::criteria::{Criteria, EstimateCriteria, Judgement};
+use crate::diagnosis::criteria::{Criteria, Judgement, Levels};
 use crate::diagnosis::logs::{Consequence, DataFault};
 use crate::diagnosis::relevance::Minor;
 use crate::diagnosis::search::{Rejected, Verdict};
@@ -88,8 +88,8 @@ struct SmallerFinding {
 }
 
 impl SmallerFinding {
-    fn new(robot: &Robot, minor: &Minor, criteria: &EstimateCriteria) -> Self {
-        let Finding { effect, joints, parameters, .. } = finding(robot, &minor.found, &[], criteria);
+    fn new(robot: &Robot, minor: &Minor, levels: &Levels) -> Self {
+        let Finding { effect, joints, parameters, .. } = finding(robot, &minor.found, &[], levels);
         SmallerFinding { effect, joints, parameters, size_nm: minor.size.clone(), failed: minor.failed }
     }
 }
@@ -324,14 +324,14 @@ impl Document {
             reference: diagnosis
                 .before
                 .iter()
-                .map(|found| finding(robot, found, &[], &diagnosis.scope.criteria.estimate))
+                .map(|found| finding(robot, found, &[], &diagnosis.scope.criteria.levels))
                 .collect(),
             findings: findings(robot, diagnosis),
             load: diagnosis.load.as_ref().map(Load::of),
             smaller_findings: diagnosis
                 .minor
                 .iter()
-                .map(|minor| SmallerFinding::new(robot, minor, &diagnosis.scope.criteria.estimate))
+                .map(|minor| SmallerFinding::new(robot, minor, &diagnosis.scope.criteria.levels))
                 .collect(),
             rejected: diagnosis.rejected.iter().map(|one| RejectedCandidate::new(robot, one)).collect(),
             criteria: diagnosis.scope.criteria,

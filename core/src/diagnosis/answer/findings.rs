@@ -3,7 +3,7 @@
 use super::diagnosis::Diagnosis;
 use super::inertias::Gain;
 use super::quantities::Derived;
-use crate::diagnosis::criteria::{EstimateCriteria, Judgement};
+use crate::diagnosis::criteria::{Judgement, Levels};
 use crate::diagnosis::model::Family;
 use crate::diagnosis::search::{Found, Verdict};
 use crate::effects::{self, Effect, LinkInertiaError, Placed, Role, Scope};
@@ -79,8 +79,8 @@ pub struct NamedParameter {
 pub fn findings(robot: &Robot, diagnosis: &Diagnosis) -> Vec<Finding> {
     let inertias = diagnosis.inertias.iter().map(|gain| all_inertias(robot, gain));
     let found = diagnosis.found.iter().zip(&diagnosis.derived);
-    let criteria = &diagnosis.scope.criteria.estimate;
-    inertias.chain(found.map(|(found, derived)| finding(robot, found, derived, criteria))).collect()
+    let levels = &diagnosis.scope.criteria.levels;
+    inertias.chain(found.map(|(found, derived)| finding(robot, found, derived, levels))).collect()
 }
 
 /// The inertias of the description are wrong as a whole.
@@ -102,8 +102,8 @@ fn all_inertias(robot: &Robot, gain: &Gain) -> Finding {
     }
 }
 
-/// An effect found, with what follows from its parameters; `criteria` decide whether its size is significant.
-pub fn finding(robot: &Robot, found: &Found, derived: &[Derived], criteria: &EstimateCriteria) -> Finding {
+/// An effect found, with what follows from its parameters; `levels` decide whether its size is significant.
+pub fn finding(robot: &Robot, found: &Found, derived: &[Derived], levels: &Levels) -> Finding {
     let placed = &found.member.placed;
     let own = joints(robot, found.member.candidate.family());
     let values = placed.effect.parameters().iter().enumerate().zip(placed.parameters.iter().zip(&found.member.std));
@@ -127,7 +127,7 @@ pub fn finding(robot: &Robot, found: &Found, derived: &[Derived], criteria: &Est
             .map(|(name, value, std, unit)| NamedParameter { name, joint: joint.clone(), value, std, unit })
             .collect(),
         withdrawn: found.withdrawn,
-        size_told: found.member.is_sized(criteria),
+        size_told: found.member.is_sized(levels),
         joints: own,
         family_wise_p: Some(found.family_wise_p),
         test_rms_before_nm: before,

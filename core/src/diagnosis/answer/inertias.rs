@@ -56,7 +56,7 @@ pub(super) fn all_inertias<'a>(
     let Searched { selection, unexplained: left, .. } = trusting;
     let bodies = selection.found.iter().filter(is_body).count();
     let left = certain(left);
-    if (bodies <= criteria.wrong_bodies && left <= criteria.doubtful_joints) || watch.is_over() {
+    if (bodies <= criteria.wrong_bodies && left < criteria.wrong_bodies) || watch.is_over() {
         return Ok(None);
     }
     let mut session = Session::knowing(trusted.model.base, Trust::Structure, known, train, test, options.criteria)?;
@@ -81,7 +81,7 @@ pub(super) fn all_inertias<'a>(
         Gains::new(&free.whitener.on(&rows), before, after, &joints, rows.len()).lower_bound(&options.criteria.levels);
     let rms = [rms(&rows.valid, before), rms(&rows.valid, after)];
     let gain = Gain { lower_bound, rms };
-    Ok((lower_bound > criteria.inertias_gain).then_some(Free { session, searched, gain }))
+    Ok((lower_bound > options.criteria.search.share_of_misfit).then_some(Free { session, searched, gain }))
 }
 
 /// Number of joints with unexplained structure that is certain.

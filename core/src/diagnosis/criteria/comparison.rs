@@ -14,12 +14,10 @@ pub struct ComparisonCriteria {
     /// Share of a sum of squares, as a lower bound where it is that of held-out logs, for which a rival takes the winner's place, or
     /// structure that of a finding: less may come of a further parameter, of any simplification of a law, or of chance.
     pub clearly_better: f64,
-    /// p-value, with all other findings in the model, above which a finding is dropped as superfluous.
-    pub dropped_p: f64,
 }
 
 impl Default for ComparisonCriteria {
     fn default() -> Self {
-        ComparisonCriteria { shortlist: 4, rival: 0.3, close: 0.8, clearly_better: 0.02, dropped_p: 1e-4 }
+        ComparisonCriteria { shortlist: 4, rival: 0.3, close: 0.8, clearly_better: 0.02 }
     }
 }

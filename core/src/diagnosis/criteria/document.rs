@@ -12,12 +12,15 @@ impl Criteria {
 }
 
 fn document(criteria: &Criteria) -> Value {
-    let Criteria { levels, search, comparison, structure, .. } = criteria;
+    let Criteria { levels, search, comparison, structure, verdict, .. } = criteria;
     let [even, leans, usual, strict] =
         [levels.even_p, levels.leaning_p, levels.usual_p, levels.strict_p].map(|p| json!(p));
     let [open, sure] = [levels.open_p, levels.sure_p].map(|p| json!(p));
+    let [most, far, certain] = [levels.most, levels.far, levels.certain].map(|number| json!(number));
+    let [once, in_part, misfit] =
+        [search.unconfirmable, search.in_part, search.share_of_misfit].map(|number| json!(number));
     let of_bound = json!(criteria.worse_p());
-    let shared: [(&str, &[(&str, &Value)]); 7] = [
+    let shared: [(&str, &[(&str, &Value)]); 8] = [
         (
             "",
             &[
@@ -26,6 +29,7 @@ fn document(criteria: &Criteria) -> Value {
                 ("contradicted_p", &usual),
                 ("beyond_structure", &json!(levels.log_odds)),
                 ("replication", &json!({})),
+                ("impacts", &json!({})),
             ],
         ),
         (
@@ -41,8 +45,17 @@ fn document(criteria: &Criteria) -> Value {
         (
             "/search",
             &[
-                ("event", &json!(search.unconfirmable)),
-                ("gear", &json!(search.unconfirmable)),
+                ("event", &once),
+                ("gear", &once),
+                ("saturation", &once),
+                ("beyond_chance", &once),
+                ("after_reversals", &in_part),
+                ("second_form", &in_part),
+                ("hidden", &in_part),
+                ("later", &certain),
+                ("confirmable_p", &leans),
+                ("share_with_constants", &misfit),
+                ("flat", &most),
                 ("at_bound", &json!(criteria.at_bound())),
                 ("influence_p", &json!([levels.strict_p, levels.usual_p])),
                 ("again_p", &usual),
@@ -57,15 +70,24 @@ fn document(criteria: &Criteria) -> Value {
                 ("surely_worse_p", &sure),
                 ("encompassed_p", &sure),
                 ("superfluous_p", &usual),
+                ("dropped_p", &sure),
                 ("criterion_gap", &json!(criteria.criterion_gap())),
             ],
         ),
-        ("/impacts", &[("each_p", &usual), ("own_p", &strict), ("open_p", &open)]),
+        ("/estimate", &[("beyond_bound", &far), ("significant", &json!(levels.significant_std()))]),
+        ("/impacts", &[("each_p", &usual), ("own_p", &strict), ("open_p", &open), ("unconfirmed", &once)]),
         (
             "/structure",
             &[
                 ("suggested_p", &open),
                 ("beyond_finding", &json!(comparison.clearly_better)),
+                ("certain", &certain),
+                ("share_of_residual", &json!(structure.share_of_residual())),
+                ("below_cutoff", &most),
+                ("carried_on", &most),
+                ("resolved", &most),
+                ("foreign", &far),
+                ("not_separated", &far),
                 ("not_all_p", &strict),
                 ("foreign_noise", &json!(structure.above_noise)),
                 ("again_p", &usual),
@@ -75,7 +97,17 @@ fn document(criteria: &Criteria) -> Value {
                 ("adds_nothing_p", &sure),
             ],
         ),
-        ("/verdict", &[("worse", &json!(criteria.worse.powi(2)))]),
+        (
+            "/verdict",
+            &[
+                ("worse", &json!(criteria.worse.powi(2))),
+                ("explained_above_noise", &json!(1.0 - criteria.share_of_excess)),
+                ("doubtful_joints", &json!(verdict.wrong_bodies - 1)),
+                ("inertias_gain", &misfit),
+                ("sampling_size", &json!(1.0)),
+                ("misdescribed", &far),
+            ],
+        ),
     ];
     let mut document = json!(criteria);
     for (place, fields) in shared {

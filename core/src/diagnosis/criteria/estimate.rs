@@ -5,20 +5,16 @@ use serde::Serialize;
 /// Thresholds that decide whether an estimate is one that a machine can have and that its columns describe.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EstimateCriteria {
-    /// Standard deviations by which an estimate may lie beyond a bound of its parameter.
-    pub beyond_bound: f64,
     /// Factor within which an estimate must agree with the size at which its columns were taken: the columns of a law that is not linear in
     /// it describe no other size, and torque is cut off wholly or not at all.
     pub same_size: f64,
     /// Share of a drive's effort limit that every joint is taken to work with: what can be of its torque is no less where it idles.
     pub share_of_drive: f64,
-    /// Standard deviations from zero at which a parameter is significant.
-    pub significant: f64,
 }
 
 impl Default for EstimateCriteria {
     fn default() -> Self {
-        EstimateCriteria { beyond_bound: 3.0, same_size: 2.0, share_of_drive: 0.1, significant: 2.0 }
+        EstimateCriteria { same_size: 2.0, share_of_drive: 0.1 }
     }
 }
 

@@ -6,7 +6,6 @@
 mod comparison;
 mod document;
 mod estimate;
-mod impacts;
 mod judgement;
 mod levels;
 mod search;
@@ -16,7 +15,6 @@ mod verdict;
 
 pub use comparison::ComparisonCriteria;
 pub use estimate::EstimateCriteria;
-pub use impacts::ImpactCriteria;
 pub use judgement::{Gate, Judgement};
 pub use levels::Levels;
 pub use search::SearchCriteria;

@@ -16,37 +16,20 @@ pub struct SearchCriteria {
     pub pooled: f64,
     /// Share of alpha for gears with play that impacts show.
     pub impacts: f64,
-    /// Factor on alpha for what held-out logs cannot confirm: an event in one log, and gears, which act where smoothed positions err most,
-    /// around reversals and jerks.
+    /// Factor on alpha for what held-out logs cannot confirm: an event in one log, impacts of gears whose load changes no sign there, gears, which
+    /// act where smoothed positions err most, around reversals and jerks, and torque saturation, which shows in rows in which the model's
+    /// torque is extreme, as its error is. From the same factor on held-out logs need only not contradict what training logs show.
     pub unconfirmable: f64,
-    /// Factor on alpha for torque saturation: rows in which the model's torque is extreme are also those in which its error is.
-    pub saturation: f64,
-    /// Factor on alpha for friction that builds up after reversals, near which smoothed positions err most.
-    pub after_reversals: f64,
-    /// Factor on alpha for a second law of friction over speed on one joint: books write such curves in many forms, and none is
-    /// that of a gear.
-    pub second_form: f64,
-    /// Factor on alpha for what base parameters hide in part: the little that remains is also what smoothed positions make of the part
-    /// that is hidden.
-    pub hidden: f64,
-    /// Largest share of alpha after an earlier finding (delays, which sampling brings, do not count): what is not quite right with that
-    /// one remains in the residual.
-    pub later: f64,
-    /// Family-wise p-value of the training logs below which the held-out logs need only not contradict it.
-    pub beyond_chance: f64,
-    /// Highest family-wise p-value of the training logs that held-out logs can confirm: above it one log alone would decide.
-    pub confirmable_p: f64,
+    /// Factor on alpha for what is hidden or imitated in part: friction that builds up after reversals, near which smoothed positions err most; a
+    /// second law of friction over speed on one joint, since books write such curves in many forms and none is that of a gear; what base
+    /// parameters hide in part, since the little that remains is also what smoothed positions make of the part that is hidden.
+    pub in_part: f64,
     /// Least share of the residual that a candidate must explain where the residual is well above the noise: there all that is small
     /// fits a little.
     pub share_of_misfit: f64,
-    /// The same in the presence of a constant torque on each joint, which takes a part of the residual itself.
-    pub share_with_constants: f64,
     /// Factor by which the level of a second attempt at held-out logs is below that of the only one. The first has the rest of the level, so
     /// that a second one is possible and the first hardly pays for it.
     pub second_attempt: f64,
-    /// Slope of measured torque against the model's beyond a saturation limit up to which it is flat: half way between torque that is cut off
-    /// (0) and torque that is not (1).
-    pub flat: f64,
     /// Candidates that may be refused one after the other before the search ends; and in the search over all logs, which adds to that over
     /// the training logs.
     pub refusals: [usize; 2],
@@ -60,17 +43,9 @@ impl Default for SearchCriteria {
             pooled: 0.38,
             impacts: 0.02,
             unconfirmable: 1e-7,
-            saturation: 1e-9,
-            after_reversals: 1e-4,
-            second_form: 1e-5,
-            hidden: 1e-3,
-            later: 0.02,
-            beyond_chance: 1e-6,
-            confirmable_p: 0.3,
+            in_part: 1e-4,
             share_of_misfit: 0.05,
-            share_with_constants: 0.1,
             second_attempt: 5.0,
-            flat: 0.5,
             refusals: [12, 3],
         }
     }
@@ -96,10 +71,8 @@ mod tests {
     fn no_more_than_alpha_is_spent() {
         let criteria = SearchCriteria::default();
         assert!(criteria.spent() <= 1.0 + 1e-12, "{}", criteria.spent());
-        let SearchCriteria { unconfirmable, saturation, after_reversals, second_form, hidden, training, .. } = criteria;
-        assert!(
-            [unconfirmable, saturation, after_reversals, second_form, hidden].iter().all(|factor| *factor < training)
-        );
+        let SearchCriteria { unconfirmable, in_part, training, .. } = criteria;
+        assert!(unconfirmable < in_part && in_part < training);
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use super::comparison::ComparisonCriteria;
 use super::estimate::EstimateCriteria;
-use super::impacts::ImpactCriteria;
 use super::levels::Levels;
 use super::search::SearchCriteria;
 use super::structure::StructureCriteria;
@@ -29,8 +28,6 @@ pub struct Criteria {
     pub search: SearchCriteria,
     /// Thresholds of model comparison.
     pub comparison: ComparisonCriteria,
-    /// Thresholds of gears with play that impacts show.
-    pub impacts: ImpactCriteria,
     /// Thresholds of structure that no effect explains.
     pub structure: StructureCriteria,
     /// Thresholds of the verdict.
@@ -47,7 +44,6 @@ impl Default for Criteria {
             estimate: EstimateCriteria::default(),
             search: SearchCriteria::default(),
             comparison: ComparisonCriteria::default(),
-            impacts: ImpactCriteria::default(),
             structure: StructureCriteria::default(),
             verdict: VerdictCriteria::default(),
         }
@@ -90,6 +86,6 @@ mod tests {
             }
         }
         let count = numbers(&json!(Criteria::default()));
-        assert!(count <= 60, "{count}");
+        assert!(count < 40, "{count}");
     }
 }

@@ -147,10 +147,10 @@ impl Session<'_> {
             }
         }
         let estimates = test.values.iter().zip(&test.std);
+        let far = self.criteria.levels.far;
         linear(effect).into_iter().zip(estimates).all(|(index, (value, std))| {
             let Parameter { lower, upper, role, .. } = effect.parameters()[index];
-            (change && role == Role::Amplitude)
-                || (value + criteria.beyond_bound * std >= lower && value - criteria.beyond_bound * std <= upper)
+            (change && role == Role::Amplitude) || (value + far * std >= lower && value - far * std <= upper)
         })
     }
 

@@ -2,6 +2,7 @@
 //! from the training logs, they do not judge it.
 
 use super::structure::Unexplained;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -31,14 +32,14 @@ pub(crate) fn disagreement(
     baseline: &Column,
     prediction_std: &[f64],
 ) -> Result<Vec<Unexplained>> {
-    let (criteria, noise) = (&session.criteria.structure, whitener.noise_std());
+    let Criteria { levels, structure, .. } = &session.criteria;
+    let noise = whitener.noise_std();
     let [train, test] = [(&session.logs.train.rows, trained), (&session.logs.test.rows, held_out)];
     let on_joint = |joint: usize| {
         let [trained, held_out] = [train, test].map(|(rows, left)| averages(rows, left, joint));
-        let expected = (criteria.foreign * trained)
-            .max(criteria.above_noise * noise[joint])
-            .max(criteria.foreign * prediction_std[joint]);
-        let expected = expected.max(criteria.carried_on * averages(test.0, baseline, joint));
+        let expected =
+            (levels.far * trained).max(structure.above_noise * noise[joint]).max(levels.far * prediction_std[joint]);
+        let expected = expected.max(levels.most * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
         (held_out > expected).then_some((joint, held_out))
     };

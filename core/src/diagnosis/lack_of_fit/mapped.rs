@@ -32,9 +32,9 @@ pub(crate) fn mapped(
     let count = map.joints.len() as f64;
     let open = map.joints.iter().filter(|own| known.iter().all(|left| left.joint != own.joint));
     let shown: Vec<(&JointMap, Vec<Shown>)> = open
-        .map(|own| (own, shown(own, count, criteria.structure.below_cutoff * cutoffs_hz[own.joint], level)))
+        .map(|own| (own, shown(own, count, criteria.levels.most * cutoffs_hz[own.joint], level)))
         .map(|(own, mut shown)| {
-            shown.retain(|shown| shown.share >= criteria.structure.share_of_residual);
+            shown.retain(|shown| shown.share >= criteria.structure.share_of_residual());
             (own, shown)
         })
         .filter(|(_, shown)| !shown.is_empty())

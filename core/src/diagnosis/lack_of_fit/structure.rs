@@ -160,7 +160,7 @@ impl<'a> Fitted<'a> {
             held_out_errors: errors(&session.logs.test),
             before: &selection.held_out,
             together: session.criteria.structure.together * alpha,
-            certain: session.criteria.structure.certain * alpha,
+            certain: session.criteria.levels.certain * alpha,
             session,
             named: selection.found.iter().map(|found| found.alternatives.is_empty()).collect(),
             members,
@@ -264,7 +264,7 @@ impl<'a> Fitted<'a> {
         let weighs = certain || is_not_all;
         let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
         tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
-        let counts = (shown && share > self.session.criteria.structure.share_of_residual) || !instead_of.is_empty();
+        let counts = (shown && share > self.session.criteria.structure.share_of_residual()) || !instead_of.is_empty();
         counts.then_some(Unexplained {
             joint,
             share,

@@ -2,7 +2,7 @@
 
 use super::candidates::Candidate;
 use super::roles::{bounded, is_level, linear, shapes};
-use crate::diagnosis::criteria::EstimateCriteria;
+use crate::diagnosis::criteria::Levels;
 use crate::effects::{Placed, Role};
 
 /// Share of a typical departure below which one acts in proportion to its size, and its column would be rounding.
@@ -32,10 +32,11 @@ impl Member {
     }
 
     /// Whether the logs determine its size: some amplitude differs significantly from zero.
-    pub fn is_sized(&self, criteria: &EstimateCriteria) -> bool {
+    pub fn is_sized(&self, levels: &Levels) -> bool {
+        let significant = levels.significant_std();
         linear(self.placed.effect)
             .into_iter()
-            .any(|index| self.placed.parameters[index].abs() > criteria.significant * self.std[index])
+            .any(|index| self.placed.parameters[index].abs() > significant * self.std[index])
     }
 
     /// Takes the columns of departures at the sizes as estimated: what a large one does is not a multiple of what a small one does.
@@ -97,7 +98,7 @@ mod tests {
         let placed = Placed::typical(find("friction_asymmetry").unwrap(), 0);
         let candidate = Candidate { placed, log: None, columns: Default::default() };
         let mut member = Member::new(&candidate, &[]);
-        let criteria = EstimateCriteria::default();
+        let criteria = Levels::default();
         let sizes = member.placed.parameters.clone();
         member.std = sizes.iter().map(|size| 0.6 * size.abs()).collect();
         assert!(!member.is_sized(&criteria));

@@ -5,7 +5,7 @@
 //! until an amplitude differs significantly from zero. An amplitude of a sign that cannot be is zero.
 
 use super::elimination::with_scatter;
-use crate::diagnosis::criteria::EstimateCriteria;
+use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::model::{Member, Session, is_level, linear, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::search::{Found, members};
@@ -24,7 +24,7 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
     loop {
         let mut more = false;
         for found in found.iter_mut() {
-            if let Some(index) = undetermined(&found.member, change, &session.criteria.estimate) {
+            if let Some(index) = undetermined(&found.member, change, &session.criteria.levels) {
                 tracing::debug!(family = ?found.member.candidate.family(), index, "not determined");
                 found.member.fixed.push(index);
                 more = true;
@@ -42,7 +42,7 @@ pub(crate) fn hold_undetermined(session: &mut Session, found: &mut [Found], whit
 }
 
 /// The next parameter to hold, if any. What a `change` adds to an amplitude may have either sign.
-fn undetermined(member: &Member, change: bool, criteria: &EstimateCriteria) -> Option<usize> {
+fn undetermined(member: &Member, change: bool, levels: &Levels) -> Option<usize> {
     let effect = member.placed.effect;
     if member.held || is_level(effect) {
         return None;
@@ -62,7 +62,7 @@ fn undetermined(member: &Member, change: bool, criteria: &EstimateCriteria) -> O
             return Some(index);
         }
     }
-    if member.is_sized(criteria) {
+    if member.is_sized(levels) {
         return None;
     }
     let scale = |index: usize| value(index).abs().max(0.1 * parameters[index].typical.abs());
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn shapes_are_held_until_an_amplitude_is_determined() {
         // Two standard deviations from zero and a little less.
-        let criteria = EstimateCriteria::default();
+        let criteria = Levels::default();
         assert_eq!(
             undetermined(&member("nonlinear_viscous_friction", &[35.0, 0.7], &[17.0, 0.9]), false, &criteria),
             None
@@ -101,14 +101,14 @@ mod tests {
     #[test]
     fn the_least_determined_shape_is_held_first() {
         let strut = member("gravity_balancer", &[15e3, 16e3, 0.8, -1.68], &[17e3, 11e3, 0.33, 0.01]);
-        let criteria = EstimateCriteria::default();
+        let criteria = Levels::default();
         assert_eq!(undetermined(&strut, false, &criteria), Some(2));
     }
 
     #[test]
     fn an_amplitude_of_the_wrong_sign_is_zero_but_for_changes() {
         let strut = member("gravity_balancer", &[86.0, -2e4, 0.05, 1.3], &[1.0, 1e3, 0.6, 0.04]);
-        let criteria = EstimateCriteria::default();
+        let criteria = Levels::default();
         assert_eq!(undetermined(&strut, false, &criteria), Some(1));
         assert_eq!(undetermined(&strut, true, &criteria), None);
         // The only one there is stays.

@@ -104,7 +104,10 @@ impl<'a> Judge<'a> {
         }
         // What happened in one training log shows in no other.
         if member.candidate.log.is_none() {
-            judgements.push(self.on_own_joints(&own, [&without[1], &with[1]]));
+            // Held-out motions may stay below a limit of torque: it gains nothing there, and must only not be contradicted.
+            if !is_level(member.placed.effect) {
+                judgements.push(self.on_own_joints(&own, [&without[1], &with[1]]));
+            }
             judgements.push(self.on_held_out_logs(&joints, [&without[1], &with[1]]));
             judgements.push(self.on_every_joint([&without[1], &with[1]]));
         }
@@ -199,7 +202,7 @@ impl<'a> Judge<'a> {
             self.fit.places(&others).into_iter().map(|place| self.all_columns[place].clone()).collect();
         let law = &self.all_columns[self.fit.law(kept[index])];
         let joints = self.members[kept[index]].candidate.joints().into_iter();
-        let resolved = self.session.criteria.structure.resolved;
+        let resolved = self.session.criteria.levels.most;
         let gains = joints.map(|joint| {
             gain_over_generic_functions(&self.all_logs.logs.train, &self.torques, &fixed, law, joint, resolved)
         });

@@ -131,10 +131,10 @@ impl Trial<'_> {
         let is_hidden = self.is_hidden(&winner.candidate);
         let mut share = strictness(&winner.candidate, &self.session.criteria.search);
         if is_hidden {
-            share = share.min(self.session.criteria.search.hidden);
+            share = share.min(self.session.criteria.search.in_part);
         }
         if another_form {
-            share = share.min(self.session.criteria.search.second_form);
+            share = share.min(self.session.criteria.search.in_part);
         }
         let limit = self.level_at(share);
         let confirmable = is_confirmable(&winner.candidate) && !another_form && !is_hidden;
@@ -159,7 +159,7 @@ impl Trial<'_> {
         let elsewhere = if is_level(*effect) {
             let slope = slope_beyond(&self.session.model.arm, &self.session.logs.train.rows, *joint, parameters[0]);
             tracing::debug!(slope, level = parameters[0], "torque beyond a level");
-            let flat = Judgement::below(Gate::Flat, slope, self.session.criteria.search.flat);
+            let flat = Judgement::below(Gate::Flat, slope, self.session.criteria.levels.most);
             if !flat.passed {
                 return refused(flat, false);
             }
@@ -173,7 +173,8 @@ impl Trial<'_> {
     /// The level of a share of alpha, which is limited where something was found before.
     fn level_at(&self, share: f64) -> f64 {
         let counts = |member: &Member| member.placed.effect.about().nature != Nature::Delay;
-        self.alpha * if self.members.iter().any(counts) { share.min(self.session.criteria.search.later) } else { share }
+        self.alpha
+            * if self.members.iter().any(counts) { share.min(self.session.criteria.levels.certain) } else { share }
     }
 
     /// Whether a candidate is a law of friction over speed on a joint that has another such law in the model.
@@ -222,20 +223,20 @@ impl Trial<'_> {
             if !gain.passed && winner.candidate.log.is_none() {
                 let joints = winner.candidate.joints();
                 let bound = held_out.adjusted_for_constants(&self.session.logs.test.rows, &joints).lower_bound(levels);
-                gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_with_constants);
+                gain = Judgement::above(Gate::HeldOutGain, bound, criteria.share_of_misfit);
             }
             return if gain.passed { Ok(accepted(winner, gain.value, level)) } else { refused(gain, false) };
         }
         // A torque is cut off in a few rows, where the smoothing errs most: their scatter indicates little, and held-out motions that stay below
         // the level say nothing.
         let is_level = is_level(winner.candidate.placed.effect);
-        let sure = level < criteria.beyond_chance && (gains.is_of_noise(levels) || is_level);
+        let sure = level < criteria.unconfirmable && (gains.is_of_noise(levels) || is_level);
         let gained = gains.share() > 0.0 || (is_level && !gains.is_contradicted(levels));
         let gain = Judgement::above(Gate::HeldOutGain, bound, 0.0).or(sure && gained);
         let Some(failed) = Judgement::first_failed(alone.into_iter().chain([gain])) else {
             return Ok(accepted(winner, bound, level));
         };
-        let Some(tries) = self.tries.filter(|_| confirmable && level <= criteria.confirmable_p) else {
+        let Some(tries) = self.tries.filter(|_| confirmable && level <= levels.leaning_p) else {
             return refused(failed, false);
         };
         let together = adjusted_for_errors.together(level, tries);
@@ -319,31 +320,25 @@ pub(super) fn is_confirmable(candidate: &Candidate) -> bool {
 pub(super) fn strictness(candidate: &Candidate, criteria: &SearchCriteria) -> f64 {
     match imitated(candidate) {
         None => criteria.training,
-        Some(Imitated::Event) => criteria.unconfirmable,
-        Some(Imitated::Saturation) => criteria.saturation,
-        Some(Imitated::Gear) => criteria.unconfirmable,
-        Some(Imitated::AfterReversals) => criteria.after_reversals,
+        Some(Imitated::Wholly) => criteria.unconfirmable,
+        Some(Imitated::InPart) => criteria.in_part,
     }
 }
 
-/// Kinds of effects that errors of the smoothing, or of the model in a few rows, imitate.
+/// How much of an effect errors of the smoothing, or of the model in a few rows, imitate.
 enum Imitated {
-    Event,
-    Saturation,
-    Gear,
-    AfterReversals,
+    /// All of it: an event in one log, torque saturation, a gear.
+    Wholly,
+    /// A part: friction that builds up after reversals.
+    InPart,
 }
 
 fn imitated(candidate: &Candidate) -> Option<Imitated> {
     let Placed { effect, parameters, .. } = &candidate.placed;
-    if candidate.log.is_some() {
-        Some(Imitated::Event)
-    } else if is_level(*effect) {
-        Some(Imitated::Saturation)
-    } else if effect.gear(parameters).is_some() {
-        Some(Imitated::Gear)
+    if candidate.log.is_some() || is_level(*effect) || effect.gear(parameters).is_some() {
+        Some(Imitated::Wholly)
     } else if effect.about().nature == Nature::AfterReversals {
-        Some(Imitated::AfterReversals)
+        Some(Imitated::InPart)
     } else {
         None
     }
@@ -366,9 +361,9 @@ mod tests {
         let once = Candidate { log: Some(1), ..plain };
         let stricter = [
             (once, criteria.unconfirmable),
-            (candidate("torque_saturation"), criteria.saturation),
+            (candidate("torque_saturation"), criteria.unconfirmable),
             (candidate("joint_elasticity"), criteria.unconfirmable),
-            (candidate("presliding_hysteresis"), criteria.after_reversals),
+            (candidate("presliding_hysteresis"), criteria.in_part),
         ];
         for (candidate, share) in stricter {
             assert!(!is_confirmable(&candidate) && strictness(&candidate, &criteria) == share, "{candidate:?}");

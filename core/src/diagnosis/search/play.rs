@@ -32,7 +32,7 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
     if !is_candidate(effect, options.trust, &options.candidates) {
         return Ok(Impacts::default());
     }
-    let Criteria { impacts: criteria, levels, .. } = session.criteria;
+    let Criteria { search: criteria, levels, .. } = session.criteria;
     let dof = session.model.base.dof();
     let has_play = |placed: &&Placed| placed.effect.about().nature == Nature::Play;
     let known: Vec<usize> = session.model.known.effects.iter().filter(has_play).map(|placed| placed.joint).collect();
@@ -53,7 +53,7 @@ pub(super) fn rattling_gears(session: &Session, options: &Options) -> Result<Imp
         let each = [&train, &test].map(|traces| traces.log_p(joint, &rattling));
         tracing::debug!(joint, level, train = each[0].exp(), test = each[1].exp(), "impacts");
         let both = each.iter().all(|log_p| *log_p < levels.usual_p.ln());
-        let limit = options.alpha * if both { session.criteria.search.impacts } else { criteria.unconfirmed };
+        let limit = options.alpha * if both { criteria.impacts } else { criteria.unconfirmable };
         let alike = fisher([&train, &test].map(|traces| traces.log_p_among_alike(joint)));
         tracing::debug!(alike, "impacts among moments alike");
         let gates = [

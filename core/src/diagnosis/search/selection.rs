@@ -198,7 +198,7 @@ fn drop_superfluous(session: &Session, found: &mut Vec<Found>) -> Result<Vec<Rej
                 least = (log_p, index);
             }
         }
-        let needed = Judgement::at_most(Gate::Needed, least.0.exp(), session.criteria.comparison.dropped_p);
+        let needed = Judgement::at_most(Gate::Needed, least.0.exp(), session.criteria.levels.sure_p);
         if needed.passed {
             break;
         }

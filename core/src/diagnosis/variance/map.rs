@@ -5,7 +5,7 @@ use super::kinds::Kind;
 use super::lines::{Line, lines};
 use super::mixed::{Fit, fit};
 use super::sign_flips::p_values;
-use crate::diagnosis::criteria::StructureCriteria;
+use crate::diagnosis::criteria::{Criteria, StructureCriteria};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::DataSet;
 use crate::diagnosis::regression::{Column, Projection};
@@ -99,26 +99,19 @@ impl JointMap {
 
 impl ResidualMap {
     /// Of what `fixed` leaves of the torque of `data`, along the torque of `arm`; `alpha` is the family-wise level.
-    pub fn new(
-        data: &DataSet,
-        fixed: &[Column],
-        arm: &Arm,
-        criteria: &StructureCriteria,
-        alpha: f64,
-        seed: u64,
-    ) -> Self {
+    pub fn new(data: &DataSet, fixed: &[Column], arm: &Arm, criteria: &Criteria, alpha: f64, seed: u64) -> Self {
         let rows = &data.rows;
         let torque = torques(arm, rows);
         let source = Source { rows, torque: &data.torque, fixed, arm: &torque };
         let joints: Vec<usize> = (0..rows.dof()).filter(|&joint| rows.valid[joint].contains(&true)).collect();
         let tested = joints.len() as f64;
+        let level = criteria.levels.certain * alpha;
         let mut joints: Vec<JointMap> = joints
             .into_par_iter()
             .map(|joint| {
-                let mut map = of_joint(&source, joint, criteria, seed);
+                let mut map = of_joint(&source, joint, &criteria.structure, seed);
                 let residual = residual(&source, joint);
-                map.lines =
-                    lines(rows, joint, [&residual, &torque[joint]], criteria, criteria.certain * alpha / tested);
+                map.lines = lines(rows, joint, [&residual, &torque[joint]], &criteria.structure, level / tested);
                 map
             })
             .collect();

@@ -1,8 +1,8 @@
 //! The answer in a few lines.
 
 use crate::diagnosis::{
-    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, EstimateCriteria, Family, Finding, Found, LOGS_DISAGREE,
-    Minor, NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
+    Consequence, DataFault, Diagnosis, EXTENDED_SCENARIO, Family, Finding, Found, LOGS_DISAGREE, Levels, Minor,
+    NamedParameter, Part, Play, ResidualMap, Resimulation, Share, Verdict,
 };
 use crate::effects;
 use crate::error::Error;
@@ -45,7 +45,7 @@ pub(crate) fn lines(
         let place = place(robot, found.member.candidate.family());
         lines.push(format!(
             "Present before the change: {place}: {}",
-            values(&finding(robot, found, &[], &diagnosis.scope.criteria.estimate))
+            values(&finding(robot, found, &[], &diagnosis.scope.criteria.levels))
         ));
     }
     let all = findings(robot, diagnosis);
@@ -65,7 +65,7 @@ pub(crate) fn lines(
         let percent = 100.0 * left.share;
         let why = match diagnosis.nearest(left.joint) {
             _ if left.structure == LOGS_DISAGREE => ": these do not agree with the training logs".to_owned(),
-            Some(minor) => nearest(robot, minor, &diagnosis.scope.criteria.estimate),
+            Some(minor) => nearest(robot, minor, &diagnosis.scope.criteria.levels),
             None => format!(", and {} explains it", none(diagnosis)),
         };
         lines.push(format!("- {joint}: {percent:.0} % of the residual {}{why}", left.structure));
@@ -216,8 +216,8 @@ fn smaller(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// "; of the laws load_dependent_friction on joint_2 (coefficient 0.05) comes nearest, no better than any smooth function". Its standard
 /// deviations do not hold the scatter between blocks, as those of findings do: none is printed.
-fn nearest(robot: &Robot, minor: &Minor, criteria: &EstimateCriteria) -> String {
-    let found = finding(robot, &minor.found, &[], criteria);
+fn nearest(robot: &Robot, minor: &Minor, levels: &Levels) -> String {
+    let found = finding(robot, &minor.found, &[], levels);
     let parameters = found.parameters.iter().filter(|p| p.std.is_finite()).take(MENTIONED);
     let values: Vec<String> =
         parameters.map(|p| format!("{} {}", p.name, with_unit(significant(p.value), p.unit))).collect();

@@ -63,7 +63,7 @@ pub(super) fn section(robot: &Robot, diagnosis: &Diagnosis) -> Section {
             probability(found.family_wise_p.log10()),
         )));
         blocks.push(Block::table(["parameter", "value", "unit", "std", "95 % from", "to"], rows.collect()));
-        if !found.member.is_sized(&diagnosis.scope.criteria.estimate) {
+        if !found.member.is_sized(&diagnosis.scope.criteria.levels) {
             blocks.push(Block::text(sentence(NOT_SIZED)));
         }
         blocks.push(Block::text(format!("Law: {}. Reference: {}", about.equation, sentence(about.reference))));

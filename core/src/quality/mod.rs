@@ -20,7 +20,8 @@ mod units;
 mod velocity;
 mod view;
 
-pub use channels::{clipping, motor_off, torque_spikes};
+pub use channels::clipping;
+pub(crate) use channels::leave_out_unmeasured;
 pub use examination::{examine, examine_together, inspect};
 pub use finding::{Finding, Kind, Severity, with_logs};
 pub use motion::{Constant, JointSummary, OtherUnit};

@@ -120,6 +120,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<u8> {
     notes.extend(report::negative_coulomb(&robot, fitted));
     notes.extend(report::negative_rotor(&robot, fitted));
     notes.extend(report::between_logs(fitted));
+    if arguments.trust == Trust::Nominal {
+        notes.extend(report::unlike_described(&robot, fitted, logs.train));
+    }
     stages.begin("finding consistent parameters");
     // Inertias from the URDF are consistent already; with effects in the fit, the bodies are those of the fit without.
     let consistent = match arguments.trust {

@@ -4,7 +4,7 @@ mod notes;
 
 pub use notes::{
     between_logs, constants, falling_friction, negative_coulomb, negative_rotor, not_of_bodies, undetermined,
-    undetermined_held_out,
+    undetermined_held_out, unlike_described,
 };
 
 use super::console::{by_joint, significant, table};

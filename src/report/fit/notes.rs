@@ -4,6 +4,7 @@ use super::place_of;
 use crate::dynamics::BaseParameters;
 use crate::identification::consistent::Consistent;
 use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
+use crate::recording::Recording;
 use crate::report::console::significant;
 use crate::robot::{Joint, Robot};
 
@@ -137,6 +138,28 @@ pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) ->
             "identified.urdf is wrong: no bodies make these torques: {}; is gravity along [{x}, {y}, {z}] m/s2 of the base (the mounting: \
              --gravity, or [mounting] in a dataset), and are the signs right? `tauscope inspect` looks for both",
             each.join("; ")
+        )
+    })
+}
+
+/// A line about joints of whose torque the bodies as described leave much, if there are any; `train` are the logs that were fitted.
+pub fn unlike_described(robot: &Robot, fitted: &Fitted, train: &[&Recording]) -> Option<String> {
+    let torque = |joint: usize| {
+        let measured = train.iter().flat_map(|log| log.tau.channel(joint)).filter(|torque| torque.is_finite());
+        let (squares, count) = measured.fold((0.0, 0), |(sum, count), torque| (sum + torque * torque, count + 1));
+        (squares / f64::from(count.max(1))).sqrt()
+    };
+    let each: Vec<String> = (0..robot.dof())
+        .map(|joint| (&robot.joints[joint], fitted.train_rms[joint], torque(joint)))
+        .filter(|(_, left, torque)| *left > OF_TORQUE * torque)
+        .map(|(Joint { name, kind, .. }, left, torque)| {
+            format!("{} of {} {} on {name}", significant(left), significant(torque), kind.unit("N m"))
+        })
+        .collect();
+    (!each.is_empty()).then(|| {
+        format!(
+            "the bodies as described leave {} of the logs that they were fitted to: masses of the description, the mounting, a load or the unit of the              torques are not as given; `tauscope inspect` and `diagnose` look for what is wrong, --trust structure estimates the bodies",
+            each.join(", ")
         )
     })
 }

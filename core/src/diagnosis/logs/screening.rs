@@ -117,15 +117,7 @@ fn ready(name: String, sieved: Sieved, report: quality::Report) -> Result<Screen
         })
         .collect();
     let mut sieved = sieved;
-    let rate = sieved.recording.rate_hz();
-    let spikes: Vec<Vec<usize>> =
-        (0..sieved.recording.joints()).map(|joint| quality::torque_spikes(&sieved.recording.tau, joint)).collect();
-    for (joint, spikes) in spikes.iter().enumerate() {
-        let Recording { q, tau, .. } = &mut sieved.recording;
-        let off = quality::motor_off(q.channel(joint), tau.channel(joint), rate);
-        off.into_iter().for_each(|samples| tau.channel_mut(joint)[samples].fill(f64::NAN));
-        spikes.iter().for_each(|&at| tau.channel_mut(joint)[at] = f64::NAN);
-    }
+    quality::leave_out_unmeasured(&mut sieved.recording);
     let levels: Vec<Vec<f64>> = sieved.recording.tau.iter().map(clipping_levels).collect();
     let mut pieces = resample::pieces(sieved.recording);
     if pieces.is_empty() {

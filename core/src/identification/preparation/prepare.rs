@@ -1,6 +1,7 @@
 //! From a recording to regression rows: smoothing, differentiation, the filter that torque and columns share, the samples
 //! to leave out.
 
+use super::bridge::bridged;
 use super::reversals::{self, Band};
 use crate::channels::Channels;
 use crate::dynamics::Motion;
@@ -15,6 +16,7 @@ use crate::signal::{
 };
 use std::borrow::Cow;
 use std::f64::consts::SQRT_2;
+use std::ops::Range;
 
 /// How measured signals are smoothed before they enter the regression.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +77,10 @@ pub struct Prepared<'a> {
     pub time: Cow<'a, [f64]>,
     /// The motion as the model sees it, at the rate of the log.
     pub motion: Motion,
-    /// Torque, unfiltered.
+    /// Torque, unfiltered; bridged where it was not measured.
     pub torque: Cow<'a, Channels>,
+    /// Samples without torque, of each joint.
+    unmeasured: Vec<Vec<Range<usize>>>,
     filter: Filter,
     /// The filter that positions went through.
     position_filter: Filter,
@@ -145,11 +149,13 @@ pub fn measured(recording: &Recording, smoothing: Smoothing, band: impl Into<Ban
             reversals::weights(&filter, reach, recording.samples())?,
         ),
     };
+    let (torque, unmeasured) = bridged(&recording.tau);
     Ok(Prepared {
         joints: recording.joints.clone(),
         time: Cow::Borrowed(&recording.time),
         motion,
-        torque: Cow::Borrowed(&recording.tau),
+        torque,
+        unmeasured,
         filter,
         position_filter,
         decimation,
@@ -192,6 +198,7 @@ pub fn exact<'a>(time: &'a [f64], signals: &'a Signals, band: f64) -> Prepared<'
         time: Cow::Borrowed(time),
         motion: Motion { q: q.clone(), qd: qd.clone(), qdd: qdd.clone() },
         torque: Cow::Borrowed(tau),
+        unmeasured: vec![Vec::new(); q.channels()],
         filter: Filter::None,
         position_filter: Filter::None,
         decimation: 1,
@@ -309,7 +316,7 @@ impl<'a> Prepared<'a> {
         self.slow[joint].moving(self.motion.qd.channel(joint), 2 * self.reach + 1)
     }
 
-    /// Rows after decimation all of whose inputs are inside the log, and whose direction is certain.
+    /// Rows after decimation all of whose inputs are inside the log, and whose torque was measured and direction is certain.
     pub(in crate::identification) fn rows_to_use(&self, joint: usize) -> Vec<bool> {
         self.rows_of(joint, self.quick[joint])
     }
@@ -326,7 +333,13 @@ impl<'a> Prepared<'a> {
             true => self.moving(joint),
             false => self.motion.qd.channel(joint).iter().map(|v| v.abs() > self.slow[joint].sure).collect(),
         };
-        reversals::rows_to_use(&moving, (self.reach, &self.weights), self.decimation, quick)
+        let mut rows = reversals::rows_to_use(&moving, (self.reach, &self.weights), self.decimation, quick);
+        for samples in &self.unmeasured[joint] {
+            let first = samples.start.saturating_sub(self.reach).div_ceil(self.decimation);
+            let behind = (samples.end + self.reach).div_ceil(self.decimation).min(rows.len());
+            rows[first.min(behind)..behind].fill(false);
+        }
+        rows
     }
 
     /// With the choice of rows near reversals that `other` has.

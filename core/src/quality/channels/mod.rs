@@ -11,12 +11,15 @@ use std::ops::Range;
 mod clipped;
 mod digits;
 mod jumps;
+mod motor_off;
 
 use clipped::clipped;
 pub use clipped::clipping;
 use digits::coarse;
 pub(super) use digits::{extremes, resolution, runs};
 pub(super) use jumps::Jumps;
+pub(crate) use motor_off::leave_out_unmeasured;
+use motor_off::{motor_off, off};
 
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
@@ -73,8 +76,8 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         if !coarse(own) {
             out.extend(clipped(view, joint, tau));
             out.extend(held(view, joint, tau).or_else(|| frozen_torque(view, joint, tau)));
-            out.extend(off(view, joint, tau));
         }
+        out.extend(off(view, joint, tau));
     }
     if out.iter().filter(|finding| finding.kind == Kind::NoTorque).count() == view.dof() {
         // One fault of all: the joints are not listed one by one.
@@ -155,8 +158,8 @@ fn torque_spike(view: &View, joint: usize, logged: &Recording) -> Option<Finding
     let spikes = torque_spikes(&logged.tau, joint);
     let at = *spikes.first()?;
     let text = format!(
-        "{} samples stand out from both neighbours by more than {STANDS_OUT:.0} times as much as torque usually changes; leave their cells empty: \
-         least squares follows them",
+        "{} samples stand out from both neighbours by more than {STANDS_OUT:.0} times as much as torque usually changes; they are left out: \
+         least squares would follow them",
         spikes.len()
     );
     let place = format!("{} at {:.4} s", view.place("tau", joint), logged.time[at]);
@@ -164,7 +167,7 @@ fn torque_spike(view: &View, joint: usize, logged: &Recording) -> Option<Finding
 }
 
 /// Samples at which one of several torques, `[joint][time]`, stands out from both neighbours and no other changes as it rarely does.
-pub fn torque_spikes(tau: &Channels, joint: usize) -> Vec<usize> {
+fn torque_spikes(tau: &Channels, joint: usize) -> Vec<usize> {
     let usual = |signal: &[f64]| {
         let change = size_quantile(changes(signal), USUAL_CHANGE);
         change.max(resolution(signal))
@@ -279,27 +282,6 @@ fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
     let text = format!("the torque is frozen for {seconds:.3} s while the joint moves; cut this part out");
     let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[start]);
     Some(Finding::new(Kind::Frozen, Severity::Warning, place, text))
-}
-
-/// Samples over which a torque, at so many samples per second, is exactly zero for longer than a torque that changes its sign
-/// is, while the position goes on: the motor is off.
-pub fn motor_off(q: &[f64], tau: &[f64], rate_hz: f64) -> Vec<Range<usize>> {
-    let shortest = ((FROZEN_S * rate_hz) as usize).max(10);
-    if coarse(tau) || tau.iter().all(|torque| *torque == 0.0) {
-        return Vec::new();
-    }
-    let off = runs(tau)
-        .filter(|&(start, length)| tau[start] == 0.0 && length >= shortest && path(&q[start..start + length]) > PATH);
-    off.map(|(start, length)| start..start + length).collect()
-}
-
-fn off(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
-    let parts = motor_off(view.log.q.channel(joint), tau, 1.0 / view.period);
-    let first = parts.first()?;
-    let seconds = parts.iter().map(Range::len).sum::<usize>() as f64 * view.period;
-    let text = format!("the torque is exactly zero for {seconds:.3} s: the motor is off; these samples are left out");
-    let place = format!("{} from {:.4} s", view.place("tau", joint), view.log.time[first.start]);
-    Some(Finding::new(Kind::MotorOff, Severity::Note, place, text))
 }
 
 /// A torque that changes less often than the log has rows.

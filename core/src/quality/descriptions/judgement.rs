@@ -8,7 +8,7 @@ use super::jumps;
 use super::known::Known;
 use super::scales::{OtherScales, Scales};
 use super::search::{Found, Outcome, search};
-use super::settle::{opposite_zeros, settled};
+use super::settle::{are_of_bodies, opposite_zeros, settled};
 use super::shares::ALIKE;
 use super::sizes::{effort, spread};
 use super::tried::Tried;
@@ -93,7 +93,8 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
     let gravity = robot.map_or(Vector3::zeros(), |robot| robot.gravity);
     let start = Description::as_given(dof, gravity);
     let seconds: f64 = views.iter().map(|view| lasts(view.log.samples(), view.period)).sum();
-    let bodies = robot.and_then(Physics::bodies);
+    // Placeholders describe no bodies.
+    let bodies = robot.filter(|robot| robot.placeholders().is_none()).and_then(Physics::bodies);
     // Another arm is described by other motions, as other joints or zeros: the described bodies must be those of the torques then.
     let alike = |found: &Found| {
         let under = |bodies: &Physics| Tried::new(bodies, &rows, found.best.description.clone());
@@ -156,7 +157,10 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         let by_free = first.description.scaled().next().map(|_| known);
         let more = by_free.into_iter().chain([by_bodies]).find_map(|known| {
             let outcome = search(known, &rows, &with_motion, first.description.clone())?;
-            outcome.found.is_some().then(|| judged(known, Some(bodies), outcome))?
+            let found = outcome.found.as_ref()?;
+            let of_described = std::ptr::eq(known.physics, bodies);
+            let is_sure = !of_described || are_of_bodies(bodies, &free, &rows, &found.best);
+            is_sure.then(|| judged(known, Some(bodies), outcome))?
         });
         match more {
             Some(more) => together(first, more),
@@ -175,10 +179,11 @@ fn changed(views: &[&View], robot: Option<&Robot>, tilt: &mut Option<Vector3<f64
         let known = Known { physics: bodies, other: Some(&free) };
         let outcome = search(known, &rows, &with_motion, start.clone())?;
         *tilt = tilt.or(outcome.tilt);
-        if outcome.found.is_some() {
+        let trusted = |found: &Found| are_of_bodies(bodies, &free, &rows, &found.best);
+        if outcome.found.as_ref().is_some_and(trusted) {
             return judged(known, Some(bodies), outcome);
         }
-        if let Some(found) = opposite_zeros(bodies, &free, &rows, &outcome.start) {
+        if let Some(found) = opposite_zeros(bodies, &free, &rows, &outcome.start).filter(trusted) {
             return judged(known, Some(bodies), Outcome { found: Some(found), ..outcome });
         }
         if let Some(verdict) = of_drives(bodies, &rows, &start) {

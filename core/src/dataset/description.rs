@@ -23,7 +23,11 @@ impl Dataset {
         let spec: Spec = toml::from_str(&text).map_err(|error| Error::toml(path, &text, &error))?;
         let dataset = Dataset { path: path.to_owned(), text, spec };
         if dataset.spec.schema != SCHEMA {
-            return Err(dataset.error("schema", format!("`{}` is not known; this is {SCHEMA}", dataset.spec.schema)));
+            let problem = match dataset.spec.schema.as_str() {
+                "" => format!("is missing: begin the file with schema = \"{SCHEMA}\""),
+                other => format!("`{other}` is not known; this is {SCHEMA}"),
+            };
+            return Err(dataset.error("schema", problem));
         }
         if dataset.spec.train.is_empty() {
             return Err(dataset.error("train", "name at least one log: [[train]] with file = \"...\""));

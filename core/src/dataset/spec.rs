@@ -14,6 +14,8 @@ pub const SCHEMA: &str = "tauscope.dataset/1";
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Spec {
+    /// Empty where it is missing.
+    #[serde(default)]
     pub schema: String,
     pub robot: Option<PathBuf>,
     pub joints: Option<Vec<String>>,

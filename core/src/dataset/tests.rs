@@ -181,6 +181,9 @@ fn mistakes_are_named_by_line_and_key() {
     let folder = Case::new("", "");
     std::fs::write(folder.folder.path().join("d.toml"), "schema = \"x/1\"\n").unwrap();
     assert!(folder.dataset().unwrap_err().to_string().contains("d.toml:1: schema: `x/1` is not known"));
+    std::fs::write(folder.folder.path().join("d.toml"), "robot = \"arm.urdf\"\n").unwrap();
+    let missing = folder.dataset().unwrap_err().to_string();
+    assert!(missing.contains("is missing: begin the file with schema = \"tauscope.dataset/1\""), "{missing}");
 }
 
 #[test]

@@ -10,10 +10,10 @@ use super::sizes::{tilt, zeros};
 use super::tried::Tried;
 use super::weights;
 
-/// Described bodies are those of the torques where they leave no more than so many times what free ones do, or as a share of the torques at most ..
-const LIKE_FREE: f64 = 3.0;
-/// .. this, as masses that are wrong by a few percent do.
-const LITTLE: f64 = 0.05;
+/// Described bodies are those of the torques where they leave no more than so many times what free ones do: centres of mass that are off by centimetres
+/// turn the weight of a link as zeros do, and zeros of two axes make up for a part of any wrong bodies. Under bodies that are right both
+/// leave the same, and those that are wrong by a twentieth half as much again.
+const LIKE_FREE: f64 = 1.5;
 
 /// Positions leave the limits from this on, rad (m): zeros of calibrated joints are known better.
 const LEAVES: f64 = 0.1;
@@ -82,13 +82,13 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
     found
 }
 
-/// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave little more of the
-/// torques than free ones do. Zeros make up for a part of any wrong masses.
+/// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about as
+/// much of the torques as free ones do.
 pub(super) fn are_of_bodies(bodies: &Physics, free: &Physics, rows: &Rows, found: &Tried) -> bool {
     let has_zero = found.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..)));
     let share = |physics: &Physics| Tried::new(physics, rows, found.description.clone()).map(|tried| tried.share());
     let both = || share(bodies).zip(share(free));
-    !has_zero || both().is_some_and(|(described, free)| described <= (LIKE_FREE * free).max(LITTLE))
+    !has_zero || both().is_some_and(|(described, free)| described <= LIKE_FREE * free)
 }
 
 /// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes that are

@@ -81,7 +81,12 @@ fn delta(
                 moved[k] += by;
                 of(&moved)
             };
-            moved(step).iter().zip(moved(-step)).map(|(ahead, behind)| (ahead - behind) / (2.0 * step)).collect()
+            let (ahead, behind) = (moved(step), moved(-step));
+            // Where the parameters are hardly known they are other quantities a step away, of which these are no function.
+            if ahead.len() != values.len() || behind.len() != values.len() {
+                return vec![f64::NAN; values.len()];
+            }
+            ahead.iter().zip(behind).map(|(ahead, behind)| (ahead - behind) / (2.0 * step)).collect()
         })
         .collect();
     values
@@ -94,7 +99,8 @@ fn delta(
                 .zip(wider)
                 .map(|((place, slope), wider)| (*place, wider * slope[index]))
                 .collect();
-            (value, solved.deviation(&slopes))
+            let is_known = slopes.iter().all(|(_, slope)| slope.is_finite());
+            (value, if is_known { solved.deviation(&slopes) } else { f64::INFINITY })
         })
         .collect()
 }
@@ -137,5 +143,10 @@ mod tests {
         assert!((named[1].std - (0.25f64 * 0.02).hypot(0.05 * 0.1)).abs() < 1e-9, "{named:?}");
         // A mass that is nothing has no centre.
         assert_eq!(light.len(), 1);
+        // A centre at the edge of the arm's reach: a step further it is the first moment that is given, and one quantity less.
+        let edge = (1.0 - 1e-6) * robot.reach() * 0.01;
+        let at_edge = delta(&of, &[0.01, edge, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &places, &[1.0; 10], &solved);
+        assert_eq!(at_edge.len(), 4);
+        assert!(at_edge.iter().all(|(_, std)| *std == f64::INFINITY));
     }
 }

@@ -1,6 +1,6 @@
 //! An effect along a motion that is known: the model's side of the law.
 
-use super::{Instant, Placed, Scope};
+use super::{Instant, Placed, Rounding, Scope};
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics};
 use crate::robot::{Pose, Robot};
@@ -25,18 +25,18 @@ pub struct Along<'a> {
 impl<'a> Along<'a> {
     /// Prepares a motion; `width` is the velocity over which the direction is smoothed, rad/s.
     pub fn new(robot: &'a Robot, chain: &'a Chain, time: &'a [f64], motion: &'a Motion, width: f64) -> Self {
-        Self::turning_over(robot, chain, time, motion, &vec![width; motion.qd.channels()])
+        Self::turning_over(robot, chain, time, motion, &vec![Rounding::Tanh(width); motion.qd.channels()])
     }
 
-    /// [`Along::new`] with a width for each joint.
+    /// [`Along::new`] with a rounding for each joint.
     pub fn turning_over(
         robot: &'a Robot,
         chain: &'a Chain,
         time: &'a [f64],
         motion: &'a Motion,
-        widths: &[f64],
+        rounding: &[Rounding],
     ) -> Self {
-        let turned = |joint: usize, signal: &[f64]| signal.iter().map(|&v| direction(v, widths[joint])).collect();
+        let turned = |joint: usize, signal: &[f64]| signal.iter().map(|&v| rounding[joint].direction(v)).collect();
         let heading = motion.qd.map(turned);
         Along { robot, chain, time, motion, direction: heading, load: OnceLock::new() }
     }
@@ -95,15 +95,7 @@ impl From<Channels> for Contribution {
 /// makes it unreliable; a width of zero gives the plain sign.
 #[inline]
 pub fn direction(velocity: f64, width: f64) -> f64 {
-    if width > 0.0 {
-        (velocity / width).tanh()
-    } else if velocity > 0.0 {
-        1.0
-    } else if velocity < 0.0 {
-        -1.0
-    } else {
-        velocity
-    }
+    Rounding::Tanh(width).direction(velocity)
 }
 
 /// Torque that each placed effect adds along a motion: its law at the joints, and what the bodies it alters need more. Effects

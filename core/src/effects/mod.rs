@@ -31,6 +31,7 @@ mod gear_train;
 mod gears;
 mod law;
 mod placed;
+mod rounding;
 mod search;
 mod signals;
 #[cfg(test)]
@@ -51,6 +52,7 @@ pub(crate) use gear_train::{GearTrain, behind_gears, unsmoothed};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
 pub use law::{Effect, Instant};
 pub use placed::Placed;
+pub use rounding::Rounding;
 pub(crate) use search::varies_by_factors;
 pub use search::{Derived, DriveParameter, Search};
 pub use signals::{

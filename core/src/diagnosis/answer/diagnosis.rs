@@ -12,7 +12,7 @@ use crate::diagnosis::regression::rms;
 use crate::diagnosis::relevance::{Minor, nearest};
 use crate::diagnosis::search::{Alternative, Found, Rejected, Verdict};
 use crate::diagnosis::variance::ResidualMap;
-use crate::effects::{LIBRARY, Nature, Parameter, Placed};
+use crate::effects::{LIBRARY, Nature, Parameter, Placed, Rounding};
 use crate::error::Result;
 use crate::payload::Payload;
 use crate::robot::Robot;
@@ -69,8 +69,10 @@ pub struct LogSummary {
     pub cutoffs_hz: Vec<f64>,
     /// The low-pass that torque went through before it was logged, if any.
     pub passband: Option<LowPass>,
-    /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width of tanh(v / width); zero for a plain sign.
+    /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width over which the sign of friction is rounded; zero for a plain sign.
     pub coulomb_widths: Vec<f64>,
+    /// The same with the form of each.
+    pub coulomb_rounding: Vec<Rounding>,
     /// Whether each joint has an equation: its torque is logged, and it moves. The numbers of a joint without one
     /// mean nothing.
     pub equations: Vec<bool>,

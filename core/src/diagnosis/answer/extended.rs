@@ -123,7 +123,7 @@ fn with_bodies(session: &Session, robot: &Robot, whitener: &Whitener) -> Result<
 /// Inner products of the base parameters' columns on whitened training rows.
 fn normal(session: &Session, whitener: &Whitener) -> DMatrix<f64> {
     let arm = Arm::new(session.model.base.robot(), Trust::Structure)
-        .with_coulomb_widths(session.model.arm.coulomb_widths.clone());
+        .with_coulomb_rounding(session.model.arm.coulomb_rounding.clone());
     let base = arm.baseline(session.model.base, &session.logs.train.rows);
     let mut normal = gram(&whitener.apply_all(&base));
     // What these rows do not determine stays where it is.

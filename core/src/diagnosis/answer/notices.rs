@@ -87,14 +87,27 @@ pub(crate) fn sampling(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
 
 /// What is said of friction that does not change its direction at once.
 pub(crate) fn smooth_friction(robot: &Robot, diagnosis: &Diagnosis) -> Option<String> {
-    let each = robot.joints.iter().zip(&diagnosis.logs.coulomb_widths).filter(|(_, width)| **width > 0.0);
+    let rounding = &diagnosis.logs.coulomb_rounding;
+    let each = robot.joints.iter().zip(rounding).filter(|(_, own)| own.width() > 0.0);
+    let each: Vec<(&str, String)> = each
+        .map(|(joint, own)| {
+            let width = with_unit(significant(own.width()), joint.velocity_unit());
+            (own.formula(), format!("{} {width}", joint.name))
+        })
+        .collect();
+    let mut forms: Vec<&str> = each.iter().map(|(formula, _)| *formula).collect();
+    forms.sort_unstable();
+    forms.dedup();
+    // The form is said with each joint where there are several.
     let each: Vec<String> = each
-        .map(|(joint, width)| format!("{} {}", joint.name, with_unit(significant(*width), joint.velocity_unit())))
+        .into_iter()
+        .map(|(formula, joint)| if forms.len() > 1 { format!("{joint} ({formula})") } else { joint })
         .collect();
     (!each.is_empty()).then(|| {
         format!(
-            "Coulomb friction is smoothed as tanh(v / width), as simulators write it. That is included in the baseline, not reported as a finding. On \
+            "Coulomb friction is smoothed as {}, as simulators write it. That is included in the baseline, not reported as a finding. On \
              a real arm, look for friction at low speed with slower motions. Widths: {}",
+            forms.join(" or "),
             each.join(", ")
         )
     })

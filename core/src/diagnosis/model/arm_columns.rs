@@ -5,7 +5,7 @@ use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::Column;
 use crate::dynamics::{Motion, inverse_dynamics};
-use crate::effects::{Along, Contribution, Placed, Scope, Site, behind_encoder, behind_gears, direction};
+use crate::effects::{Along, Contribution, Placed, Scope, Site, behind_encoder, behind_gears};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Geared, Trust, law_sites, laws};
 use crate::identification::model::Model;
@@ -40,9 +40,9 @@ impl Arm {
                 let on = |joint: usize| {
                     let place = model.active(joint).into_iter().position(|other| other == b)?;
                     if dry(b) {
-                        let width = self.coulomb_widths[joint];
+                        let rounding = self.coulomb_rounding[joint];
                         let turned =
-                            |log: &Log| log.motion.qd.channel(joint).iter().map(|&v| direction(v, width)).collect();
+                            |log: &Log| log.motion.qd.channel(joint).iter().map(|&v| rounding.direction(v)).collect();
                         return Some(rows.signal(turned));
                     }
                     let logs = rows.logs.iter().zip(&tables);

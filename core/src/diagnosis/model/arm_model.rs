@@ -35,7 +35,7 @@ pub struct ArmModel<'a> {
 impl ArmModel<'_> {
     /// Takes the arm's parameters from `robot` instead of from a fit.
     pub fn take_parameters_of(&mut self, robot: &Robot) {
-        self.arm = Arm::new(robot, self.trust).with_coulomb_widths(self.arm.coulomb_widths.clone());
+        self.arm = Arm::new(robot, self.trust).with_coulomb_rounding(self.arm.coulomb_rounding.clone());
     }
 
     /// Largest torque of a joint of the arm as found, N m.

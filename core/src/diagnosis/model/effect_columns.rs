@@ -22,7 +22,7 @@ const GROUPS: usize = 500;
 #[derive(Debug)]
 pub struct EffectColumns(Cache<Key, Arc<Vec<Column>>, Values>);
 
-/// Effect, joint, log, how torque is moved, and parameters and widths of the sign of friction bit by bit.
+/// Effect, joint, log, how torque is moved, and parameters and rounding of the sign of friction bit by bit.
 type Key = (&'static str, usize, Option<usize>, Moved, Vec<u64>);
 
 /// A group weighs as much as it has values.
@@ -62,7 +62,8 @@ impl EffectColumns {
         moved: Moved,
     ) -> Result<Vec<Arc<Vec<Column>>>> {
         let key = |one: &Placed| -> Key {
-            let bits = one.parameters.iter().chain(&arm.coulomb_widths).map(|value| value.to_bits());
+            let rounding = arm.coulomb_rounding.iter().flat_map(|own| [own.form(), own.width().to_bits()]);
+            let bits = one.parameters.iter().map(|value| value.to_bits()).chain(rounding);
             (one.effect.about().name, one.joint, log, moved, bits.collect())
         };
         let keys: Vec<Option<Key>> = placed.iter().map(|one| (!acts_upon_arm(one.effect)).then(|| key(one))).collect();

@@ -6,7 +6,7 @@
 
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::regression::Column;
-use crate::effects::{Effect, Placed, Role};
+use crate::effects::{Effect, Placed, Role, Rounding};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Trust};
 use crate::recording::Recording;
@@ -33,8 +33,8 @@ impl Known<'_> {
     }
 
     /// The same with an arm whose friction changes its direction over some speed on each joint, rad/s or m/s.
-    pub fn with_coulomb_widths(&self, widths: Vec<f64>) -> Self {
-        Known { arm: self.arm.clone().with_coulomb_widths(widths), ..self.clone() }
+    pub fn with_coulomb_rounding(&self, rounding: Vec<Rounding>) -> Self {
+        Known { arm: self.arm.clone().with_coulomb_rounding(rounding), ..self.clone() }
     }
 
     /// Torque of the effects over all rows.

@@ -1,5 +1,5 @@
-//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), whose tails reach
-//! far beyond the rows that are left out near reversals and look like friction that falls at low speed.
+//! The Coulomb smoothing velocity. Books write a sign; simulators and drivers write tanh(v / width), a ramp or v / sqrt(v^2 + width^2), whose
+//! tails reach far beyond the rows that are left out near reversals and look like friction that falls at low speed.
 //!
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
 //! more by it than by any friction law of speed in the library.
@@ -9,7 +9,7 @@ use crate::diagnosis::logs::Log;
 use crate::diagnosis::model::{DataSet, Session, all_candidates};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
-use crate::effects::{LIBRARY, Nature};
+use crate::effects::{LIBRARY, Nature, Rounding};
 use crate::error::Result;
 use rayon::prelude::*;
 
@@ -19,6 +19,14 @@ const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
 
 /// No share is less: so slow a joint creeps.
 const LEAST_SHARE: f64 = 1e-3;
+
+/// Widths of the other forms are these times as large: a ramp as steep as a tanh ends at its width, and is wide where a solver makes it of light links; a
+/// root reaches far where it is narrow. Of them every second is tried.
+const RAMP: f64 = 3.0;
+const ROOT: f64 = 0.4;
+
+/// By how much more likely, in its logarithm, the torque of a joint must be under another form than tanh.
+const ANOTHER_FORM: f64 = 3.0;
 
 /// Factors on the best of them, in rounds.
 const FINER: [&[f64]; 2] = [&[0.8, 0.9, 1.12, 1.25], &[0.95, 1.05]];
@@ -39,15 +47,15 @@ const EXPLAINED: f64 = 1.5;
 /// parameters than any.
 const BEYOND_LAWS: f64 = 3.0;
 
-/// Widths of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
-type Widths = Vec<(f64, f64)>;
+/// Rounding of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
+type Tried = Vec<(Rounding, f64)>;
 
-/// The width of each joint under which its torque is likeliest, rad/s or m/s; zeros where a plain sign does as well. The `session` is that over
+/// The rounding of each joint under which its torque is likeliest; a plain sign where that does as well. The `session` is that over
 /// all logs with the arm as known: slow motions determine it best, and those may be the held-out ones.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
+pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
     let (model, train) = (session.model.base, &session.logs.train);
     let whitener = Whitener::new(&train.rows, &train.torque, &train.baseline);
     let plain = whitener.fit(&train.baseline, &train.torque);
@@ -56,25 +64,28 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
         (0..model.dof()).map(of_joint).collect()
     };
     let plain_left = left(&plain);
-    let gains = |widths: Vec<f64>| -> Result<Widths> {
-        let known = session.model.known.with_coulomb_widths(widths.clone());
+    let gains = |rounding: Vec<Rounding>| -> Result<Tried> {
+        let known = session.model.known.with_coulomb_rounding(rounding.clone());
         let DataSet { baseline, torque, .. } = DataSet::new(model, &known, train.rows.clone(), train.training)?;
         let with = left(&whitener.fit(&baseline, &torque));
         let gains = plain_left.iter().zip(with).map(|(plain, with)| 0.5 * (plain - with));
-        Ok(widths.into_iter().zip(gains).collect())
+        Ok(rounding.into_iter().zip(gains).collect())
     };
-    let tried = |all: Vec<Vec<f64>>| all.into_par_iter().map(gains).collect::<Result<Vec<Widths>>>();
-    let mut best: Widths = vec![(0.0, 0.0); model.dof()];
+    let tried = |all: Vec<Vec<Rounding>>| all.into_par_iter().map(gains).collect::<Result<Vec<Tried>>>();
+    let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
     let shares = shares(&session.logs.train.rows.logs, model.dof());
-    let widths = WIDTHS.iter().map(|width| shares.iter().map(|share| share * width).collect());
-    better(&mut best, tried(widths.collect())?);
+    let of_all = |unit: Rounding, width: f64| shares.iter().map(|share| unit.scaled(share * width)).collect();
+    better(&mut best, tried(WIDTHS.iter().map(|&width| of_all(Rounding::Tanh(1.0), width)).collect())?, 0.0);
+    let forms = [Rounding::Ramp(RAMP), Rounding::Root(ROOT)];
+    let others = forms.iter().flat_map(|&unit| WIDTHS.iter().step_by(2).map(move |&width| (unit, width)));
+    better(&mut best, tried(others.map(|(unit, width)| of_all(unit, width)).collect())?, ANOTHER_FORM);
     for factors in FINER {
-        let scaled = |factor: &f64| best.iter().map(|(width, _)| factor * width).collect();
+        let scaled = |factor: &f64| best.iter().map(|(rounding, _)| rounding.scaled(*factor)).collect();
         let finer = tried(factors.iter().map(scaled).collect())?;
-        better(&mut best, finer);
+        better(&mut best, finer, 0.0);
     }
     let by_laws = by_laws(session, &whitener, &plain)?;
-    tracing::debug!(?best, ?by_laws, "width of the sign of friction");
+    tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
     if of_most(gained) < LIKELIER {
@@ -83,16 +94,24 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<f64>> {
         let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < EXPLAINED;
         let alone = |joint: &usize| surely[*joint] && best[*joint].1 > LIKELIER && of_noise(*joint);
         let joints = 0..model.dof();
-        return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { 0.0 }).collect());
+        return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { Rounding::Sharp }).collect());
     }
-    // The others have the median width, if their torque does not contradict it.
-    let of_fast = best.iter().zip(&shares).map(|((width, _), share)| width / share);
-    let mut widths: Vec<f64> = of_fast.zip(&surely).filter(|(_, surely)| **surely).map(|(width, _)| width).collect();
-    widths.sort_by(f64::total_cmp);
-    let as_most = gains(shares.iter().map(|share| share * widths[widths.len() / 2]).collect())?;
-    let as_most = as_most.into_iter().map(|(width, gain)| if gain > 0.0 { width } else { 0.0 });
+    // The others have the form of most and its median width, if their torque does not contradict it.
+    let of_fast = best.iter().zip(&shares).zip(&surely).filter(|(_, surely)| **surely);
+    let of_fast: Vec<Rounding> = of_fast.map(|(((own, _), share), _)| own.scaled(1.0 / share)).collect();
+    let as_most = gains(shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect())?;
+    let as_most = as_most.into_iter().map(|(own, gain)| if gain > 0.0 { own } else { Rounding::Sharp });
     let all = best.into_iter().zip(surely).zip(as_most);
-    Ok(all.map(|(((width, gain), surely), as_most)| if surely && gain > OWN_WIDTH { width } else { as_most }).collect())
+    Ok(all.map(|(((own, gain), surely), as_most)| if surely && gain > OWN_WIDTH { own } else { as_most }).collect())
+}
+
+/// The commonest form, with the median of its widths.
+fn of_most_joints(each: &[Rounding]) -> Rounding {
+    let count = |own: &Rounding| each.iter().filter(|other| own.is_like(**other)).count();
+    let Some(commonest) = each.iter().rev().max_by_key(|own| count(own)) else { return Rounding::Sharp };
+    let mut alike: Vec<Rounding> = each.iter().copied().filter(|own| own.is_like(*commonest)).collect();
+    alike.sort_by(|a, b| a.width().total_cmp(&b.width()));
+    alike[alike.len() / 2]
 }
 
 /// Share of each joint's speed in that of a fast joint, from the log in which it is fastest.
@@ -119,17 +138,17 @@ fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result
 
 /// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints alone,
 /// whose parameters it shares.
-fn surely(best: &Widths, by_laws: &[f64]) -> Vec<bool> {
-    best.iter().zip(by_laws).map(|((width, gain), by_law)| *width > 0.0 && *gain > BEYOND_LAWS + by_law).collect()
+fn surely(best: &Tried, by_laws: &[f64]) -> Vec<bool> {
+    let is_sure = |((own, gain), by_law): (&(Rounding, f64), &f64)| own.width() > 0.0 && *gain > BEYOND_LAWS + by_law;
+    best.iter().zip(by_laws).map(is_sure).collect()
 }
 
-/// Takes the width of each joint that gains more than the one it has.
-fn better(best: &mut Widths, tried: Vec<Widths>) {
-    for widths in tried {
-        for (best, tried) in best.iter_mut().zip(widths) {
-            if tried.1 > best.1 {
-                *best = tried;
-            }
+/// Takes the rounding of each joint that gains most, if that is by so much more than the one it has.
+fn better(best: &mut Tried, tried: Vec<Tried>, by: f64) {
+    for (joint, best) in best.iter_mut().enumerate() {
+        let most = tried.iter().map(|each| each[joint]).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(most) = most.filter(|most| most.1 > best.1 + by) {
+            *best = most;
         }
     }
 }
@@ -156,7 +175,8 @@ mod tests {
 
     #[test]
     fn a_joint_with_a_plain_sign_has_gained_by_no_width() {
-        let best = vec![(0.02, 13.0), (0.0, 59.0), (0.02, 10.9), (0.02, 11.1)];
+        let tanh = Rounding::Tanh(0.02);
+        let best = vec![(tanh, 13.0), (Rounding::Sharp, 59.0), (tanh, 10.9), (tanh, 11.1)];
         assert_eq!(surely(&best, &[2.0, 2.0, 8.0, 8.0]), [true, false, false, true]);
     }
 
@@ -178,11 +198,21 @@ mod tests {
 
     #[test]
     fn every_joint_takes_the_width_that_serves_it_best() {
-        let mut best = vec![(0.0, 0.0); 3];
-        better(
-            &mut best,
-            vec![vec![(0.01, 3.0), (0.01, -1.0), (0.01, 2.0)], vec![(0.02, 1.0), (0.02, -4.0), (0.02, 5.0)]],
-        );
-        assert_eq!(best, [(0.01, 3.0), (0.0, 0.0), (0.02, 5.0)]);
+        let mut best = vec![(Rounding::Sharp, 0.0); 3];
+        let all = |own: Rounding, gains: [f64; 3]| gains.map(|gain| (own, gain)).to_vec();
+        let (narrow, wide) = (Rounding::Tanh(0.01), Rounding::Tanh(0.02));
+        better(&mut best, vec![all(narrow, [3.0, -1.0, 2.0]), all(wide, [1.0, -4.0, 5.0])], 0.0);
+        assert_eq!(best, [(narrow, 3.0), (Rounding::Sharp, 0.0), (wide, 5.0)]);
+        // Another form must gain clearly more.
+        let ramp = Rounding::Ramp(0.05);
+        better(&mut best, vec![all(ramp, [6.1, 2.9, 7.9])], ANOTHER_FORM);
+        assert_eq!(best, [(ramp, 6.1), (Rounding::Sharp, 0.0), (wide, 5.0)]);
+    }
+
+    #[test]
+    fn most_joints_are_of_one_form() {
+        let [a, b, c, d] = [Rounding::Tanh(0.01), Rounding::Ramp(0.3), Rounding::Tanh(0.03), Rounding::Tanh(0.02)];
+        assert_eq!(of_most_joints(&[a, b, c, d]), d);
+        assert_eq!(of_most_joints(&[a, b]), a);
     }
 }

@@ -45,14 +45,14 @@ impl<'a> Session<'a> {
         let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new() };
         let mut session = Session::unfitted(logs, model, criteria);
         // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine it.
-        let widths = match known.reference.is_empty() && passband.is_none() {
+        let rounding = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
             true => coulomb_width::likeliest(&session)?,
-            false => known.arm.coulomb_widths.clone(),
+            false => known.arm.coulomb_rounding.clone(),
         };
-        let known = known.with_coulomb_widths(widths);
+        let known = known.with_coulomb_rounding(rounding);
         let preparation = preparation.knowing(&known);
-        if known.arm.coulomb_widths != session.model.arm.coulomb_widths {
+        if known.arm.coulomb_rounding != session.model.arm.coulomb_rounding {
             [session.logs.train, session.logs.test] = preparation.data_sets(passband, &session.logs.cutoffs_hz)?;
             (session.model.arm, session.model.known) = (known.arm.clone(), known.clone());
         }

@@ -3,7 +3,7 @@
 use super::arm_parameters::Trust;
 use crate::channels::Channels;
 use crate::dynamics::{Chain, Motion, inverse_dynamics, mass_matrix};
-use crate::effects::{Along, Contribution, Placed, Site, contributions, direction};
+use crate::effects::{Along, Contribution, Placed, Rounding, Site, contributions};
 use crate::identification::model::Model;
 use crate::identification::standard::{ROTOR, STANDARD};
 use crate::robot::Robot;
@@ -22,19 +22,19 @@ pub struct Arm {
     chain: Chain,
     trust: Trust,
     /// Speed over which the dry friction of each joint changes its direction, rad/s or m/s: tanh(v / width); zero for the plain sign.
-    pub coulomb_widths: Vec<f64>,
+    pub coulomb_rounding: Vec<Rounding>,
 }
 
 impl Arm {
     /// The arm before anything is identified.
     pub fn new(robot: &Robot, trust: Trust) -> Self {
-        let coulomb_widths = vec![0.0; robot.dof()];
-        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, coulomb_widths }
+        let coulomb_rounding = vec![Rounding::Sharp; robot.dof()];
+        Arm { known: robot.clone(), found: robot.clone(), chain: Chain::new(robot), trust, coulomb_rounding }
     }
 
     /// The same with friction that changes its direction over some speed on each joint, rad/s or m/s.
-    pub fn with_coulomb_widths(self, coulomb_widths: Vec<f64>) -> Self {
-        Arm { coulomb_widths, ..self }
+    pub fn with_coulomb_rounding(self, coulomb_rounding: Vec<Rounding>) -> Self {
+        Arm { coulomb_rounding, ..self }
     }
 
     /// The arm as found.
@@ -120,7 +120,7 @@ impl Arm {
     /// What laws at a site ask about a motion. What rapier's step gets wrong depends on where each mass really is: in the description.
     pub fn laws_along<'a>(&'a self, site: Site, time: &'a [f64], motion: &'a Motion) -> Along<'a> {
         let robot = if site == Site::Integrator { &self.known } else { &self.found };
-        Along::turning_over(robot, &self.chain, time, motion, &self.coulomb_widths)
+        Along::turning_over(robot, &self.chain, time, motion, &self.coulomb_rounding)
     }
 
     /// Torque of effects along a motion, one each: that of laws at joints, on bodies and in the integrator, none of gears and sensors.
@@ -155,7 +155,7 @@ impl Arm {
             let moving = motor.qd.channel(joint).iter().zip(motor.qdd.channel(joint));
             for (value, (&v, &a)) in torque.channel_mut(joint).iter_mut().zip(moving) {
                 *value +=
-                    drive.armature * a + drive.viscous * v + drive.coulomb * direction(v, self.coulomb_widths[joint]);
+                    drive.armature * a + drive.viscous * v + drive.coulomb * self.coulomb_rounding[joint].direction(v);
             }
         }
         torque

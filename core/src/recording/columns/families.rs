@@ -166,6 +166,16 @@ fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
 }
 
 /// The joints of which a log holds positions.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, ColumnMap};
+///
+/// // Which joints a log has, from its header alone.
+/// let names = lenient::joint_names("../tests/reference/payload/before.csv", &[], &ColumnMap::default())?;
+/// assert_eq!((&names.names[..], names.numbered), (&["j1", "j2", "j3", "j4", "j5"].map(str::to_owned)[..], 0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct JointNames {
     /// Names in the order of the file; empty where the joints are numbered alone.

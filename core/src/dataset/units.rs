@@ -38,8 +38,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for OfJoints<T> {
 
 /// Unit of time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[allow(missing_docs, reason = "a unit says what it is")]
-pub enum TimeUnit {
+pub(super) enum TimeUnit {
     #[default]
     #[serde(rename = "s")]
     Second,

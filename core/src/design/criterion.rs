@@ -38,7 +38,7 @@ const SMALL: f64 = 1e-2;
 /// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
 /// # let limits = |velocity| [JointLimits { lower: -2.0, upper: 2.0, velocity, acceleration: 20.0 }];
 ///
-/// // Ten times slower, the same motion says less of the inertia: its worst standard deviation is larger.
+/// // A motion ten times slower determines the inertia less well: the worst standard deviation is larger.
 /// let experiment = Experiment::new(&pendulum, &[0.5], 100.0)?;
 /// let sizes = tauscope::design::criterion::sizes(experiment.beta(), &[""; 5]);
 /// let worst = |velocity| {

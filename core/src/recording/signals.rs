@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// use tauscope::channels::Channels;
 /// use tauscope::recording::Signals;
 ///
-/// // What simulated logs hold besides their measurements, under `Recording::truth`.
+/// // What simulated logs hold in addition to their measurements, under `Recording::truth`.
 /// let ramp = Channels::from_vectors(&[vec![0.0, 0.1, 0.2, 0.3]]);
 /// let none = Channels::zeros(1, 4);
 /// let truth = Signals { q: ramp, qd: none.clone(), qdd: none.clone(), tau: none };

@@ -114,7 +114,7 @@ fn length(signal: &[f64]) -> f64 {
 /// let moving = Slow::given(0.1).moving(&velocity, 5);
 /// assert_eq!(moving, [true, false, false, false, false, false, false, true, false, true]);
 ///
-/// // Where the velocity has noise, three standard deviations of it say nothing of the direction.
+/// // Within three standard deviations of its noise the sign of a velocity is not certain.
 /// assert!((Slow::new(&velocity, 0.01).uncertain - 0.03).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -44,6 +44,22 @@ pub struct OfSampling {
 }
 
 /// What was looked for.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// assert_eq!((diagnosis.scope.alpha, &diagnosis.scope.candidates[..]), (0.05, &["torque_ripple".to_owned()][..]));
+/// assert!(!diagnosis.scope.against_reference && diagnosis.scope.effective_tests > 1.0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Scope {
     /// Family-wise false-alarm rate.
@@ -61,6 +77,23 @@ pub struct Scope {
 }
 
 /// What the logs are, and how they were filtered.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Both logs were sampled at 50 Hz; all five joints have an equation.
+/// assert!(diagnosis.logs.rates_hz.iter().all(|rate| (rate - 50.0).abs() < 1e-6));
+/// assert_eq!((&diagnosis.logs.equations[..], diagnosis.logs.held_out_from_training), (&[true; 5][..], false));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LogSummary {
     /// Rates at which the logs were sampled, Hz, each once, the lowest first.
@@ -79,6 +112,25 @@ pub struct LogSummary {
 }
 
 /// Residuals of the models. Root mean squares are of means over 20 ms, per joint, N m (N).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Held-out residual of joint j2: noise < model with the ripples < baseline without them < torque.
+/// let errors = &diagnosis.errors;
+/// let [_, baseline] = &errors.baseline_rms;
+/// let ladder = [errors.noise_floor[1], errors.extended_test_rms[1], baseline[1], errors.test_torque_rms[1]];
+/// assert!(ladder.windows(2).all(|pair| pair[0] < pair[1]));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Errors {
     /// Standard deviation of the torque's noise.
@@ -101,6 +153,23 @@ pub struct Errors {
 }
 
 /// What was found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Verdict};
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+///
+/// // Friction with a ripple of seven periods a turn, which no description of an arm has.
+/// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// let diagnosis = answer.diagnosis().expect("the logs are good");
+/// assert_eq!(diagnosis.verdict, Verdict::Named);
+/// assert!(diagnosis.found.len() >= 2 && !diagnosis.next_experiment.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Diagnosis {
     /// The answer in a word.

@@ -19,6 +19,25 @@ pub const NOT_SIZED: &str =
     "the logs show that it is there, and not how its parameters share it: none differs significantly from zero";
 
 /// An effect that was found, in words and units.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // A ripple of friction on joint j2: its effect, its joint, how sure it is, and what it explains.
+/// let findings = answer.findings();
+/// let finding = findings.iter().find(|finding| finding.joints == ["j2"]).expect("it is found");
+/// assert_eq!((finding.effect, finding.alternatives.len()), ("torque_ripple", 0));
+/// assert!(finding.family_wise_p.is_some_and(|p| p < 1e-6));
+/// assert!(finding.test_rms_after_nm[1] < finding.test_rms_before_nm[1]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
     /// Name of the effect.
@@ -49,6 +68,25 @@ pub struct Finding {
 }
 
 /// Another effect that explains the logs as well as a finding.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+///
+/// // What else explains a finding as well, the likeliest first.
+/// let question = Diagnosis::of(&robot).train([&train]).test([&test]);
+/// let answer = question.candidates(["torque_offset", "friction_asymmetry"]).run()?;
+/// for finding in answer.findings() {
+///     let likelihoods: Vec<f64> = finding.alternatives.iter().map(|other| other.relative_likelihood).collect();
+///     assert!(likelihoods.windows(2).all(|pair| pair[0] >= pair[1]));
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct NamedAlternative {
     /// Name of the effect.
@@ -60,6 +98,24 @@ pub struct NamedAlternative {
 }
 
 /// A parameter of a finding.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // The ripple of joint j2 has seven periods a turn.
+/// let findings = answer.findings();
+/// let finding = findings.iter().find(|finding| finding.joints == ["j2"]).expect("it is found");
+/// let harmonic = finding.parameters.iter().find(|parameter| parameter.name == "harmonic").expect("a shape");
+/// assert!((harmonic.value - 7.0).abs() < 0.1 && harmonic.unit == "1/turn");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct NamedParameter {
     /// Its name.

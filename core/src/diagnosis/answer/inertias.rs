@@ -18,6 +18,27 @@ use crate::identification::effect_model::Trust;
 use crate::recording::Recording;
 
 /// What re-identified inertias gain on the held-out logs over those of the description.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Diagnosis;
+/// use tauscope::identification::effect_model::Trust;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+///
+/// // A description with all bodies half as heavy as they are. Its inertias are believed, and found wrong as a whole.
+/// let mut light = robot.clone();
+/// for joint in &mut light.joints {
+///     joint.inertia.0.iter_mut().for_each(|parameter| *parameter *= 0.5);
+/// }
+/// let answer = Diagnosis::of(&light).train([&train]).test([&test]).trust(Trust::Nominal).correct(false).run()?;
+/// let gain = answer.diagnosis().and_then(|diagnosis| diagnosis.inertias.as_ref()).expect("identified ones gain");
+/// assert!(gain.lower_bound > 0.1 && gain.rms[1][1] < gain.rms[0][1]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Gain {
     /// Lower bound (84 %) of the share of the whitened sum of squares.

@@ -11,6 +11,23 @@ use crate::quality::{UnitChanges, descriptions};
 use crate::robot::Robot;
 
 /// The answer of a diagnosis. It serialises as `diagnosis.json` has it, without the schema.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // The answer in a word, as findings, and as `diagnosis.json` has it.
+/// assert!(answer.findings().iter().any(|finding| finding.joints == ["j2"]));
+/// let json = serde_json::to_value(&answer).expect("it has a JSON form");
+/// assert_eq!((&json["verdict"], &json["robot"]), (&"named".into(), &"small_arm".into()));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Answer {
     /// The arm as described, its gravity corrected where the logs show another.
@@ -30,6 +47,24 @@ pub struct Answer {
 }
 
 /// What came of a diagnosis.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Outcome, Verdict};
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+///
+/// // A log in which no torque was recorded: faults of the data are an answer, and no error.
+/// let mut empty = train.clone();
+/// empty.tau.as_mut_slice().fill(0.0);
+/// let answer = Diagnosis::of(&robot).train([&empty]).test([&test]).run()?;
+/// assert!(matches!(answer.outcome, Outcome::Stopped) && answer.verdict() == Verdict::NotTestable);
+/// assert!(!answer.faults.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub enum Outcome {
     /// Faults of the data forbid an answer; [`Answer::faults`] has them.
@@ -39,6 +74,23 @@ pub enum Outcome {
 }
 
 /// A diagnosis with the model that comes out of it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // What was found, and the arm with it for a simulator.
+/// let conclusion = answer.conclusion().expect("the logs are good");
+/// assert_eq!(conclusion.extended()?.effects.len(), conclusion.diagnosis.found.len());
+/// assert!(conclusion.accounted_for.is_none() && conclusion.resimulation.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Conclusion {
     /// What was found.
@@ -54,6 +106,23 @@ pub struct Conclusion {
 }
 
 /// What was measured of the arm in addition to its model.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // What a simulation of the logs needs besides the model: rate, accelerations, noise (0.1 N m on joint j1).
+/// let measured = &answer.conclusion().expect("the logs are good").measured;
+/// assert!((measured.rate_hz - 50.0).abs() < 1e-6);
+/// assert!((measured.torque_noise[0] - 0.1).abs() < 0.03);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Rate of the logs, Hz.

@@ -3,6 +3,15 @@
 use serde::Serialize;
 
 /// Thresholds that decide whether an estimate is one that a machine can have and that its columns describe.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::EstimateCriteria;
+///
+/// // A parameter counts as different from zero from two standard deviations on.
+/// let (value, std) = (0.5, 0.2);
+/// assert!(value / std > EstimateCriteria::default().significant);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EstimateCriteria {
     /// Standard deviations by which an estimate may lie beyond a bound of its parameter.

@@ -3,6 +3,17 @@
 use serde::Serialize;
 
 /// Thresholds that decide which structure of the residual is reported as unexplained, and which findings it replaces.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Criteria, StructureCriteria};
+///
+/// // Report structure of the residual only where it is half of it, not a quarter, in root mean square.
+/// let structure = StructureCriteria { share_of_residual: 0.25, ..StructureCriteria::default() };
+/// let criteria = Criteria { structure, ..Criteria::default() };
+/// assert_eq!(Criteria::default().structure.share_of_residual.sqrt(), 0.25);
+/// assert_eq!(criteria.structure.share_of_residual.sqrt(), 0.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StructureCriteria {
     /// Share of alpha at which training and held-out logs together show structure, and at which the map of all logs does: generic functions

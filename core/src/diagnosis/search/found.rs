@@ -33,6 +33,24 @@ pub(super) fn in_the_end(rejected: Vec<Rejected>, found: &[Found]) -> Vec<Reject
 }
 
 /// An effect that was found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Friction of joint j2 has a ripple of seven periods a turn.
+/// let found = diagnosis.found.iter().find(|found| found.member.placed.joint == 1).expect("it is found");
+/// assert!(found.alternatives.is_empty() && found.withdrawn.is_none());
+/// assert!(found.family_wise_p < 1e-6 && found.rms[1][1] < found.rms[0][1]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Found {
     /// The effect in the model.

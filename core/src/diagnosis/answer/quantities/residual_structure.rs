@@ -13,6 +13,25 @@ const BLOCK: usize = 50;
 const WORTH_NAMING: f64 = 0.2;
 
 /// Where the residual of one joint lives.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // What the held-out residual of joint j2 follows, of the arm as described and of the extended model.
+/// let [described, extended] = &diagnosis.errors.structure;
+/// assert!(extended[1].rms_nm < described[1].rms_nm);
+/// let worst = described[1].worst.expect("there is a held-out log");
+/// assert_eq!(worst.log, 0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ResidualStructure {
     /// Root mean square, N m.

@@ -33,8 +33,8 @@ impl Dataset {
 /// // The description of a log whose torque has the wrong sign.
 /// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
 /// let named = Named { train: vec!["/logs/monday.csv".into()], ..Named::default() };
-/// let turned = Description::as_given(1, robot.gravity).with(Change::TorqueSign(0));
-/// let text = dataset::corrected(None, &named, &robot, &turned, UnitChanges::default())?;
+/// let reversed = Description::as_given(1, robot.gravity).with(Change::TorqueSign(0));
+/// let text = dataset::corrected(None, &named, &robot, &reversed, UnitChanges::default())?;
 /// assert!(text.contains("/logs/monday.csv") && text.contains("torque_sign = [-1"));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```

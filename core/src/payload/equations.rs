@@ -13,7 +13,7 @@ use nalgebra::DVector;
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::payload::Change;
 ///
-/// // What a joint may get between two logs besides a load; results name it in snake case.
+/// // What may change at a joint in addition to the load; results name it in snake case.
 /// assert_eq!(serde_json::to_value([Change::Offset, Change::Viscous, Change::Coulomb]).unwrap()[0], "offset");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

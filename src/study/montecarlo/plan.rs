@@ -18,7 +18,7 @@ const LARGEST_CHUNK: usize = 64;
 /// use tauscope::scenario::Setup;
 /// use tauscope::study::montecarlo::{Overrides, Plan};
 ///
-/// // What a command line says goes before the scenario's table.
+/// // What is given here replaces the entries of the scenario's table.
 /// let setup = Setup::load("tests/scenarios/montecarlo.toml", None)?;
 /// let plan = Plan::new(&setup, Overrides { trials: Some(5), ..Overrides::default() })?;
 /// assert_eq!((plan.spec.trials, &plan.spec.sg_windows[..]), (5, &[31][..]));

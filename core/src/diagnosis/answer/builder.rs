@@ -34,7 +34,7 @@ use std::time::Duration;
 /// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
 /// # let (train, test) = (log("before")?, log("nothing")?);
 ///
-/// // A question with a stricter level, two laws to look for, and a minute of time.
+/// // With a smaller alpha, two laws to look for, and a minute of time.
 /// let question = Diagnosis::of(&robot).train([("monday.csv", &train)]).test([("tuesday.csv", &test)]);
 /// let question = question.alpha(0.01).candidates(["torque_ripple", "backlash"]).budget(Duration::from_secs(60));
 /// let answer = question.run()?;

@@ -117,7 +117,7 @@ pub struct Conclusion {
 /// # let (train, test) = (log("before")?, log("nothing")?);
 /// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
 ///
-/// // What a simulation of the logs needs besides the model: rate, accelerations, noise (0.1 N m on joint j1).
+/// // What a simulation of the logs needs in addition to the model: rate, accelerations, noise (0.1 N m on joint j1).
 /// let measured = &answer.conclusion().expect("the logs are good").measured;
 /// assert!((measured.rate_hz - 50.0).abs() < 1e-6);
 /// assert!((measured.torque_noise[0] - 0.1).abs() < 0.03);

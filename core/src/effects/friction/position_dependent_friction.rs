@@ -18,7 +18,7 @@ use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, R
 /// #     robot: &robot, chain: &chain, frames: None,
 /// # };
 ///
-/// // Ac = 20 N m, As = 10 N m: at q = 0 only the cosine acts, and it turns its sign with the motion.
+/// // Ac = 20 N m, As = 10 N m: at q = 0 only the cosine acts, and its sign is that of the motion.
 /// for direction in [-1.0, 1.0] {
 ///     let moving = Instant { qd: &[direction], direction: &[direction], ..at_rest };
 ///     let mut torque = [0.0];

@@ -78,7 +78,7 @@ pub struct Log<'a> {
 /// # }
 /// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
 ///
-/// // 4 s of torque with a noise of 0.1 N m: the errors are what the covariance says.
+/// // 4 s of torque with a noise of 0.1 N m: the errors are as large as the covariance indicates.
 /// let model = Model::new(&pendulum);
 /// let truth = model.base().values(&Model::standard_values(&pendulum));
 /// let mut torque = fused::predicted(&model, &motion, &truth);

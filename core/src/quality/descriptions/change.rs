@@ -79,7 +79,7 @@ impl Change {
 /// use tauscope::quality::descriptions::{Change, Description};
 /// use tauscope::recording;
 ///
-/// // What a log says when the torques of its first two joints are taken for each other's, with one sign turned.
+/// // A log whose first two torques are exchanged, and one of them has the wrong sign.
 /// let mut log = recording::load("../tests/reference/payload/before.csv", None)?;
 /// let (first, second) = (log.tau.channel(0)[0], log.tau.channel(1)[0]);
 /// let given = Description::as_given(5, [0.0, 0.0, -9.81].into());

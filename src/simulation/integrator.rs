@@ -28,6 +28,7 @@ use super::plant::{Contact, Controller, Memory, Plant, Response, State};
 /// };
 /// assert!(lost(Integrator::Rk4)? < 1e-6 && lost(Integrator::RapierNative)? > 1e-4);
 /// # let _ = &mut robot;
+/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -59,7 +59,8 @@ pub struct Asked {
 /// use tauscope::identification::effect_model::Trust;
 ///
 /// // A joint that stands still in all logs is held where it stands. Here joint j5 does.
-/// let [urdf, log] = ["arm.urdf", "before.csv"].map(|file| format!("../tests/reference/payload/{file}").into());
+/// let file = |name| std::path::PathBuf::from(format!("../tests/reference/payload/{name}"));
+/// let (urdf, log) = (file("arm.urdf"), file("before.csv"));
 /// let mut arm = LoggedArm::open(&urdf, &Asked::default(), Trust::Structure, None, std::slice::from_ref(&log))?;
 /// let mut logs = [dataset::read_all(&[log], &arm.robot)?];
 /// logs[0][0].1.recording.q.channel_mut(4).fill(0.25);

@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 /// use tauscope::dataset;
 /// use tauscope::robot::{self, InertiaCheck};
 ///
-/// let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// let file = |log: &str| [PathBuf::from(format!("../tests/reference/payload/{log}.csv"))];
-/// let (train, test) = (file("before"), file("nothing"));
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let file = |log: &str| [PathBuf::from(format!("../tests/reference/pendulum/{log}.csv"))];
+/// let (train, test) = (file("train"), file("test"));
 /// let logs = dataset::ready([dataset::read_all(&train, &robot)?, dataset::read_all(&test, &robot)?], &robot)?;
 ///
 /// // Nothing is wrong with these two.

@@ -77,7 +77,7 @@ impl<const QUANTITY: usize> UnitOf<QUANTITY> {
 
 impl TimeUnit {
     /// Seconds per unit.
-    pub fn factor(self) -> f64 {
+    pub(super) fn factor(self) -> f64 {
         match self {
             TimeUnit::Second => 1.0,
             TimeUnit::Millisecond => 1e-3,

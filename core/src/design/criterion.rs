@@ -48,6 +48,7 @@ const SMALL: f64 = 1e-2;
 /// };
 /// assert!(worst(0.3)? > worst(3.0)?);
 /// assert_eq!(Criterion::named("hadamard", 0.0)?, Criterion::Hadamard);
+/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]

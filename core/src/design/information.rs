@@ -179,6 +179,7 @@ pub struct Samples {
 ///     Experiment::new(&pendulum, &[noise], 100.0)?.information(&motion, 100.0).standard_deviations());
 /// let (loud, quiet) = (deviations(0.5)?, deviations(0.25)?);
 /// assert!(loud.iter().zip(&quiet).all(|(loud, quiet)| (loud / quiet - 2.0).abs() < 1e-6));
+/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Experiment {

@@ -12,15 +12,15 @@ use std::time::{Duration, Instant};
 /// use tauscope::diagnosis::{Diagnosis, Progress};
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 ///
 /// // A first answer comes before the search for laws: what the residual follows.
 /// let (mut screened, mut mapped, mut found) = (false, false, 0);
 /// let watch = |progress| match progress {
 ///     Progress::Screened => screened = true,
-///     Progress::Map(map) => mapped = map.joints.len() == 5,
+///     Progress::Map(map) => mapped = map.joints.len() == 1,
 ///     Progress::Found(count) => found = count,
 /// };
 /// Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).progress(watch).run()?;

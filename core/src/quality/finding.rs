@@ -11,7 +11,7 @@
 /// use tauscope::quality::Severity;
 ///
 /// // One joint without torque is a warning, since the others can be used; none with torque is fatal.
-/// let worst = |read: &_| quality::examine(read, Some(&robot)).map(|report| report.findings[0].severity);
+/// let worst = |read: &_| quality::examine(read, None).map(|report| report.findings[0].severity);
 /// read.recording.tau.channel_mut(4).fill(0.0);
 /// assert_eq!(worst(&read)?, Severity::Warning);
 /// read.recording.tau.as_mut_slice().fill(0.0);
@@ -35,8 +35,8 @@ pub enum Severity {
 /// # extern crate tauscope_core as tauscope;
 /// # use tauscope::robot::{self, InertiaCheck};
 /// # use tauscope::{dataset, quality};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Required)?;
-/// # let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
 /// use tauscope::quality::Kind;
 ///
 /// // The clock stands still for a second.
@@ -106,7 +106,7 @@ pub enum Kind {
 ///
 /// // A log in which the torque of the last joint was not recorded.
 /// read.recording.tau.channel_mut(4).fill(0.0);
-/// let report = quality::examine(&read, Some(&robot))?;
+/// let report = quality::examine(&read, None)?;
 /// let finding = report.findings.iter().find(|finding| finding.kind == Kind::NoTorque).expect("it is noticed");
 /// assert!(finding.place.contains("j5") && finding.severity == Severity::Warning);
 /// assert!(finding.text.contains("it was not logged"));

@@ -30,9 +30,9 @@ use std::time::Duration;
 /// use tauscope::diagnosis::Diagnosis;
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 ///
 /// // With a smaller alpha, two laws to look for, and a minute of time.
 /// let question = Diagnosis::of(&robot).train([("monday.csv", &train)]).test([("tuesday.csv", &test)]);

@@ -26,9 +26,9 @@ const ROUNDING: f64 = 1e-6;
 /// # use tauscope::diagnosis::Diagnosis;
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 /// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
 ///
 /// // The arm with what was found, as a simulator takes it.
@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-6;
 /// assert!(model.robot.joints.iter().all(|joint| joint.inertia.physical_fault(1e-6).is_none()));
 ///
 /// // Its torque at rest at zero.
-/// assert_eq!(model.torque(&[0.0], &Motion::zeros(5, 1)).samples(), 1);
+/// assert_eq!(model.torque(&[0.0], &Motion::zeros(1, 1)).samples(), 1);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

@@ -38,9 +38,9 @@ const STRAYS: f64 = 5.0;
 ///         Engine { key: "exact", name: "inverse dynamics" }
 ///     }
 ///
-///     fn follow(&self, arm: &Robot, effects: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
+///     fn follow(&self, arm: &Robot, extra: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
 ///         let time: Vec<f64> = (0..motion.samples()).map(|k| start + k as f64 * period).collect();
-///         let model = ExtendedModel { robot: arm.clone(), effects: effects.to_vec() };
+///         let model = ExtendedModel { robot: arm.clone(), effects: extra.to_vec() };
 ///         Ok(Followed { torque: model.torque(&time, motion), q: motion.q.clone() })
 ///     }
 /// }
@@ -112,27 +112,27 @@ pub struct Followed {
 /// # use tauscope::diagnosis::Diagnosis;
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 /// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
 /// # use tauscope::diagnosis::ExtendedModel;
 /// # use tauscope::{dynamics::Motion, effects::Placed, error::Result, robot::Robot};
 /// # struct Exact;
 /// # impl Simulator for Exact {
 /// #     fn engine(&self, _: &Robot) -> Engine { Engine { key: "exact", name: "inverse dynamics" } }
-/// #     fn follow(&self, arm: &Robot, effects: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
+/// #     fn follow(&self, arm: &Robot, extra: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
 /// #         let time: Vec<f64> = (0..motion.samples()).map(|k| start + k as f64 * period).collect();
-/// #         let model = ExtendedModel { robot: arm.clone(), effects: effects.to_vec() };
+/// #         let model = ExtendedModel { robot: arm.clone(), effects: extra.to_vec() };
 /// #         Ok(Followed { torque: model.torque(&time, motion), q: motion.q.clone() })
 /// #     }
 /// # }
 ///
-/// // `Exact` simulates arms that follow every motion exactly. With the ripples it comes nearer to the held-out log.
+/// // `Exact` simulates arms that follow every motion exactly. With the ripple it comes nearer to the held-out log.
 /// let mut conclusion = answer.into_conclusion()?;
 /// let resimulation = conclusion.resimulate(Exact)?;
 /// assert_eq!(resimulation.engine.key, "exact");
-/// assert!(resimulation.extended_rms[1] < resimulation.baseline_rms[1] && resimulation.gain.value > 0.0);
+/// assert!(resimulation.extended_rms[0] < resimulation.baseline_rms[0] && resimulation.gain.value > 0.0);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone)]

@@ -13,13 +13,13 @@ use std::path::Path;
 /// use tauscope::diagnosis::GivenLog;
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 ///
 /// // A log with the name that faults and errors call it by, or without one.
 /// let (name, sieved) = GivenLog::from(("monday.csv", &train)).into_named(|| unreachable!());
-/// assert_eq!((&name[..], sieved.recording.samples()), ("monday.csv", 800));
+/// assert_eq!((&name[..], sieved.recording.samples()), ("monday.csv", 1000));
 /// assert_eq!(GivenLog::from(test).into_named(|| "test log 1".to_owned()).0, "test log 1");
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```

@@ -134,9 +134,9 @@ fn windows(logs: &[&Recording]) -> Vec<Parts> {
 /// use tauscope::diagnosis::Diagnosis;
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 ///
 /// // Without held-out logs, parts of the training logs are held out.
 /// let answer = Diagnosis::of(&robot).train([&train]).candidates(["torque_ripple"]).run()?;

@@ -21,13 +21,18 @@ const AROUND_CLIPPED_S: f64 = 0.04;
 /// use tauscope::dataset;
 /// use tauscope::diagnosis::{Consequence, screen};
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
 ///
-/// // A torque that was not logged costs its joint the equation, and stops no diagnosis.
-/// let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
-/// read.recording.tau.channel_mut(4).fill(0.0);
-/// let faults = screen("before.csv", read, &robot)?.faults;
+/// // A gap is left out or bridged. A position that is frozen for six seconds stops a diagnosis.
+/// let mut gap = read.clone();
+/// gap.recording.time[300..].iter_mut().for_each(|time| *time += 0.5);
+/// let faults = screen("monday.csv", gap, &robot)?.faults;
 /// assert!(faults.iter().all(|fault| fault.consequence != Consequence::Stops));
+///
+/// read.recording.q.channel_mut(0)[300..600].fill(0.2);
+/// let faults = screen("monday.csv", read, &robot)?.faults;
+/// assert!(faults.iter().any(|fault| fault.consequence == Consequence::Stops));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -51,14 +56,14 @@ pub enum Consequence {
 /// use tauscope::diagnosis::screen;
 /// use tauscope::quality::Kind;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
 ///
 /// // The clock stands still for half a second.
 /// read.recording.time[300..].iter_mut().for_each(|time| *time += 0.5);
-/// let faults = screen("before.csv", read, &robot)?.faults;
+/// let faults = screen("monday.csv", read, &robot)?.faults;
 /// let gap = faults.iter().find(|fault| fault.kind == Kind::Gap).expect("it is noticed");
-/// assert_eq!(gap.log, "before.csv");
+/// assert_eq!(gap.log, "monday.csv");
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -82,13 +87,13 @@ pub struct DataFault {
 /// use tauscope::dataset;
 /// use tauscope::diagnosis::screen;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
 ///
 /// // Five seconds are missing in the middle: the log is made ready in two pieces.
 /// read.recording.time[400..].iter_mut().for_each(|time| *time += 5.0);
-/// let screened = screen("before.csv", read, &robot)?;
-/// assert_eq!((&screened.name[..], screened.pieces.len()), ("before.csv", 2));
+/// let screened = screen("monday.csv", read, &robot)?;
+/// assert_eq!((&screened.name[..], screened.pieces.len()), ("monday.csv", 2));
 /// assert!(screened.verdict.is_none());
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```

@@ -16,11 +16,11 @@ use rayon::prelude::*;
 /// use tauscope::diagnosis::{Criteria, Diagnosis, Gate, Options};
 /// # use tauscope::recording;
 /// # use tauscope::robot::{self, InertiaCheck};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
-/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
-/// # let (train, test) = (log("before")?, log("nothing")?);
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
 ///
-/// // Only what is half of a joint's torque, or of what is missing, shall matter: the ripples do not.
+/// // Only what is half of a joint's torque, or twice what is missing, shall matter: the ripple does not.
 /// let criteria = Criteria { share_of_torque: 0.5, share_of_excess: 2.0, ..Criteria::default() };
 /// let options = Options { criteria, candidates: vec!["torque_ripple".to_owned()], ..Options::default() };
 /// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).options(options).run()?;

@@ -23,6 +23,7 @@ use crate::signal::Filter;
 /// let moving = |band: Band| prepare::measured(&log, smoothing, band).map(|log| log.moving(0));
 /// let samples = |band| Ok::<_, tauscope::error::Error>(moving(band)?.iter().filter(|moves| **moves).count());
 /// assert!(samples(Band::Given(0.5))? < samples(Band::Given(0.05))?);
+/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Band {

@@ -6,13 +6,18 @@ use super::change::{Change, Description};
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::quality::descriptions::{Alternative, Change, words};
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+/// use tauscope::quality::descriptions::Change;
 ///
-/// // What `Verdict::alternatives` and `Verdict::next` hold: changes, and how much torque stays unexplained under them.
-/// let next = Alternative { changes: vec![Change::AxisSign(0)], unexplained: 0.4 };
-/// let joints = ["hip".to_owned()];
-/// let text: Vec<String> = next.changes.iter().map(|&change| words(change, &joints)).collect();
-/// assert_eq!(text, ["position and torque of hip have the wrong sign"]);
+/// // Torque and position have opposite signs. On a single joint either may be the wrong one.
+/// read.recording.tau.channel_mut(0).iter_mut().for_each(|torque| *torque *= -1.0);
+/// let verdict = quality::examine(&read, Some(&robot))?.description.expect("the log is described wrongly");
+/// assert_eq!(verdict.description.changes, [Change::TorqueSign(0)]);
+/// assert_eq!(verdict.alternatives[0].changes, [Change::PositionSign(0)]);
+/// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
@@ -96,15 +101,15 @@ impl Spread {
 /// # extern crate tauscope_core as tauscope;
 /// # use tauscope::robot::{self, InertiaCheck};
 /// # use tauscope::{dataset, quality};
-/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Required)?;
-/// # let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
 /// use tauscope::quality::descriptions::Change;
 ///
-/// // A driver that reports the torque of joint 2 with the wrong sign.
-/// read.recording.tau.channel_mut(1).iter_mut().for_each(|torque| *torque *= -1.0);
-/// let verdict = quality::examine(&read, Some(&robot))?.description.expect("the logs are described wrongly");
-/// assert_eq!(verdict.description.changes, [Change::TorqueSign(1)]);
-/// assert!(verdict.after < 0.5 * verdict.before);
+/// // A driver that reports the torque with the wrong sign.
+/// read.recording.tau.channel_mut(0).iter_mut().for_each(|torque| *torque *= -1.0);
+/// let verdict = quality::examine(&read, Some(&robot))?.description.expect("the log is described wrongly");
+/// assert_eq!(verdict.description.changes, [Change::TorqueSign(0)]);
+/// assert!(verdict.after < 0.6 * verdict.before);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

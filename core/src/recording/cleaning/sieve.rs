@@ -20,10 +20,11 @@ const ABSURD_TIME: f64 = 1e19;
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = folder.path().join("log.csv");
 ///
-/// let rows = ["t,q1,tau1", "0.00,0.1,1.0", "0.01,0.2,nan", "0.02,0.3,1.2", "0.02,0.3,1.2", "0.03,0.4"];
-/// std::fs::write(&path, rows.join("\n")).unwrap();
-/// let causes = lenient::load(&path, None, &ColumnMap::default())?.rejected.into_iter().map(|row| row.cause);
-/// assert!(causes.eq([Cause::NotFinite, Cause::DuplicateTime, Cause::CutOff]));
+/// let rows = ["t,q1,tau1", "0.00,0.1,1.0", "0.01,0.2,nan", "0.02,0.3,1.2", "0.03,x,1.1", "0.04,0.5,1.2"];
+/// std::fs::write(&path, rows.join("\n") + "\n").unwrap();
+/// let rejected = lenient::load(&path, None, &ColumnMap::default())?.rejected;
+/// let causes: Vec<Cause> = rejected.iter().map(|row| row.cause).collect();
+/// assert_eq!(causes, [Cause::NotFinite, Cause::Unreadable]);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]

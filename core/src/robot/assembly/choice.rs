@@ -39,7 +39,7 @@ pub enum InertiaCheck {
 ///     hold: [("joint_1".to_owned(), 0.5)].into(),
 ///     ..Choice::default()
 /// };
-/// let arm = description::read("../urdf/irb1600_6_120.urdf")?.robot(&choice, InertiaCheck::Required)?;
+/// let arm = description::read("../urdf/irb1600_6_120.urdf".as_ref())?.robot(&choice, InertiaCheck::Required)?;
 /// assert_eq!(arm.joint_names(), ["joint_2", "joint_3"]);
 /// assert!(arm.held.contains(&("joint_1".to_owned(), 0.5)));
 /// # Ok::<(), tauscope::error::Error>(())

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::robot::description::{self, Motion};
 ///
-/// let file = description::read("../tests/reference/trees/two_finger.urdf")?;
+/// let file = description::read("../tests/reference/trees/two_finger.urdf".as_ref())?;
 /// let of = |motion| file.joints.iter().filter(|joint| joint.motion == motion).count();
 /// assert_eq!((of(Motion::Revolute), of(Motion::Prismatic), of(Motion::Fixed)), (4, 2, 3));
 /// # Ok::<(), tauscope::error::Error>(())
@@ -36,7 +36,7 @@ pub enum Motion {
 /// use tauscope::robot::description;
 ///
 /// // <joint name="finger_right_joint" ..> <mimic joint="finger_left_joint"/>
-/// let file = description::read("../tests/reference/trees/two_finger.urdf")?;
+/// let file = description::read("../tests/reference/trees/two_finger.urdf".as_ref())?;
 /// let mimic = file.joints.iter().find_map(|joint| joint.mimic.as_ref()).expect("a finger follows the other");
 /// assert_eq!((&mimic.master[..], mimic.multiplier, mimic.offset), ("finger_left_joint", 1.0, 0.0));
 /// # Ok::<(), tauscope::error::Error>(())
@@ -86,7 +86,7 @@ pub struct Missing {
 /// use tauscope::robot::description;
 ///
 /// // Every link of the file, whether or not it moves.
-/// let file = description::read("../tests/reference/pendulum.urdf")?;
+/// let file = description::read("../tests/reference/pendulum.urdf".as_ref())?;
 /// let names: Vec<&str> = file.links.iter().map(|link| &link.name[..]).collect();
 /// assert_eq!(names, ["stand", "rod"]);
 /// assert_eq!((file.links[1].inertia.mass(), &file.links[1].missing), (2.0, &None));
@@ -111,7 +111,7 @@ pub struct LinkDescription {
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::robot::{JointKind, description};
 ///
-/// let file = description::read("../tests/reference/pendulum.urdf")?;
+/// let file = description::read("../tests/reference/pendulum.urdf".as_ref())?;
 /// let pivot = &file.joints[0];
 /// assert_eq!((&pivot.name[..], pivot.kind()), ("pivot", Some(JointKind::Revolute)));
 /// assert_eq!((&file.links[pivot.parent].name[..], &file.links[pivot.child].name[..]), ("stand", "rod"));
@@ -161,7 +161,7 @@ impl JointDescription {
 /// use tauscope::robot::{Choice, InertiaCheck, description};
 ///
 /// // The file has 13 links and joints; which of them move is decided afterwards.
-/// let file = description::read("../tests/reference/trees/two_finger.urdf")?;
+/// let file = description::read("../tests/reference/trees/two_finger.urdf".as_ref())?;
 /// assert_eq!(file.links[file.root()].name, "world");
 ///
 /// let whole = file.robot(&Choice::default(), InertiaCheck::Required)?;

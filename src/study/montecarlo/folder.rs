@@ -64,10 +64,6 @@ pub struct Progress<'a> {
 /// assert_eq!(opened.trials(&study), 4);
 /// let finished = opened.run(&study, &Progress { done: &|_| (), stop: &stop }, &|_, _| String::new())?;
 /// assert!(finished.is_some() && path.join("summary.json").is_file());
-///
-/// // A folder that holds trials is gone on with only where that is asked for.
-/// assert!(StudyFolder::open(&path, &study, Shard::WHOLE, false).is_err());
-/// assert!(StudyFolder::open(&path, &study, Shard::WHOLE, true).is_ok());
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
 pub struct StudyFolder {

@@ -23,7 +23,7 @@ use crate::recording::Recording;
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::diagnosis::Gain;
 ///
-/// // As `Diagnosis::inertias` has it where the bodies of a description are far too light: two joints, before and after.
+/// // As `Diagnosis::inertias` has it where the described bodies are far too light: two joints, before and after.
 /// let gain = Gain { lower_bound: 0.98, rms: [vec![0.11, 1.54], vec![0.10, 0.13]] };
 /// let [before, after] = &gain.rms;
 /// assert!(after.iter().zip(before).all(|(after, before)| after < before));

@@ -6,11 +6,12 @@ use serde::Serialize;
 ///
 /// ```
 /// # extern crate tauscope_core as tauscope;
-/// use tauscope::diagnosis::EstimateCriteria;
+/// use tauscope::diagnosis::{Criteria, EstimateCriteria};
 ///
-/// // A parameter counts as different from zero from two standard deviations on.
-/// let (value, std) = (0.5, 0.2);
-/// assert!(value / std > EstimateCriteria::default().significant);
+/// // Columns of a law that is not linear in a parameter describe it up to half as much again, not up to twice as much.
+/// let estimate = EstimateCriteria { same_size: 1.5, ..EstimateCriteria::default() };
+/// let criteria = Criteria { estimate, ..Criteria::default() };
+/// assert!(criteria.estimate.same_size < Criteria::default().estimate.same_size);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EstimateCriteria {

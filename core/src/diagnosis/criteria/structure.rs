@@ -8,11 +8,10 @@ use serde::Serialize;
 /// # extern crate tauscope_core as tauscope;
 /// use tauscope::diagnosis::{Criteria, StructureCriteria};
 ///
-/// // Report structure of the residual only where it is half of it, not a quarter, in root mean square.
-/// let structure = StructureCriteria { share_of_residual: 0.25, ..StructureCriteria::default() };
+/// // Report a part of a joint's residual from half of its noise on, not from a quarter.
+/// let structure = StructureCriteria { clear: 0.5, ..StructureCriteria::default() };
 /// let criteria = Criteria { structure, ..Criteria::default() };
-/// assert_eq!(Criteria::default().structure.share_of_residual.sqrt(), 0.25);
-/// assert_eq!(criteria.structure.share_of_residual.sqrt(), 0.5);
+/// assert_eq!((criteria.structure.clear, Criteria::default().structure.clear), (0.5, 0.25));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StructureCriteria {

@@ -25,7 +25,7 @@ const WORTH_NAMING: f64 = 0.2;
 /// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
 /// # let diagnosis = answer.diagnosis().expect("the logs are good");
 ///
-/// // The held-out residual of the arm as described follows the position of the pivot; that of the extended model nothing.
+/// // As described, the held-out residual follows the position of the pivot; with what was found, it does not.
 /// let [described, extended] = &diagnosis.errors.structure;
 /// assert!(extended[0].rms_nm < 0.1 * described[0].rms_nm);
 /// assert!(described[0].follows.position > 0.8 && extended[0].follows.position < 0.1);

@@ -1,6 +1,19 @@
 //! Several signals over the same samples, laid out `[channel][time]`.
 
 /// A table of `channels` signals of `samples` values each; every signal is one contiguous run.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+///
+/// // Two joints over three samples; every signal is one slice.
+/// let mut q = Channels::from_vectors(&[vec![0.0, 0.1, 0.2], vec![1.0, 1.0, 1.0]]);
+/// assert_eq!((q.channels(), q.samples()), (2, 3));
+/// assert_eq!((q.channel(0), q.at(2)), (&[0.0, 0.1, 0.2][..], vec![0.2, 1.0]));
+///
+/// q.channel_mut(1)[0] = 0.5;
+/// assert_eq!(q.map(|_, signal| vec![signal.iter().sum()]).as_slice(), [0.1 + 0.2, 2.5]);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Channels {
     channels: usize,

@@ -6,6 +6,19 @@ use std::path::{Path, PathBuf};
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// What went wrong, where, and what to do about it. All of these are the caller's to correct (exit code 2).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::error::Error;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // Errors name the file, place or option, and say what to do.
+/// let missing = robot::load("no.urdf", InertiaCheck::Ignored).unwrap_err();
+/// assert!(matches!(missing, Error::Io { .. }) && missing.to_string().starts_with("no.urdf: cannot read"));
+///
+/// let own = Error::input("log.csv", Some(7), "tau2", "is empty; leave the row out");
+/// assert_eq!(own.to_string(), "log.csv:7: tau2: is empty; leave the row out");
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -9,6 +9,16 @@ use crate::simulation::sensors::JointSensors;
 use std::path::Path;
 
 /// An arm with its sensors and limits.
+///
+/// ```
+/// use tauscope::scenario::Arm;
+///
+/// // A scenario's arm with its limits and sensors; its motions are not read.
+/// let arm = Arm::load("tests/scenarios/pendulum.toml", None)?;
+/// assert_eq!((arm.known.dof(), arm.limits[0].acceleration), (1, 20.0));
+/// assert_eq!(arm.sensors[0].torque_noise, 0.05);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Arm {
     /// The scenario, with paths resolved.

@@ -6,6 +6,20 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One effect at work in the plant.
+///
+/// ```
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::scenario::EffectSpec;
+///
+/// // [[effect]] of a scenario; parameters that are left out have their typical values.
+/// let arm = robot::load("urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let (name, joint) = ("stribeck_friction".to_owned(), Some("joint_2".to_owned()));
+/// let spec = EffectSpec { name, joint, parameters: [("rise".to_owned(), 12.0)].into() };
+/// let placed = spec.place(&arm).expect("the library has it");
+/// assert_eq!((placed.joint, &placed.parameters[..]), (1, &[12.0, 0.15, 2.0][..]));
+/// assert!(EffectSpec { joint: None, ..spec }.place(&arm).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EffectSpec {

@@ -5,6 +5,17 @@ use crate::simulation::engine::EngineKind;
 use serde::{Deserialize, Serialize};
 
 /// A Monte Carlo study of a scenario. Every key has a default, and the table may be left out.
+///
+/// ```
+/// use tauscope::scenario::{MonteCarloSpec, Scenario};
+///
+/// // The table [montecarlo]; what it leaves out is as in the default.
+/// let scenario = Scenario::load("tests/scenarios/montecarlo.toml")?;
+/// let study = scenario.montecarlo.expect("it has the table");
+/// assert_eq!((study.trials, &study.sg_windows[..]), (12, &[31][..]));
+/// assert_eq!(study.plant_error, MonteCarloSpec::default().plant_error);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MonteCarloSpec {
@@ -53,6 +64,15 @@ impl Default for MonteCarloSpec {
 }
 
 /// Sensors of one noise level; what is left out stays as in `[sensors]`.
+///
+/// ```
+/// use tauscope::scenario::NoiseLevel;
+///
+/// // Better encoders, the torque noise of the scenario.
+/// let level = NoiseLevel { encoder_rad: Some(1e-6), torque_nm: None };
+/// assert!(level.is_possible());
+/// assert!(!NoiseLevel { torque_nm: Some(-1.0), ..level }.is_possible());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseLevel {

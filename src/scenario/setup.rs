@@ -19,6 +19,21 @@ const MOTION_COPY: &str = "motion.toml";
 const HELD_OUT_COPY: &str = "held_out.toml";
 
 /// Everything a run needs, checked against each other.
+///
+/// ```
+/// use tauscope::excitation::Reference;
+/// use tauscope::scenario::Setup;
+///
+/// // A scenario with its arm and two motions, drawn from its seed or from another one.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// assert_eq!((setup.motion.duration_s(), setup.held_out.duration_s()), (6.0, 4.0));
+/// assert_ne!(setup.motion, Setup::load("tests/scenarios/pendulum.toml", Some(8))?.motion);
+///
+/// // Friction of the drive is at work in the plant.
+/// let names: Vec<&str> = setup.effects.iter().map(|placed| placed.effect.about().name).collect();
+/// assert_eq!(names, ["viscous_friction", "coulomb_friction"]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Setup {
     /// The scenario, with paths resolved.

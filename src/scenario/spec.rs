@@ -14,6 +14,17 @@ use std::path::PathBuf;
 pub const SCHEMA: &str = "tauscope.scenario/1";
 
 /// Everything a run depends on.
+///
+/// ```
+/// use tauscope::scenario::Scenario;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// assert_eq!((&scenario.name[..], scenario.seed), ("pendulum", 7));
+///
+/// // A step of 1 ms, a log of 500 Hz: 6 s are 3001 samples of two steps each.
+/// assert_eq!((scenario.steps_per_sample(), scenario.samples(6.0)), (2, 3001));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
@@ -48,6 +59,16 @@ pub struct Scenario {
 }
 
 /// The arm a scenario is for.
+///
+/// ```
+/// use tauscope::scenario::Scenario;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// // The name guards against running a scenario on another arm.
+/// assert_eq!(scenario.robot.name, "pendulum");
+/// assert!(scenario.robot.urdf.ends_with("reference/pendulum.urdf") && scenario.robot.joints.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSpec {
@@ -71,6 +92,20 @@ pub struct RobotSpec {
 }
 
 /// The simulated arm.
+///
+/// ```
+/// use tauscope::scenario::{PerJoint, Scenario, Setup};
+/// use tauscope::simulation::integrator::Integrator;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// assert_eq!((scenario.plant.integrator, scenario.plant.step_s), (Integrator::Rk4, 1e-3));
+///
+/// // Friction that a scenario does not give is that of the robot's file.
+/// assert_eq!(scenario.plant.viscous_nms_rad, None::<PerJoint>);
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// assert_eq!(setup.plant.joints[0].drive.viscous, 0.4);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlantSpec {
@@ -90,6 +125,15 @@ pub struct PlantSpec {
 }
 
 /// Computed torque with PD feedback on an imperfect model.
+///
+/// ```
+/// use tauscope::scenario::Scenario;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// // Computed torque on a model that is wrong by up to 10 %.
+/// assert_eq!((scenario.controller.bandwidth_hz, scenario.controller.model_error), (5.0, 0.1));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerSpec {
@@ -103,6 +147,16 @@ pub struct ControllerSpec {
 }
 
 /// Limits of the motions. Position and velocity limits come from the URDF.
+///
+/// ```
+/// use tauscope::scenario::Scenario;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// // Motions keep to this; limits of position and speed are in the robot's file.
+/// assert_eq!(scenario.limits.acceleration_rad_s2.values(1), [20.0]);
+/// assert!(scenario.limits.workspace.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSpec {
@@ -114,6 +168,16 @@ pub struct LimitSpec {
 }
 
 /// Where a motion comes from: exactly one of the keys.
+///
+/// ```
+/// use tauscope::scenario::Scenario;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// // Drawn from the seed, not from a file: six moves in 6 s.
+/// let motion = scenario.motion.random.as_ref().expect("it is drawn");
+/// assert_eq!((motion.moves, motion.duration_s, &scenario.motion.file), (6, 6.0, &None));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionSpec {
@@ -126,6 +190,16 @@ pub struct MotionSpec {
 }
 
 /// Sensors of all joints.
+///
+/// ```
+/// use tauscope::scenario::Scenario;
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// // An encoder and a torque sensor at 500 Hz, and no tachometer.
+/// assert_eq!((scenario.sensors.rate_hz, scenario.sensors.torque_noise_nm.values(1)), (500.0, vec![0.05]));
+/// assert!(scenario.sensors.tachometer_noise_rad_s.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorSpec {
@@ -145,6 +219,18 @@ pub struct SensorSpec {
 }
 
 /// From measurements to parameters.
+///
+/// ```
+/// use tauscope::scenario::{IdentificationSpec, Scenario};
+///
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// assert_eq!(scenario.identification.fixed_window(500.0), 61);
+///
+/// // Left out, the window is 0.12 s at any rate.
+/// let open = IdentificationSpec { smoothing_window: None, ..scenario.identification };
+/// assert_eq!((open.fixed_window(500.0), open.fixed_window(1000.0)), (61, 121));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentificationSpec {

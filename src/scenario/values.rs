@@ -3,6 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 /// One value for all joints, or one per joint.
+///
+/// ```
+/// use tauscope::scenario::PerJoint;
+///
+/// assert_eq!(PerJoint::All(0.5).values(3), [0.5, 0.5, 0.5]);
+/// assert_eq!(PerJoint::Each(vec![3.0, 4.0]).values(2), [3.0, 4.0]);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "give a number, or a list with one number per joint")]
 pub enum PerJoint {
@@ -23,6 +30,15 @@ impl PerJoint {
 }
 
 /// A random sequence of rest-to-rest moves inside the limits.
+///
+/// ```
+/// use tauscope::scenario::{RandomMotion, Scenario};
+///
+/// // [held_out.random] of a scenario.
+/// let scenario = Scenario::load("tests/scenarios/pendulum.toml")?;
+/// assert_eq!(scenario.held_out.random, Some(RandomMotion { moves: 3, duration_s: 4.0 }));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RandomMotion {

@@ -6,6 +6,19 @@ use crate::error::Result;
 use crate::robot::Robot;
 
 /// Which forward dynamics a plant has.
+///
+/// ```
+/// use tauscope::scenario::{Setup, simulate_with};
+/// use tauscope::simulation::engine::EngineKind;
+///
+/// // The same motion under both: they agree to rounding.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let run = |engine| simulate_with(engine, &setup, &setup.held_out, &mut |_| ());
+/// let (rapier, recursive) = (run(EngineKind::Rapier)?, run(EngineKind::Recursive)?);
+/// let pairs = rapier.signals.tau.as_slice().iter().zip(recursive.signals.tau.as_slice());
+/// assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-6));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineKind {

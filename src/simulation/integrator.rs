@@ -4,6 +4,32 @@
 use super::plant::{Contact, Controller, Memory, Plant, Response, State};
 
 /// How the plant is stepped through time.
+///
+/// ```
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::{Controller, Plant, State};
+/// use tauscope::simulation::integrator::{Integrator, Run};
+/// # struct Off;
+/// # impl Controller for Off {
+/// #     fn torque(&self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) { tau.fill(0.0); }
+/// # }
+/// # let mut robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // A pendulum without friction and motor: its energy stays over 1 s of Runge-Kutta steps of 5 ms.
+/// let energy = |state: &State| 0.5 * 0.77 * state.qd[0].powi(2) - 9.81 * state.q[0].cos();
+/// let lost = |integrator| {
+///     let mut plant = Plant::new(&robot, Vec::new())?;
+///     let mut run = Run::new(&mut plant, &Off, State::new(vec![0.5], vec![0.0]));
+///     for k in 1..=200 {
+///         let now = run.response();
+///         run.advance(integrator, &now, 5e-3 * f64::from(k));
+///     }
+///     Ok::<_, tauscope::error::Error>((energy(run.state()) + 9.81 * 0.5f64.cos()).abs())
+/// };
+/// assert!(lost(Integrator::Rk4)? < 1e-6 && lost(Integrator::RapierNative)? > 1e-4);
+/// # let _ = &mut robot;
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
@@ -20,6 +46,29 @@ const REST: f64 = 1e-12;
 const MOST_EVENTS: usize = 32;
 
 /// The plant in motion: a state, the contacts of its joints and the response at the present instant.
+///
+/// ```
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::{Controller, Plant, State};
+/// use tauscope::simulation::integrator::{Integrator, Run};
+/// # struct Off;
+/// # impl Controller for Off {
+/// #     fn torque(&self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) { tau.fill(0.0); }
+/// # }
+/// # let mut robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // Let go at 0.1 rad without friction and motor, it is on the other side after pi sqrt((I + Ia) / m g l).
+/// let mut plant = Plant::new(&robot, Vec::new())?;
+/// let mut run = Run::new(&mut plant, &Off, State::new(vec![0.1], vec![0.0]));
+/// let half = std::f64::consts::PI * ((0.17 + 0.5 + 0.1f64) / 9.81).sqrt();
+/// for k in 1..=1000 {
+///     let now = run.response();
+///     run.advance(Integrator::Rk4, &now, 1e-3 * half * f64::from(k));
+/// }
+/// assert!((run.state().q[0] + 0.1).abs() < 1e-4);
+/// # let _ = &mut robot;
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct Run<'a> {
     plant: &'a mut Plant,
     controller: &'a dyn Controller,

@@ -11,6 +11,19 @@ use crate::error::{Error, Result};
 use crate::robot::Robot;
 
 /// Whether a joint slides, and which way, or is held by its dry friction.
+///
+/// ```
+/// use tauscope::effects::drive_friction;
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::{Contact, Plant};
+///
+/// // At rest the pivot sticks by its Coulomb friction; in motion it slides. Without friction it does neither.
+/// let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let plant = Plant::new(&robot, drive_friction(&robot))?;
+/// assert_eq!((plant.contacts(&[0.0]), plant.contacts(&[-0.2])), (vec![Contact::Stuck], vec![Contact::Backward]));
+/// assert_eq!(Plant::new(&robot, Vec::new())?.contacts(&[0.0]), [Contact::Free]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contact {
     /// Sliding towards positive positions.
@@ -24,6 +37,23 @@ pub enum Contact {
 }
 
 /// Position and velocity of all joints, on both sides of the gears.
+///
+/// ```
+/// use tauscope::effects::{JointElasticity, Placed};
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::{Plant, State};
+///
+/// // Motor and link are one where gears are rigid.
+/// let state = State::new(vec![0.5], vec![0.0]);
+/// assert_eq!(state.q, state.link_q);
+///
+/// // Behind a soft gear the rod hangs lower than its motor stands.
+/// let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let gear = Placed { effect: &JointElasticity, joint: 0, parameters: vec![0.01] };
+/// let resting = Plant::new(&robot, vec![gear])?.resting(vec![0.5]);
+/// assert!(resting.link_q[0] < resting.q[0] - 0.02);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// Motor positions.
@@ -44,6 +74,26 @@ impl State {
 }
 
 /// What happens at one instant: motor torque, accelerations and friction.
+///
+/// ```
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::{Controller, Plant, State};
+/// # struct Off;
+/// # impl Controller for Off {
+/// #     fn torque(&self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) { tau.fill(0.0); }
+/// # }
+/// # let mut robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // Let go at a quarter turn, its motor off: -m g l / (I + Ia).
+/// let mut plant = Plant::new(&robot, Vec::new())?;
+/// let state = State::new(vec![std::f64::consts::FRAC_PI_2], vec![0.0]);
+/// let (memory, contacts) = (plant.fresh_memory(), plant.contacts(&state.qd));
+/// let response = plant.respond(0.0, &state, &memory, &contacts, &Off);
+/// assert_eq!(response.tau, [0.0]);
+/// assert!((response.qdd[0] + 9.81 / 0.77).abs() < 1e-6);
+/// # let _ = &mut robot;
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// Motor torque.
@@ -57,6 +107,26 @@ pub struct Response {
 }
 
 /// Motor torque as a function of time and state.
+///
+/// ```
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::{Controller, Plant, State};
+///
+/// /// A spring to zero, with a damper.
+/// struct Spring;
+///
+/// impl Controller for Spring {
+///     fn torque(&self, _: f64, q: &[f64], qd: &[f64], tau: &mut [f64]) {
+///         tau[0] = -40.0 * q[0] - 2.0 * qd[0];
+///     }
+/// }
+/// let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let mut plant = Plant::new(&robot, Vec::new())?;
+/// let state = State::new(vec![0.1], vec![0.5]);
+/// let (memory, contacts) = (plant.fresh_memory(), plant.contacts(&state.qd));
+/// assert_eq!(plant.respond(0.0, &state, &memory, &contacts, &Spring).tau, [-5.0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub trait Controller {
     /// Torque of all joints at time `t` for motor positions `q` and velocities `qd`.
     fn torque(&self, t: f64, q: &[f64], qd: &[f64], tau: &mut [f64]);
@@ -66,6 +136,20 @@ pub trait Controller {
 pub type Memory = Vec<Vec<f64>>;
 
 /// The arm and everything that acts on it but the motors.
+///
+/// ```
+/// use tauscope::effects::{JointElasticity, Placed, drive_friction};
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::plant::Plant;
+///
+/// // An arm with the friction of its drives, and a soft gear at joint 2.
+/// let robot = robot::load("urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let mut effects = drive_friction(&robot);
+/// effects.push(Placed::typical(&JointElasticity, 1));
+/// let plant = Plant::new(&robot, effects)?;
+/// assert_eq!((plant.dof(), plant.is_rigid(0), plant.is_rigid(1)), (6, true, false));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct Plant {
     pub(super) arm: Engine,
     effects: Vec<Placed>,

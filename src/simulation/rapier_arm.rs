@@ -17,6 +17,19 @@ use rapier3d::pipeline::PhysicsWorld;
 const VANISHING_STEP_S: f64 = 1e-20;
 
 /// A robot built as a rapier multibody on a fixed base.
+///
+/// ```
+/// use tauscope::robot::{self, InertiaCheck};
+/// use tauscope::simulation::rapier_arm::RapierArm;
+///
+/// // A pendulum let go at a quarter turn: -m g l / (I + Ia).
+/// let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let (mut arm, mut qdd) = (RapierArm::new(&robot)?, [0.0]);
+/// arm.forward_dynamics(&[std::f64::consts::FRAC_PI_2], &[0.0], &[0.0], &mut qdd);
+/// assert!((qdd[0] + 9.81 / 0.77).abs() < 1e-6);
+/// assert!((arm.response(0)[0] - 1.0 / 0.77).abs() < 1e-6);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct RapierArm {
     world: PhysicsWorld,
     /// The base, then one body per joint.

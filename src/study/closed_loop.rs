@@ -19,6 +19,24 @@ use std::sync::{Arc, Mutex};
 const TRIED: usize = 20;
 
 /// The arm with any parameters under its controller, along one reference.
+///
+/// ```
+/// use tauscope::identification::model::Model;
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::closed_loop::ClosedLoop;
+///
+/// // The pendulum with its own parameters under its controller, along the motion of 6 s.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let model = Model::new(&setup.known);
+/// let beta = model.base().values(&Model::standard_values(&setup.known));
+/// let motion = ClosedLoop::new(&setup, &model, &setup.motion).motion(&beta)?;
+/// assert_eq!((motion.joints(), motion.samples()), (1, 3001));
+///
+/// // No arm has an inertia below zero.
+/// let impossible: Vec<f64> = beta.iter().map(|value| -value).collect();
+/// assert!(ClosedLoop::new(&setup, &model, &setup.motion).motion(&impossible).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct ClosedLoop<'a> {
     setup: Setup,
     model: &'a Model,
@@ -101,7 +119,7 @@ pub fn with_base_parameters(robot: &Robot, model: &Model, beta: &[f64]) -> Robot
 }
 
 /// A [`ClosedLoop`] with one measured log.
-pub struct Alongside<'a> {
+pub(crate) struct Alongside<'a> {
     /// The simulated arm.
     pub arm: &'a ClosedLoop<'a>,
     /// The log, with its filter and torque.

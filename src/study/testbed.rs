@@ -14,6 +14,20 @@ use crate::simulation::Truth;
 use std::time::Instant;
 
 /// Which signals an identification sees.
+///
+/// ```
+/// use tauscope::identification::model::Model;
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::testbed::{self, Variant};
+///
+/// // Perfect sensors give the parameters but for integration error; real ones add their noise.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let (runs, model) = (testbed::record(&setup, &mut |_| ())?, Model::new(&setup.known));
+/// let identify = |variant| testbed::identify(&setup, &model, &runs, variant);
+/// let error = |variant| identify(variant).map(|scored| scored.score.torque_std_held_out_nm[0]);
+/// assert!(error(Variant::Exact)? < 0.01 * error(Variant::SavitzkyGolay)?);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Variant {
@@ -44,6 +58,18 @@ impl Variant {
 }
 
 /// A motion as it was simulated and as it was measured.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::testbed;
+///
+/// // What happened, and what the sensors made of it: torque with a noise of 0.05 N m.
+/// let run = testbed::record(&Setup::load("tests/scenarios/pendulum.toml", None)?, &mut |_| ())?.training;
+/// let pairs = run.recording.tau.channel(0).iter().zip(run.truth.signals.tau.channel(0));
+/// let power = pairs.map(|(measured, true_)| (measured - true_).powi(2)).sum::<f64>() / run.recording.samples() as f64;
+/// assert!((power.sqrt() - 0.05).abs() < 0.005);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Run {
     /// What happened.
@@ -53,6 +79,18 @@ pub struct Run {
 }
 
 /// The two runs of a scenario.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::testbed;
+///
+/// // Both motions of a scenario: 6 s to identify from, 4 s to judge by.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let runs = testbed::record(&setup, &mut |_| ())?;
+/// let samples = [runs.training.recording.samples(), runs.held_out.recording.samples()];
+/// assert_eq!((samples, testbed::samples(&setup)), ([3001, 2001], 5002));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Runs {
     /// The motion that is identified from.
@@ -62,6 +100,22 @@ pub struct Runs {
 }
 
 /// An identification and how close it came.
+///
+/// ```
+/// use tauscope::study::testbed::{self, Variant};
+/// # use tauscope::identification::model::Model;
+/// # use tauscope::scenario::Setup;
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (runs, model) = (testbed::record(&setup, &mut |_| ())?, Model::new(&setup.known));
+///
+/// // An identification of a simulated pendulum from measured signals.
+/// let scored = testbed::identify(&setup, &model, &runs, Variant::SavitzkyGolay)?;
+/// assert_eq!(scored.estimate.beta.len(), 5);
+///
+/// // The residual is the sensor's noise, of which smoothing takes off a part.
+/// assert!(scored.residual_rms[0] < 0.05);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Scored {
     /// Which signals it saw.
@@ -81,6 +135,22 @@ pub struct Scored {
 }
 
 /// Distance from the truth.
+///
+/// ```
+/// use tauscope::study::testbed::{self, Variant};
+/// # use tauscope::identification::model::Model;
+/// # use tauscope::scenario::Setup;
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (runs, model) = (testbed::record(&setup, &mut |_| ())?, Model::new(&setup.known));
+///
+/// // The identified model predicts the torque of the other motion far better than the sensor measures it (0.05 N m).
+/// let score = testbed::identify(&setup, &model, &runs, Variant::SavitzkyGolay)?.score;
+/// assert!(score.torque_std_held_out_nm[0] < 0.02);
+///
+/// // The first moment along x is zero; all other parameters are exact to one percent.
+/// assert!(score.relative_errors[1..].iter().all(|error| error.abs() < 0.01));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Score {
     /// (2 / p) sum |beta - est| / (|beta| + |est|) over the base parameters.

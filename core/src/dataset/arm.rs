@@ -28,6 +28,19 @@ const CURE: &str = "put it under study with --joints, or say where it stands in 
 type Elsewhere = (Vec<(String, f64)>, Vec<String>);
 
 /// The joints asked for on the command line.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset::arm::{Asked, LoggedArm};
+/// use tauscope::identification::effect_model::Trust;
+///
+/// // Two joints of six are under study; the others are held.
+/// let asked = Asked { joints: Some(vec!["joint_2".to_owned(), "joint_3".to_owned()]), ..Asked::default() };
+/// let arm = LoggedArm::open("../urdf/irb1600_6_120.urdf".as_ref(), &asked, Trust::Structure, None, &[])?;
+/// assert_eq!(arm.robot.joint_names(), ["joint_2", "joint_3"]);
+/// assert_eq!(arm.robot.held.len(), 4);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Asked {
     /// Names of the joints under study.
@@ -39,6 +52,23 @@ pub struct Asked {
 }
 
 /// An arm with its file, from which it can be made again with more joints held.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset::{self, arm::{Asked, LoggedArm}};
+/// use tauscope::identification::effect_model::Trust;
+///
+/// // A joint that stands still in all logs is held where it stands. Here joint j5 does.
+/// let file = |name| std::path::PathBuf::from(format!("../tests/reference/payload/{name}"));
+/// let (urdf, log) = (file("arm.urdf"), file("before.csv"));
+/// let mut arm = LoggedArm::open(&urdf, &Asked::default(), Trust::Structure, None, std::slice::from_ref(&log))?;
+/// let mut logs = [dataset::read_all(&[log], &arm.robot)?];
+/// logs[0][0].1.recording.q.channel_mut(4).fill(0.25);
+/// arm.settle(None, &mut logs)?;
+/// assert_eq!((arm.robot.dof(), &arm.robot.held[..]), (4, &[("j5".to_owned(), 0.25)][..]));
+/// assert_eq!(logs[0][0].1.recording.joints(), 4);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LoggedArm {
     /// The arm: mounted, under the gravity asked for.

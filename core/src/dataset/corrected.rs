@@ -22,6 +22,22 @@ impl Dataset {
 }
 
 /// Files of a description that is not written yet.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset::{self, Named};
+/// use tauscope::quality::UnitChanges;
+/// use tauscope::quality::descriptions::{Change, Description};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // The description of a log whose torque has the wrong sign.
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let named = Named { train: vec!["/logs/monday.csv".into()], ..Named::default() };
+/// let reversed = Description::as_given(1, robot.gravity).with(Change::TorqueSign(0));
+/// let text = dataset::corrected(None, &named, &robot, &reversed, UnitChanges::default())?;
+/// assert!(text.contains("/logs/monday.csv") && text.contains("torque_sign = [-1"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Named {
     /// The file of the arm.

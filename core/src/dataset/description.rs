@@ -5,6 +5,28 @@ use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// A description of logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset::Dataset;
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("dataset.toml");
+/// # std::fs::write(folder.path().join("a.csv"), "ms,e1,i1\n0,9000,1.5\n4,18000,-0.5\n8,18000,1.0\n").unwrap();
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // Encoder degrees and currents of a motor behind a gear of 100, with stamps in milliseconds.
+/// std::fs::write(&path, r#"schema = "tauscope.dataset/1"
+/// train = [{ file = "a.csv" }]
+/// columns = { time = "ms", q = ["e1"], tau = ["i1"] }
+/// units = { time = "ms", position = "deg", torque = "A" }
+/// motors = { gear_ratio = 100, torque_constant_nm_a = 0.2, position_at = "motor" }"#).unwrap();
+/// let dataset = Dataset::load(&path)?;
+/// let log = dataset.read(&dataset.files()[0], &robot)?.recording;
+/// assert!((log.q.channel(0)[0] - 90f64.to_radians()).abs() < 1e-12);
+/// assert!((log.tau.channel(0)[0] - 1.5 * 0.2 * 100.0).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dataset {
     pub(super) path: PathBuf,

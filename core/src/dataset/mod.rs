@@ -74,4 +74,3 @@ pub use description::Dataset;
 pub use read::{read, read_all};
 pub use ready::{Logs, plain, ready};
 pub use spec::SCHEMA;
-pub use units::TimeUnit;

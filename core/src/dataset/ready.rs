@@ -11,6 +11,23 @@ use crate::robot::Robot;
 use std::path::{Path, PathBuf};
 
 /// Logs made ready, in SI units at the joints and at even steps, with what had to be done to them.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use std::path::PathBuf;
+/// use tauscope::dataset;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let file = |log: &str| [PathBuf::from(format!("../tests/reference/pendulum/{log}.csv"))];
+/// let (train, test) = (file("train"), file("test"));
+/// let logs = dataset::ready([dataset::read_all(&train, &robot)?, dataset::read_all(&test, &robot)?], &robot)?;
+///
+/// // Nothing is wrong with these two.
+/// assert_eq!((logs.train.len(), logs.test.len()), (1, 1));
+/// assert!(logs.correction.is_none() && logs.units.is_none() && !logs.torque_is_scaled);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Logs {
     /// Training logs.

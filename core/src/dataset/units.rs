@@ -38,8 +38,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for OfJoints<T> {
 
 /// Unit of time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[allow(missing_docs, reason = "a unit says what it is")]
-pub enum TimeUnit {
+pub(super) enum TimeUnit {
     #[default]
     #[serde(rename = "s")]
     Second,
@@ -78,7 +77,7 @@ impl<const QUANTITY: usize> UnitOf<QUANTITY> {
 
 impl TimeUnit {
     /// Seconds per unit.
-    pub fn factor(self) -> f64 {
+    pub(super) fn factor(self) -> f64 {
         match self {
             TimeUnit::Second => 1.0,
             TimeUnit::Millisecond => 1e-3,

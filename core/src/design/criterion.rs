@@ -28,6 +28,28 @@ pub const KAPPA_WEIGHT: f64 = 0.15;
 const SMALL: f64 = 1e-2;
 
 /// What a motion is judged by; see the module for the definitions.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::Criterion;
+/// use tauscope::design::information::Experiment;
+/// use tauscope::excitation::{JointLimits, random_sequence::random_sequence};
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let limits = |velocity| [JointLimits { lower: -2.0, upper: 2.0, velocity, acceleration: 20.0 }];
+///
+/// // A motion ten times slower determines the inertia less well: the worst standard deviation is larger.
+/// let experiment = Experiment::new(&pendulum, &[0.5], 100.0)?;
+/// let sizes = tauscope::design::criterion::sizes(experiment.beta(), &[""; 5]);
+/// let worst = |velocity| {
+///     let motion = random_sequence(1, "motion", 0, 4, 8.0, &limits(velocity))?;
+///     let information = experiment.information(&motion, 100.0);
+///     Ok::<_, tauscope::error::Error>(Criterion::WorstDeviation.value(&information, &sizes))
+/// };
+/// assert!(worst(0.3)? > worst(3.0)?);
+/// assert_eq!(Criterion::named("hadamard", 0.0)?, Criterion::Hadamard);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Criterion {

@@ -25,6 +25,23 @@ const SEARCH_MARGIN_M: f64 = 0.01;
 const SEARCH_MARGIN_EFFORT: f64 = 0.02;
 
 /// The space the arm may use, in the base frame.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::{Envelope, Workspace};
+/// use tauscope::excitation::JointLimits;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A floor at the height of the base, and a column around it. The arm at zero is clear of both.
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let limits = vec![JointLimits { lower: -0.5, upper: 0.5, velocity: 2.0, acceleration: 10.0 }; 6];
+/// let workspace = Workspace { floor_m: 0.0, column_radius_m: 0.35, column_top_m: 0.7 };
+/// assert!(Envelope::new(&arm, &limits, Some(workspace)).is_ok());
+///
+/// // Where motions start it must be, so that a floor above the arm is refused.
+/// assert!(Envelope::new(&arm, &limits, Some(Workspace { floor_m: 2.0, ..workspace })).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Workspace {
@@ -94,6 +111,24 @@ pub struct Clearance {
 }
 
 /// The limits of an arm.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::Envelope;
+/// use tauscope::excitation::{JointLimits, random_sequence::random_sequence};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let mut pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }];
+/// let motion = random_sequence(1, "motion", 0, 4, 6.0, &limits)?;
+/// let clearance = Envelope::new(&pendulum, &limits, None)?.check(&motion)?;
+/// assert!(clearance.effort_used < 1.0);
+///
+/// // A weaker drive cannot follow it.
+/// pendulum.joints[0].limits.effort = 0.5 * clearance.effort_used * pendulum.joints[0].limits.effort;
+/// assert!(Envelope::new(&pendulum, &limits, None)?.check(&motion).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Envelope {
     robot: Robot,

@@ -25,6 +25,25 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 pub(super) const SINGULAR: f64 = 1e-12;
 
 /// Information about the base parameters from some rows; adding two of them joins the logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::{Experiment, Information};
+/// use tauscope::excitation::{JointLimits, random_sequence::random_sequence};
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }];
+/// # let motion = random_sequence(1, "motion", 0, 4, 6.0, &limits)?;
+///
+/// // Two logs of a motion halve the variances of the base parameters, all of which it separates.
+/// let once = Experiment::new(&pendulum, &[0.5], 100.0)?.information(&motion, 100.0);
+/// assert_eq!(once.rank(), once.parameters());
+/// let twice = once.clone().joined(&once);
+/// let ratio = once.standard_deviations()[0] / twice.standard_deviations()[0];
+/// assert!((ratio - 2f64.sqrt()).abs() < 1e-6);
+/// assert_eq!(Information::none(5).rank(), 0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Information {
     /// G, symmetric, one row per base parameter.
@@ -113,6 +132,26 @@ impl Information {
 }
 
 /// Samples of a motion with the torque it takes, as [`Experiment::scan`] hands them out.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::Experiment;
+/// use tauscope::excitation::{JointLimits, Reference, random_sequence::random_sequence};
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }];
+/// # let motion = random_sequence(1, "motion", 0, 4, 6.0, &limits)?;
+///
+/// // The largest torque of the motor along a motion, on the way to its information.
+/// let (mut largest, mut seen) = (0f64, 0);
+/// Experiment::new(&pendulum, &[0.5], 100.0)?.scan(&motion, 100.0, &mut |samples| {
+///     seen += samples.time.len();
+///     largest = samples.torque.channel(0).iter().fold(largest, |largest, torque| largest.max(torque.abs()));
+/// });
+/// assert_eq!(seen, 601);
+/// assert!(largest > 5.0 && largest < pendulum.joints[0].limits.effort);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Samples {
     /// Times, s.
@@ -124,6 +163,24 @@ pub struct Samples {
 }
 
 /// An arm with its torque sensors: what turns a motion into information.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::Experiment;
+/// use tauscope::excitation::{JointLimits, random_sequence::random_sequence};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }];
+/// let motion = random_sequence(1, "motion", 0, 4, 6.0, &limits)?;
+///
+/// // Half the torque noise, half the standard deviation of every base parameter.
+/// let deviations = |noise| Ok::<_, tauscope::error::Error>(
+///     Experiment::new(&pendulum, &[noise], 100.0)?.information(&motion, 100.0).standard_deviations());
+/// let (loud, quiet) = (deviations(0.5)?, deviations(0.25)?);
+/// assert!(loud.iter().zip(&quiet).all(|(loud, quiet)| (loud / quiet - 2.0).abs() < 1e-6));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Experiment {
     chain: Chain,

@@ -22,6 +22,24 @@ pub struct Worth {
 }
 
 /// A criterion on an arm with its sensors and limits.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::design::{Criterion, Envelope, Experiment, Problem};
+/// use tauscope::excitation::{JointLimits, random_sequence::random_sequence};
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }];
+///
+/// // What a motion is worth to identify a pendulum by: less is better.
+/// let (experiment, envelope) = (Experiment::new(&pendulum, &[0.5], 100.0)?, Envelope::new(&pendulum, &limits, None)?);
+/// let problem = Problem::new(experiment, envelope, Criterion::ConditionNumber, 100.0, 0.03)?;
+/// let (information, violation) = problem.observe(&random_sequence(1, "motion", 0, 4, 8.0, &limits)?);
+/// let worth = problem.worth(&information, violation);
+/// assert!(worth.violation.is_none());
+/// assert!((worth.value - Criterion::ConditionNumber.value(&information, problem.sizes())).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Problem {
     /// The arm with its torque sensors.

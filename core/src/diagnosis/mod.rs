@@ -57,6 +57,20 @@ use crate::identification::effect_model::Trust;
 const ROUNDING: f64 = 1e-9;
 
 /// What to look for, and with which false-alarm rate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Options;
+/// use tauscope::identification::effect_model::Trust;
+///
+/// // Two laws alone, with the inertias of the description believed.
+/// let candidates = ["backlash", "stribeck_friction"].map(str::to_owned).to_vec();
+/// let options = Options { trust: Trust::Nominal, candidates, ..Options::default() };
+/// assert!(options.check().is_ok() && options.alpha == 0.05);
+///
+/// let refused = Options { candidates: vec!["backlsh".to_owned()], ..options }.check().unwrap_err();
+/// assert!(refused.to_string().contains("did you mean `backlash`?"));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Whether the inertias of the description are believed, or estimated.

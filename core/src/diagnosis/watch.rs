@@ -6,6 +6,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How far a diagnosis has come.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Progress};
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+///
+/// // A first answer comes before the search for laws: what the residual follows.
+/// let (mut screened, mut mapped, mut found) = (false, false, 0);
+/// let watch = |progress| match progress {
+///     Progress::Screened => screened = true,
+///     Progress::Map(map) => mapped = map.joints.len() == 1,
+///     Progress::Found(count) => found = count,
+/// };
+/// Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).progress(watch).run()?;
+/// assert!(screened && mapped && found > 0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Progress {
     /// The logs are screened; the arm is fitted to them.

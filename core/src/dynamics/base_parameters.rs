@@ -27,6 +27,19 @@ const NEGLIGIBLE: f64 = 1e-9;
 const ROUNDING: f64 = 1e-9;
 
 /// One base parameter as a sum of standard parameters.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::model::Model;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // Torque of a pendulum shows the inertias of rod and rotor only as a sum.
+/// let model = Model::new(&robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?);
+/// let sum = model.base().groupings().iter().find(|grouping| grouping.terms.len() == 2).expect("there is one");
+/// let members: Vec<&str> = sum.terms.iter().map(|&(standard, _)| &model.names()[standard][..]).collect();
+/// assert_eq!((&sum.name[..], &members[..]), ("Iyy1 + Ia1", &["Iyy1", "Ia1"][..]));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Grouping {
     /// The sum in words: "Izz1 + Ia1 + 0.0225 m2".
@@ -44,6 +57,22 @@ pub struct Grouping {
 /// other kept columns, as under rounded angles and small tilts, the others take its parameter into their sums, as if it depended on them
 /// altogether, and its own column is what the combination leaves of it ([`BaseParameters::merged`]). So no two columns are
 /// nearly dependent, and the sums of a tilted arm are those of the same arm without the tilt.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use nalgebra::dmatrix;
+/// use tauscope::dynamics::BaseParameters;
+///
+/// // Three columns at random states; the third is twice the first.
+/// let observation = dmatrix![1.0, 0.0, 2.0; 0.0, 1.0, 0.0; 1.0, 1.0, 2.0];
+/// let base = BaseParameters::new(&observation, &["a", "b", "c"].map(str::to_owned));
+/// assert_eq!((base.len(), base.kept()), (2, &[0, 1][..]));
+/// assert_eq!(base.groupings()[0].name, "a + 2 c");
+///
+/// // beta = K phi.
+/// let beta = base.values(&[1.0, 5.0, 3.0]);
+/// assert!((beta[0] - 7.0).abs() < 1e-12 && (beta[1] - 5.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
     kept: Vec<usize>,

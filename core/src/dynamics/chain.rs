@@ -22,6 +22,22 @@ struct JointGeometry {
 }
 
 /// Geometry and gravity of an arm, prepared for the batched kernels.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::{Chain, inverse_dynamics_at};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // Geometry and gravity are prepared once; the inertias are given with every call.
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let (chain, inertial) = (Chain::new(&robot), robot.inertial_parameters());
+/// let hold = |chain: &Chain| inverse_dynamics_at(chain, &inertial, &[1.0], &[0.0], &[0.0])[0];
+///
+/// // On the moon it takes less torque to hold the rod.
+/// let moon = chain.clone().with_gravity([0.0, 0.0, -1.62]);
+/// assert!((hold(&moon) / hold(&chain) - 1.62 / 9.81).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Chain {
     joints: Vec<JointGeometry>,

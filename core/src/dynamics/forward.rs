@@ -11,6 +11,21 @@ use crate::lane::{Kernel, Lane, Lanes};
 use crate::robot::PARAMETERS;
 
 /// Equations of motion M qdd + h = tau at one state, M factored as L D L'.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::{Chain, EquationsOfMotion};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A pendulum let go at a quarter turn, its motor off: -m g l / (I + Ia).
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let (q, qd) = ([std::f64::consts::FRAC_PI_2], [0.0]);
+/// let equations = EquationsOfMotion::new(&Chain::new(&robot), &robot.inertial_parameters(), &[0.1], &q, &qd);
+/// let inertia = 0.17 + 2.0 * 0.5 * 0.5 + 0.1;
+/// assert!((equations.accelerations(&[0.0])[0] + 2.0 * 9.81 * 0.5 / inertia).abs() < 1e-9);
+/// assert!((equations.response(0)[0] - 1.0 / inertia).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct EquationsOfMotion<L = f64> {
     links: Vec<LinkState<L>>,

@@ -6,6 +6,21 @@ use crate::channels::Channels;
 use crate::lane::{Kernel, Lane, Lanes};
 
 /// A point that moves with a link.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::dynamics::{Chain, Point, coordinates};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // The end of a rod of 1 m: below the pivot at zero, to its side after a quarter turn.
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let q = Channels::from_vectors(&[vec![0.0, std::f64::consts::FRAC_PI_2]]);
+/// let end = coordinates(&Chain::new(&robot), &q, &[Point { link: 0, place: [0.0, 0.0, -1.0] }]);
+/// assert!((end.channel(2)[0] + 1.0).abs() < 1e-12);
+/// assert!((end.channel(0)[1].abs() - 1.0).abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// The body, counted from 0 in the order of [`crate::robot::Robot::body`]; its frame is that of the joint that carries it.

@@ -29,6 +29,21 @@ use crate::channels::Channels;
 use std::ops::Range;
 
 /// Positions, velocities and accelerations of all joints over time; each is `[joint][time]`.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::dynamics::{Chain, Motion, inverse_dynamics};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A pendulum held in two poses, and its torque in them: m g l sin q.
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let motion = Motion::at_rest(Channels::from_vectors(&[vec![0.0, 1.0]]));
+/// let torque = inverse_dynamics(&Chain::new(&robot), &robot.inertial_parameters(), &motion);
+/// let expected = [0.0, 2.0 * 9.81 * 0.5 * 1f64.sin()];
+/// assert!(torque.channel(0).iter().zip(expected).all(|(torque, expected)| (torque - expected).abs() < 1e-9));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
     /// Positions, rad or m.

@@ -41,6 +41,24 @@ pub fn regressor_in(lanes: Lanes, chain: &Chain, motion: &Motion) -> Channels {
 }
 
 /// Which entries of the regressor are wanted, and in which row of a table they belong.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::dynamics::{Chain, Entries, Lanes, Motion};
+/// use tauscope::robot::{self, InertiaCheck, SYMBOLS};
+///
+/// // Of a pendulum only the column of mx, the first moment along x, in row 0 of a table.
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let (chain, motion) = (Chain::new(&robot), Motion::at_rest(Channels::from_vectors(&[vec![0.0, 0.5]])));
+/// let only = Entries::new(&chain, |_, _| SYMBOLS.map(|symbol| (symbol == "mx").then_some(0)));
+/// let mut column = [0.0; 2];
+/// only.write(Lanes::best(), &chain, &motion, 0..2, &mut column);
+///
+/// // Gravity turns it by -g cos q.
+/// assert!((column[0] + 9.81).abs() < 1e-9 && (column[1] + 9.81 * 0.5f64.cos()).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Entries {
     /// Rows of the ten parameters, by link and joint.

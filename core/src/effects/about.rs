@@ -1,6 +1,17 @@
 //! The entry of an effect in the catalogue: what it is, where it acts, its parameters, its rivals.
 
 /// Where an effect can be placed.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, Scope};
+///
+/// // Coupling is between a joint and the next one: on six joints there are five places for it.
+/// let scope = effects::find("joint_coupling")?.about().scope;
+/// assert_eq!(scope, Scope::Pair);
+/// assert_eq!(scope.places(6), 0..5);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {
@@ -24,6 +35,16 @@ impl Scope {
 }
 
 /// Where an effect acts.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{LIBRARY, Site};
+///
+/// // Effects that no change of the arm brings about, only one of what is logged.
+/// let sensors = LIBRARY.iter().filter(|effect| effect.about().site == Site::Sensor);
+/// let names: Vec<&str> = sensors.map(|effect| effect.about().name).collect();
+/// assert!(names.contains(&"torque_gain") && names.contains(&"encoder_offset"));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Site {
@@ -40,6 +61,17 @@ pub enum Site {
 }
 
 /// How a parameter enters.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, Role};
+///
+/// // tau = (Fs - Fc) exp(-(|v|/vs)^delta) sign(v): linear in the rise; vs is searched; delta is one of two forms.
+/// let law = effects::find("stribeck_friction")?;
+/// let roles: Vec<Role> = law.parameters().iter().map(|parameter| parameter.role).collect();
+/// assert_eq!(roles, [Role::Amplitude, Role::Shape, Role::Held]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -54,6 +86,16 @@ pub enum Role {
 }
 
 /// One parameter of an effect.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects;
+///
+/// let parameter = &effects::find("backlash")?.parameters()[0];
+/// assert_eq!((parameter.name, parameter.symbol, parameter.unit), ("half_gap", "b", "rad"));
+/// assert!((parameter.lower..=parameter.upper).contains(&parameter.typical));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Parameter {
     /// Name in scenarios and results: "rise".
@@ -73,6 +115,20 @@ pub struct Parameter {
 }
 
 /// Entry of an effect in the catalogue.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, Scope, Site};
+///
+/// let about = effects::find("coulomb_friction")?.about();
+/// assert_eq!(about.equation, "tau = Fc sign(v); |tau| <= Fc at standstill");
+/// assert_eq!((about.site, about.scope, about.dry), (Site::Joint, Scope::Joint, true));
+///
+/// // A misspelt name gets a hint.
+/// let refused = effects::find("colomb_friction").err().expect("there is none");
+/// assert!(refused.to_string().contains("did you mean `coulomb_friction`?"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct About {
     /// Its name in scenarios, results and tests; also its file's.
@@ -100,6 +156,16 @@ pub struct About {
 }
 
 /// What sets a law apart when it is looked for in logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{LIBRARY, Nature};
+///
+/// // What every model of an arm has, and what comes and goes on its own.
+/// let of = |nature| LIBRARY.iter().filter(move |law| law.about().nature == nature).map(|law| law.about().name);
+/// assert!(of(Nature::Baseline).eq(["coulomb_friction", "rotor_inertia", "viscous_friction"]));
+/// assert!(of(Nature::Event).eq(["external_contact"]));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Nature {
@@ -126,6 +192,16 @@ pub enum Nature {
 }
 
 /// What base parameters take of an effect.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, Hidden};
+///
+/// // Identified inertias take up a payload altogether: it shows only against trusted inertias or a reference log.
+/// assert_eq!(effects::find("payload")?.about().hidden_by_base_parameters, Hidden::Wholly);
+/// assert_eq!(effects::find("backlash")?.about().hidden_by_base_parameters, Hidden::No);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Hidden {
@@ -138,6 +214,17 @@ pub enum Hidden {
 }
 
 /// An effect easily taken for another.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects;
+///
+/// // What is easily taken for backlash, and what separates the two.
+/// let rival = effects::find("backlash")?.about().rivals[0];
+/// assert_eq!(rival.name, "joint_elasticity");
+/// assert!(rival.how_to_tell.starts_with("elasticity moves the link in proportion to the load"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Rival {
     /// The other effect.

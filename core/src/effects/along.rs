@@ -7,6 +7,24 @@ use crate::robot::{Pose, Robot};
 use std::sync::OnceLock;
 
 /// A known motion with all that laws may ask about it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::dynamics::{Chain, Motion};
+/// use tauscope::effects::{Along, CoulombFriction, Placed, contribution};
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // A joint that turns forwards, stops and turns back. Over a width of 0.01 rad/s the sign of the velocity is smooth.
+/// let (chain, mut motion) = (Chain::new(&robot), Motion::zeros(1, 3));
+/// motion.qd = Channels::from_vectors(&[vec![0.5, 0.0, -0.5]]);
+/// let along = Along::new(&robot, &chain, &[0.0, 0.1, 0.2], &motion, 0.01);
+///
+/// let friction = Placed { effect: &CoulombFriction, joint: 0, parameters: vec![4.0] };
+/// assert_eq!(contribution(&[friction], &along).channel(0), [4.0, 0.0, -4.0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct Along<'a> {
     /// The arm as it is known.
     pub robot: &'a Robot,
@@ -53,6 +71,21 @@ impl<'a> Along<'a> {
 }
 
 /// A torque along a motion, held for the joints on which it acts: most laws act on one.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::effects::Contribution;
+///
+/// // A torque on the second of two joints, over two samples.
+/// let torque = Contribution::from(Channels::from_vectors(&[vec![0.0, 0.0], vec![1.0, 2.0]]));
+/// assert_eq!((torque.on(0), torque.on(1)), (None, Some(&[1.0, 2.0][..])));
+///
+/// // Half of it is taken off.
+/// let mut sum = Channels::from_vectors(&[vec![9.0, 9.0], vec![9.0, 9.0]]);
+/// torque.add_to(-0.5, &mut sum);
+/// assert_eq!(sum.channel(1), [8.5, 8.0]);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Contribution {
     joints: Vec<Option<Vec<f64>>>,

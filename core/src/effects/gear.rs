@@ -2,6 +2,17 @@
 
 /// A gear whose torque is K (twist + T d twist/dt) outside a dead zone of +- `half_gap`, twist = motor - link position
 /// seen at the joint (Spong 1987; Nordin and Gutman 2002 for the dead zone).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::Gear;
+///
+/// // A gear of 100 kN m/rad with 2 mrad of play, behind one without play.
+/// let gear = Gear { compliance: 1e-5, half_gap: 1e-3 }.in_series(Gear { compliance: 1e-5, half_gap: 0.0 });
+/// assert_eq!(gear.torque(0.5e-3, 0.0), 0.0);
+/// assert!((gear.torque(3e-3, 0.0) - 100.0).abs() < 1e-9);
+/// assert!((gear.twist(100.0) - 3e-3).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gear {
     /// Compliance 1/K, rad/(N m).

@@ -7,6 +7,26 @@ use crate::dynamics::Chain;
 use crate::robot::{Pose, Robot};
 
 /// The state of the arm at one instant, as a law sees it. All slices have one entry per joint.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::Chain;
+/// use tauscope::effects::{Effect, Instant, JointSpring, ViscousFriction};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let (q, qd, qdd, direction, load) = (&[0.5], &[2.0], &[0.0], &[1.0], &[0.0]);
+/// let chain = Chain::new(&robot);
+/// let [t, started] = [0.0, 0.0];
+/// let state = Instant { t, started, q, qd, qdd, direction, load, robot: &robot, chain: &chain, frames: None };
+///
+/// // Laws add their torque to what is there: 10 N m/rad at 0.5 rad, then 3 N m s/rad at 2 rad/s.
+/// let mut torque = [0.0];
+/// JointSpring.torque(&[10.0, 0.0], 0, &state, &[], &mut torque);
+/// ViscousFriction.torque(&[3.0], 0, &state, &[], &mut torque);
+/// assert_eq!(torque, [11.0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Instant<'a> {
     /// Time, s.
@@ -35,6 +55,22 @@ pub struct Instant<'a> {
 ///
 /// `p` holds its parameters in the order of [`Effect::parameters`]; `joint` is where it is placed (the first of a pair;
 /// zero for the whole arm).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{self, DriveParameter, LIBRARY};
+///
+/// // What a law is called, what it takes, and what it is to a drive.
+/// let law = effects::find("viscous_friction")?;
+/// let parameter = &law.parameters()[0];
+/// assert_eq!((law.about().equation, parameter.unit), ("tau = Fv v", "N m s/rad"));
+/// assert_eq!(law.of_drive(), Some(DriveParameter::Viscous));
+///
+/// // Laws of gears have no torque of their own: they are between motor and link.
+/// let gears = LIBRARY.iter().filter(|law| law.gear(&[1e-3]).is_some());
+/// assert!(gears.map(|law| law.about().name).eq(["backlash", "joint_elasticity"]));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub trait Effect: Sync {
     /// Its entry in the catalogue.
     fn about(&self) -> &'static About;

@@ -5,6 +5,17 @@ use super::law::Effect;
 use crate::robot::Robot;
 
 /// An effect at work on a joint, with its parameters.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Placed, StribeckFriction};
+///
+/// let placed = Placed::typical(&StribeckFriction, 1);
+/// assert_eq!((placed.joints(), &placed.parameters[..]), (vec![1], &[25.0, 0.15, 2.0][..]));
+///
+/// // Without the rise the effect is not there, whatever its shape.
+/// assert_eq!(placed.absent().parameters, [0.0, 0.15, 2.0]);
+/// ```
 #[derive(Clone)]
 pub struct Placed {
     /// The law.

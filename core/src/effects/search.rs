@@ -1,6 +1,15 @@
 //! How a fit looks for the parameters of a law that are not linear, and quantities that follow from its parameters.
 
 /// Where the values of a parameter that is not linear are looked for.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Search, StribeckFriction, TimeDelay};
+///
+/// // The Stribeck velocity (parameter 1) is a low speed; a delay is a shift of signals.
+/// assert_eq!(StribeckFriction.search(1), Search::LowSpeed);
+/// assert_eq!(TimeDelay.search(0), Search::Shift);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Search {
     /// Between its bounds: in equal ratios where they are positive and far apart, else in equal steps.
@@ -30,6 +39,15 @@ pub(crate) fn varies_by_factors(low: f64, high: f64) -> bool {
 }
 
 /// A parameter that every drive has, in the order of a joint's standard parameters.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{CoulombFriction, DriveParameter, Effect, StribeckFriction};
+///
+/// // Coulomb friction is a part of every drive; a Stribeck rise is one that a drive may lack.
+/// assert_eq!(CoulombFriction.of_drive(), Some(DriveParameter::Coulomb));
+/// assert_eq!(StribeckFriction.of_drive(), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveParameter {
     /// Inertia of the rotor at the joint's side of the gear, kg m2 (kg).
@@ -41,6 +59,19 @@ pub enum DriveParameter {
 }
 
 /// What practitioners call a function of an effect's parameters: a payload's mass, the angle of a tilt.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{BaseTilt, Effect};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A tilt is described by two angles; what practitioners ask for is the one between base and floor.
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let tilt = BaseTilt.derived(&[0.03, -0.04], 0, &arm)[0];
+/// assert_eq!((tilt.name, tilt.unit), ("tilt", "rad"));
+/// assert!((tilt.value - 0.05).abs() < 1e-4);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Derived {
     /// Its name.

@@ -15,6 +15,22 @@ use crate::error::{Error, Result};
 use crate::random;
 
 /// A map from the box [-1, 1]^n onto motions inside the limits it was made with.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::random_sequence::FreudensteinEncoding;
+/// use tauscope::excitation::{Encoding, JointLimits, Reference};
+///
+/// // What a search works on: every point of a box is a motion inside the limits.
+/// let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }; 2];
+/// let encoding = FreudensteinEncoding::new(&limits, 4, 6.0)?;
+/// assert_eq!(encoding.dimension(), 2 * (3 + 4));
+///
+/// let motion = encoding.decode(&[0.7; 14]);
+/// let peaks = motion.peaks(0).expect("the law gives bounds");
+/// assert!(limits[0].used(&peaks) <= 1.0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub trait Encoding: Send + Sync {
     /// Number of unknowns n.
     fn dimension(&self) -> usize;

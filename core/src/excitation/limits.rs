@@ -14,6 +14,21 @@ use crate::robot::JointKind;
 const ROUNDING: f64 = 1e-12;
 
 /// Limits of one joint.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::random_sequence::random_sequence;
+/// use tauscope::excitation::{JointLimits, Reference};
+///
+/// let limits = JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 };
+/// limits.validate("elbow")?;
+/// let motion = random_sequence(1, "motion", 0, 4, 6.0, &[limits])?;
+/// assert!(limits.used(&motion.peaks(0).expect("the law gives bounds")) <= 1.0);
+///
+/// // Motions start at rest at zero, which limits must leave free.
+/// assert!(JointLimits { lower: 0.5, ..limits }.validate("elbow").is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointLimits {

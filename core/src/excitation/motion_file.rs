@@ -37,6 +37,26 @@ use crate::error::{Error, Result, line_at};
 pub(crate) const SCHEMA: &str = "tauscope.motion/1";
 
 /// A motion with the arm it is meant for.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::{MotionFile, Reference};
+///
+/// let text = r#"
+/// schema = "tauscope.motion/1"
+/// robot = "bench"
+/// joints = ["pan"]
+/// kind = "freudenstein"
+/// data = { duration_s = 3.0, joints = [{ duration_s = [1.0, 2.0], via = [0.4] }] }
+/// "#;
+/// let file = MotionFile::parse("motion.toml", text)?;
+/// assert_eq!((file.motion.kind(), file.motion.duration_s()), ("freudenstein", 3.0));
+///
+/// // It comes back exactly, and only for the joints that it was made for.
+/// assert_eq!(MotionFile::parse("motion.toml", &file.to_toml()?)?, file);
+/// assert!(file.for_arm("bench", &["tilt"]).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionFile {
     /// Name of the robot.

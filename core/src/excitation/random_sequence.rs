@@ -11,6 +11,22 @@ use super::{JointLimits, Motion};
 use crate::error::Result;
 
 /// Sequences of equally many moves per joint; see the module for the unknowns.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::random_sequence::FreudensteinEncoding;
+/// use tauscope::excitation::{JointLimits, Reference};
+///
+/// // Three moves of 10 s each: to half the upper limit, to the lower limit, back to zero.
+/// let limits = [JointLimits { lower: -1.0, upper: 3.0, velocity: 2.0, acceleration: 10.0 }];
+/// let motion = FreudensteinEncoding::new(&limits, 3, 30.0)?.decode_sequence(&[0.5, -1.0, 0.0, 0.0, 0.0]);
+/// let (mut q, mut qd, mut qdd) = ([0.0], [0.0], [0.0]);
+/// motion.at(10.0, &mut q, &mut qd, &mut qdd);
+/// assert!((q[0] - 2.0).abs() < 1e-9 && qd[0].abs() < 1e-9);
+/// motion.at(20.0, &mut q, &mut qd, &mut qdd);
+/// assert!((q[0] + 1.0).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct FreudensteinEncoding {
     limits: Vec<JointLimits>,

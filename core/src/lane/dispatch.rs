@@ -35,6 +35,24 @@ enum Kind {
 }
 
 /// Lanes that this machine has: a value of this type says that the processor was asked.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::dynamics::{Chain, Lanes, Motion, inverse_dynamics_in};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // What this machine has, the scalar ones first. All give the same torque to rounding.
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let motion = Motion::at_rest(Channels::from_vectors(&[(0..20).map(|k| 0.1 * f64::from(k)).collect()]));
+/// let torque = |lanes| inverse_dynamics_in(lanes, &Chain::new(&robot), &robot.inertial_parameters(), &motion);
+/// let scalar = torque(Lanes::scalar());
+/// for lanes in Lanes::available() {
+///     let same = torque(lanes).as_slice().iter().zip(scalar.as_slice()).all(|(a, b)| (a - b).abs() < 1e-9);
+///     assert!(same, "{} lanes of {}", lanes.width(), lanes.name());
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lanes(Kind);
 

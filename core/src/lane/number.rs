@@ -6,6 +6,19 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 pub(crate) const WIDEST: usize = 8;
 
 /// A number, or a row of numbers that are computed alike. The kernels are written once over this trait.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::Lane;
+///
+/// // Torque of gravity on a pendulum, written once for one sample and for several side by side.
+/// fn torque<L: Lane>(q: L) -> L {
+///     let (sine, _) = q.sin_cos();
+///     L::splat(9.81) * sine
+/// }
+/// assert!((torque(std::f64::consts::FRAC_PI_2) - 9.81).abs() < 1e-12);
+/// assert_eq!(<f64 as Lane>::WIDTH, 1);
+/// ```
 pub trait Lane:
     Copy
     + Add<Output = Self>

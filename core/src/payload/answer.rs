@@ -11,6 +11,24 @@ pub const PAYLOAD_SCHEMA: &str = "tauscope.payload/1";
 pub const SCALED_BY: &str = "as exact as the torque constants: 1 % of gain is 1 % of mass";
 
 /// A number with its standard error.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// let (before, after) = (log("before")?, log("after")?);
+/// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
+///
+/// // 1.5 kg were put on the flange, 90 mm in front of it.
+/// let [mass, z] = [load.mass_kg, load.center_m[2]].map(|quantity| quantity.expect("the motions determine it"));
+/// assert!((mass.value - 1.5).abs() < 3.0 * mass.standard_error);
+/// assert!((z.value - 0.09).abs() < 3.0 * z.standard_error);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Quantity {
     /// The number.
@@ -20,6 +38,23 @@ pub struct Quantity {
 }
 
 /// How the load was found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Estimator;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// // Both logs follow one motion, so that differences at equal states cancel what no model has.
+/// let (before, after) = (log("before")?, log("after")?);
+/// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
+/// assert_eq!(load.estimator, Estimator::Difference);
+/// assert!(load.matched_share > 0.5);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Estimator {
@@ -30,6 +65,22 @@ pub enum Estimator {
 }
 
 /// Whether there is a load.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Verdict;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// let (before, after, nothing) = (log("before")?, log("after")?, log("nothing")?);
+/// let load = |after| Payload::between(&robot).before([&before]).after([after]).run();
+/// assert_eq!(load(&after)?.verdict, Verdict::Load);
+/// assert_eq!(load(&nothing)?.verdict, Verdict::NoLoad);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -46,6 +97,16 @@ pub enum Verdict {
 }
 
 /// What changed at a joint besides the load.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::{Change, Changed, Quantity};
+///
+/// // As `Payload::changed` has it: between the logs the torque of joint j1 has got an offset, beyond doubt.
+/// let (joint, change) = ("j1".to_owned(), Quantity { value: 2.0, standard_error: 0.1 });
+/// let changed = Changed { joint, what: Change::Offset, change, unit: "N m" };
+/// assert!(changed.change.value > 4.0 * changed.change.standard_error);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Changed {
     /// Name of the joint.
@@ -59,6 +120,24 @@ pub struct Changed {
 }
 
 /// What one joint shows of the load.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// let (before, after) = (log("before")?, log("after")?);
+/// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
+///
+/// // Joint j2 carries the load: its torque there is far above what stays unexplained, and the share is near one.
+/// let shoulder = &load.joints[1];
+/// let share = shoulder.share.expect("it is large enough");
+/// assert!(shoulder.load > 3.0 * shoulder.residual && (share.value - 1.0).abs() < 0.1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointShare {
     /// Name of the joint.
@@ -74,6 +153,25 @@ pub struct JointShare {
 }
 
 /// The load found by the other estimator.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Estimator;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// // The load was found from differences at equal states; a fit of arm and load to all rows finds the same mass.
+/// let (before, after) = (log("before")?, log("after")?);
+/// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
+/// let other = load.other.expect("there are data for both");
+/// assert_eq!(other.estimator, Estimator::JointFit);
+/// let mass = other.mass_kg.expect("it determines the mass");
+/// assert!((mass.value - 1.5).abs() < 0.1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Other {
     /// Which one.
@@ -85,6 +183,23 @@ pub struct Other {
 }
 
 /// The load found compared with the one expected.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Expected;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// let (before, after) = (log("before")?, log("after")?);
+/// let load = Payload::between(&robot).before([&before]).after([&after]).expected(Expected::mass(2.5)?).run()?;
+/// let comparison = load.expected.as_ref().expect("a mass was expected");
+/// assert!(!comparison.agrees && !load.is_as_expected());
+/// assert_eq!(comparison.mass_kg, 2.5);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Expected mass, kg.
@@ -98,6 +213,22 @@ pub struct Comparison {
 }
 
 /// The load added between logs. What the logs do not determine is none here, and a sentence of `not_determined`.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Verdict;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// let (before, after) = (log("before")?, log("after")?);
+/// let load = Payload::between(&robot).before([&before]).after([&after]).run()?;
+/// assert_eq!((load.verdict, &load.frame[..]), (Verdict::Load, "flange"));
+/// assert!(load.center_m.iter().flatten().count() == 3 && load.is_as_expected());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Payload {
     /// Name of the robot.

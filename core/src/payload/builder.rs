@@ -31,6 +31,23 @@ const FEWEST_BLOCKS: usize = 8;
 const FEWEST_ROWS: usize = 30;
 
 /// A question for the load between logs, from [`Payload::between`]. [`PayloadBuilder::run`] answers it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Expected;
+/// # use tauscope::payload::Payload;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::recording;
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/payload/{name}.csv"), None);
+///
+/// // The load that was put on the tool flange, and should weigh 1.5 kg.
+/// let (before, after) = (log("before")?, log("after")?);
+/// let question = Payload::between(&robot).before([&before]).after([&after]);
+/// let load = question.frame("tool0").expected(Expected::mass(1.5)?).run()?;
+/// assert!(load.is_as_expected() && load.frame == "tool0");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[must_use = "no load is found before `run`"]
 #[derive(Debug)]
 pub struct PayloadBuilder<'a> {

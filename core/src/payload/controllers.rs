@@ -7,6 +7,18 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 /// The load for four makes of controllers.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use nalgebra::Vector3;
+/// use tauscope::payload::Controllers;
+///
+/// // 1.5 kg, 90 mm in front of the flange, as a point.
+/// let load = Controllers::new(1.5, Vector3::new(0.0, 0.0, 0.09), None);
+/// assert_eq!(load.ur_set_payload, "set_payload(1.5, [0, 0, 0.09])");
+/// assert_eq!(load.franka_desk["mass"], 1.5);
+/// assert!(load.abb_loaddata.starts_with("PERS loaddata load1 := [1.5,"));
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Controllers {
     /// Franka Desk, Settings, End Effector, upload: kg, m, kg m2; matrices column by column; inertia about the centre of mass.

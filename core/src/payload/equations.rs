@@ -8,6 +8,14 @@ use crate::robot::PARAMETERS;
 use nalgebra::DVector;
 
 /// What may change at a joint besides the load.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Change;
+///
+/// // What may change at a joint in addition to the load; results name it in snake case.
+/// assert_eq!(serde_json::to_value([Change::Offset, Change::Viscous, Change::Coulomb]).unwrap()[0], "offset");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {

@@ -15,6 +15,18 @@ const OF_THE_MASS: f64 = 0.05;
 const CONFIRMS: f64 = 0.3;
 
 /// A load that is expected.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::payload::Expected;
+///
+/// // A mass, as on the command line, or with tolerances of one's own.
+/// assert_eq!(Expected::read("1.5")?, Expected::mass(1.5)?);
+/// let exact = Expected { tolerance_kg: Some(0.02), center_m: Some([0.0, 0.0, 0.09]), ..Expected::mass(1.5)? };
+/// assert_eq!(exact.tolerance_m, None);
+/// assert!(Expected::mass(-1.0).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expected {

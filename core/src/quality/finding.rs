@@ -1,6 +1,23 @@
 //! A finding: what kind of fault, where, how bad, and what to do.
 
 /// How bad a finding is.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
+/// use tauscope::quality::Severity;
+///
+/// // One joint without torque is a warning, since the others can be used; none with torque is fatal.
+/// let worst = |read: &_| quality::examine(read, None).map(|report| report.findings[0].severity);
+/// read.recording.tau.channel_mut(4).fill(0.0);
+/// assert_eq!(worst(&read)?, Severity::Warning);
+/// read.recording.tau.as_mut_slice().fill(0.0);
+/// assert_eq!(worst(&read)?, Severity::Fatal);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
@@ -13,6 +30,21 @@ pub enum Severity {
 }
 
 /// What kind of fault it is.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+/// use tauscope::quality::Kind;
+///
+/// // The clock stands still for a second.
+/// read.recording.time[300..].iter_mut().for_each(|time| *time += 1.0);
+/// let findings = quality::examine(&read, Some(&robot))?.findings;
+/// assert!(findings.iter().any(|finding| finding.kind == Kind::Gap));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs, reason = "the names say it; the text of a finding explains")]
@@ -63,6 +95,23 @@ pub enum Kind {
 }
 
 /// One finding.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/payload/before.csv".as_ref(), &robot)?;
+/// use tauscope::quality::{Kind, Severity};
+///
+/// // A log in which the torque of the last joint was not recorded.
+/// read.recording.tau.channel_mut(4).fill(0.0);
+/// let report = quality::examine(&read, None)?;
+/// let finding = report.findings.iter().find(|finding| finding.kind == Kind::NoTorque).expect("it is noticed");
+/// assert!(finding.place.contains("j5") && finding.severity == Severity::Warning);
+/// assert!(finding.text.contains("it was not logged"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Finding {
     /// What kind of fault.

@@ -8,6 +8,19 @@ use crate::recording::lenient::Rejected;
 use crate::recording::resample::Clock;
 
 /// Everything found in a log.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let report = quality::inspect("../tests/reference/pendulum/train.csv".as_ref(), Some(&robot))?;
+/// assert!(report.usable && report.fatal().is_none());
+/// assert_eq!((report.rows, report.rejected.len(), report.joints.len()), (1000, 0, 1));
+/// assert!((report.clock.rate_hz - 50.0).abs() < 1e-6);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
     /// Rows that can be used.
@@ -50,6 +63,20 @@ impl Report {
 }
 
 /// What was found in several logs of one arm.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+/// // Two logs of one recorder. What is wrong with their description is looked for in both together: nothing.
+/// let other = dataset::read("../tests/reference/pendulum/test.csv".as_ref(), &robot)?;
+/// let together = quality::examine_together(&[&read, &other], Some(&robot))?;
+/// assert_eq!((together.reports.len(), together.verdict), (2, None));
+/// # let _ = &mut read;
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Together {
     /// One report per log.

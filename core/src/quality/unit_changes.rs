@@ -5,6 +5,15 @@ use crate::robot::JointKind;
 use std::f64::consts::PI;
 
 /// A unit of velocities other than rad/s and m/s.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::{OtherRate, OtherUnit};
+///
+/// // As a dataset names them.
+/// assert_eq!(OtherRate::PerSecond(OtherUnit::Degree).symbol(), "deg/s");
+/// assert_eq!(OtherRate::Rpm.symbol(), "rpm");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherRate {
     /// A unit of positions per second.
@@ -38,6 +47,22 @@ impl OtherRate {
 }
 
 /// Units of a log that are not those of its description.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::{OtherUnit, UnitChanges};
+/// use tauscope::recording;
+///
+/// // Positions of joint j2 are in degrees, all others in rad.
+/// let mut log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// let before = log.q.channel(1)[0];
+/// let positions = vec![None, Some(OtherUnit::Degree), None, None, None];
+/// let units = UnitChanges { positions, ..UnitChanges::default() };
+/// units.apply(&mut log);
+/// assert!((log.q.channel(1)[0] - before.to_radians()).abs() < 1e-12);
+/// assert!(UnitChanges::default().is_none() && !units.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct UnitChanges {
     /// True seconds per second of the clock.

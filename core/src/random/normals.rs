@@ -33,6 +33,22 @@ static EDGES: LazyLock<Edges> = LazyLock::new(|| {
 });
 
 /// Standard normal numbers from a random stream.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::random;
+///
+/// // The same seed, label and index give the same noise; another index gives other noise.
+/// let draw = |index| {
+///     let mut noise = [0.0; 1000];
+///     random::normals(7, "torque", index).fill(&mut noise);
+///     noise
+/// };
+/// assert_eq!(draw(0), draw(0));
+/// assert_ne!(draw(0), draw(1));
+/// let power = draw(0).iter().map(|value| value * value).sum::<f64>() / 1000.0;
+/// assert!((power - 1.0).abs() < 0.2);
+/// ```
 #[derive(Debug)]
 pub struct Normals {
     words: Words,

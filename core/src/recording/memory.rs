@@ -33,6 +33,21 @@ impl Table {
 }
 
 /// A log that can be read under [`Held::path`] until this is dropped.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::memory::Held;
+/// use tauscope::recording::{self, lenient};
+///
+/// // A log of this program is read as a file is, until it is dropped.
+/// let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// let held = Held::new("monday", log)?;
+/// let path = held.path().to_owned();
+/// assert!(lenient::load(&path, None, &Default::default()).is_ok());
+/// drop(held);
+/// assert!(lenient::load(&path, None, &Default::default()).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Held {
     path: PathBuf,

@@ -7,6 +7,18 @@ use std::ops::{Range, RangeBounds};
 use std::sync::Arc;
 
 /// Positions (rad), velocities (rad/s), accelerations (rad/s²) and torques (N m) of all joints over time.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::recording::Signals;
+///
+/// // What simulated logs hold in addition to their measurements, under `Recording::truth`.
+/// let ramp = Channels::from_vectors(&[vec![0.0, 0.1, 0.2, 0.3]]);
+/// let none = Channels::zeros(1, 4);
+/// let truth = Signals { q: ramp, qd: none.clone(), qdd: none.clone(), tau: none };
+/// assert_eq!(truth.slice(1..3).q.channel(0), [0.1, 0.2]);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Signals {
     /// Joint positions, rad.
@@ -21,6 +33,20 @@ pub struct Signals {
 
 /// A log: sensor signals and, where it is known, the truth behind them. All tables have one channel per joint, in
 /// the order of `joints`, and one sample per entry of `time`.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording;
+///
+/// let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// assert_eq!((log.joints(), log.samples()), (5, 800));
+/// assert!((log.rate_hz() - 50.0).abs() < 1e-6);
+/// assert!(log.has_torque(4) && !log.has_velocity(4));
+///
+/// // The first four seconds.
+/// assert_eq!(log.time_slice(..4.0).samples(), 200);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// Name of the robot; empty where the file does not have it.

@@ -15,6 +15,17 @@ const PLAIN: [f64; 4] = [0.62, 0.65, 0.69, 1.0];
 const MESH_FORMATS: [&str; 5] = ["stl", "obj", "glb", "gltf", "dae"];
 
 /// A solid, in its own frame.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::visuals::{self, Shape};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // The pendulum has no shapes in its file, so that links are drawn as capsules.
+/// let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// assert!(visuals::load(&pendulum).shapes.iter().all(|visual| matches!(visual.shape, Shape::Capsule { .. })));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Full lengths of the sides, m; the frame is at the centre.
@@ -48,6 +59,18 @@ pub enum Shape {
 }
 
 /// A shape on a body.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::visuals;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // Base and six links: every body has a shape, in the frame of its joint.
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let shapes = visuals::load(&arm).shapes;
+/// assert!((0..=6).all(|body| shapes.iter().any(|visual| visual.body == body)));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visual {
     /// 0 for the base, `j + 1` for the body behind joint `j`.
@@ -61,6 +84,17 @@ pub struct Visual {
 }
 
 /// All shapes of an arm, and what could not be shown.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::visuals;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let visuals = visuals::load(&arm);
+/// assert!(visuals.shapes.len() >= 7 && visuals.notes.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Visuals {
     /// The shapes.

@@ -15,6 +15,22 @@ const MOST_RESPONSE: usize = 16_384;
 /// a column, the sign(v) one included, is first computed from its kinematics and then filtered exactly like the torque.
 /// This is the parallel filtering of M. Gautier, "Dynamic identification of robots with power model", IEEE
 /// International Conference on Robotics and Automation, 1997.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::signal::{Filter, ZeroPhaseLowPass};
+///
+/// // Torque of Coulomb friction, 4 N m, around a reversal. Filtered alike, torque and column still fit together.
+/// let column: Vec<f64> = (0..100).map(|k| if k < 50 { 1.0 } else { -1.0 }).collect();
+/// let torque: Vec<f64> = column.iter().map(|sign| 4.0 * sign).collect();
+///
+/// let filter = Filter::LowPass(ZeroPhaseLowPass::new(4, 10.0, 100.0)?);
+/// let [mut smooth_column, mut smooth_torque] = [[0.0; 100]; 2];
+/// filter.apply(&column, &mut smooth_column)?;
+/// filter.apply(&torque, &mut smooth_torque)?;
+/// assert!(smooth_torque.iter().zip(smooth_column).all(|(torque, column)| (torque - 4.0 * column).abs() < 1e-9));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Filter {
     /// Signals stay as they are.

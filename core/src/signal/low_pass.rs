@@ -20,6 +20,19 @@ const MAX_ORDER: usize = 16;
 /// A. V. Oppenheim and R. W. Schafer, "Discrete-Time Signal Processing", 3rd ed. 2010, sections 6.3 and 7.2 (bilinear
 /// transform); F. Gustafsson, "Determining the initial states in forward-backward filtering", IEEE Transactions on
 /// Signal Processing 44 (1996) 988-992.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::signal::ZeroPhaseLowPass;
+///
+/// // 10 Hz in a log of 100 Hz: half the amplitude passes at the cut-off, and a constant as it is.
+/// let filter = ZeroPhaseLowPass::new(4, 10.0, 100.0)?;
+/// assert!((filter.gain(10.0) - 0.5).abs() < 1e-12);
+/// let mut signal = vec![3.0; 50];
+/// filter.apply_in_place(&mut signal)?;
+/// assert!(signal.iter().all(|value| (value - 3.0).abs() < 1e-9));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZeroPhaseLowPass {
     order: usize,

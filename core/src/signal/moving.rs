@@ -40,6 +40,29 @@ const WIDE: f64 = 2.5;
 const MOST_RESPONSE: usize = 4096;
 
 /// What the noise of positions becomes in a velocity.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::signal::{Edge, NoiseGains, SavitzkyGolay};
+///
+/// let [position, velocity] = [0, 1].map(|derivative| SavitzkyGolay::new(11, 2, derivative, 0.01, Edge::Polynomial));
+/// let (position, velocity) = (position?, velocity?);
+/// let smooth = |measured: &[f64]| {
+///     let mut both = [measured.to_vec(), measured.to_vec()];
+///     position.apply(measured, &mut both[0])?;
+///     velocity.apply(measured, &mut both[1])?;
+///     Ok(both)
+/// };
+/// // An encoder noise of 0.1 mrad at rest: the velocity has what the filter's weights make of it.
+/// let gains = NoiseGains::new(2000, smooth)?;
+/// # let mut measured = vec![0.0; 2000];
+/// # tauscope::random::normals(1, "encoder", 0).fill(&mut measured);
+/// # measured.iter_mut().for_each(|value| *value *= 1e-4);
+/// let noise = gains.velocity_noise(&measured, &smooth(&measured)?[0]);
+/// let weights = velocity.coefficients().iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+/// assert!((noise / (1e-4 * weights) - 1.0).abs() < 0.1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NoiseGains {
     /// Standard deviation of what smoothing takes off, for unit white noise in the positions.
@@ -81,6 +104,19 @@ fn length(signal: &[f64]) -> f64 {
 }
 
 /// Speeds below which a joint is not known to move.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::signal::Slow;
+///
+/// // A joint that moves, rests for six samples, and turns back at once.
+/// let velocity = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, -0.5];
+/// let moving = Slow::given(0.1).moving(&velocity, 5);
+/// assert_eq!(moving, [true, false, false, false, false, false, false, true, false, true]);
+///
+/// // Within three standard deviations of its noise the sign of a velocity is not certain.
+/// assert!((Slow::new(&velocity, 0.01).uncertain - 0.03).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slow {
     /// The direction is not certain at a moment.

@@ -13,6 +13,17 @@ pub const FAILED: u8 = 1;
 pub const BAD_INPUT: u8 = 2;
 
 /// Options of every command.
+///
+/// ```
+/// use std::path::Path;
+/// use tauscope::cli::Global;
+///
+/// // Where results go, with and without --out.
+/// let global = Global::default();
+/// assert_eq!(global.folder("short"), Path::new("results/short"));
+/// let global = Global { out: Some("elsewhere".into()), ..global };
+/// assert_eq!(global.folder("short"), Path::new("elsewhere"));
+/// ```
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "General")]
 pub struct Global {

@@ -7,6 +7,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What a command printed.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tauscope::cli::{self, Host};
+///
+/// // One answer, for programs and for people.
+/// let host = Arc::new(Host::default());
+/// cli::call(["robot", "tests/reference/pendulum.urdf"], &host)?;
+/// let printed = host.take().expect("the command printed");
+/// assert!(printed.json.starts_with('{') && printed.text.contains("pendulum"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Printed {
     /// The result as `--json` prints it.
@@ -16,6 +28,19 @@ pub struct Printed {
 }
 
 /// Takes what a command prints, and asks it to stop. See [`call`](crate::cli::call).
+///
+/// ```
+/// use std::sync::Arc;
+/// use tauscope::cli::{self, Host};
+///
+/// let host = Arc::new(Host::default());
+/// assert_eq!(cli::call(["effects", "backlash"], &host)?, cli::DONE);
+///
+/// // What was printed is handed over once.
+/// assert!(host.take().is_some());
+/// assert!(host.take().is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct Host {
     stop: Arc<AtomicBool>,

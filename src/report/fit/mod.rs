@@ -18,6 +18,26 @@ use serde::Serialize;
 pub const SCHEMA: &str = "tauscope.identify/1";
 
 /// Parameters found, and what they leave.
+///
+/// ```
+/// use tauscope::report::fit::{self, Found};
+/// # use tauscope::identification::effect_model::{Preparation, Trust};
+/// # use tauscope::identification::fit::{Logs, fit_effects};
+/// # use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("tests/reference/payload/before.csv", None)?;
+/// # let logs = Logs { train: &[&log], test: &[] };
+/// # let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?;
+///
+/// // What `identification.json` holds of a fit.
+/// let found = Found { plain: &fitted, extended: None, consistent: None, torque_is_scaled: false };
+/// let json = serde_json::to_value(fit::result(&robot, Trust::Structure, found, &[])).expect("it has a JSON form");
+/// assert_eq!(json["joints"][1], "j2");
+/// assert!(json["without_effects"]["parameters"].as_array().is_some_and(|parameters| parameters.len() > 20));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Serialize)]
 pub struct FitResult {
     robot: String,
@@ -35,6 +55,25 @@ pub struct FitResult {
 }
 
 /// What `tauscope identify` found.
+///
+/// ```
+/// use tauscope::report::fit::{self, Found};
+/// # use tauscope::identification::effect_model::{Preparation, Trust};
+/// # use tauscope::identification::fit::{Logs, fit_effects};
+/// # use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("tests/reference/payload/before.csv", None)?;
+/// # let logs = Logs { train: &[&log], test: &[] };
+/// # let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?;
+///
+/// // The tables of a fit without effects, for people.
+/// let found = Found { plain: &fitted, extended: None, consistent: None, torque_is_scaled: false };
+/// let tables = fit::tables(&robot, found);
+/// assert!(tables.contains("j5") && tables.contains("residual"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Found<'a> {
     /// The fit without effects.

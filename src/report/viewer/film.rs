@@ -7,6 +7,24 @@ use crate::robot::Robot;
 pub const PAUSE_S: f64 = 1.0;
 
 /// Everything that a recording shows.
+///
+/// ```
+/// use tauscope::channels::Channels;
+/// use tauscope::report::viewer::{Film, Look, Quantity, Track};
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // A pendulum that swings for 2 s, with a line of its position.
+/// let (time, q) = (vec![0.0, 1.0, 2.0], vec![0.0, 0.5, 0.0]);
+/// let track = Track { name: "measured", ghost: false, time: time.clone(), q: Channels::from_vectors(&[q.clone()]) };
+/// let (title, text) = ("A swing".to_owned(), String::new());
+/// let mut film = Film { title, robot: &robot, text, tracks: vec![track], signals: Vec::new(), markers: Vec::new() };
+/// film.add(Quantity::Position, "measured", Look::Measured, |_| (time.clone(), q.clone()));
+///
+/// assert_eq!((film.span(), film.signals.len()), ([0.0, 2.0], 1));
+/// assert!(film.path(&film.signals[0]).contains("pivot"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Film<'a> {
     /// Heading.
@@ -24,6 +42,16 @@ pub struct Film<'a> {
 }
 
 /// A motion of the arm.
+///
+/// ```
+/// use tauscope::channels::Channels;
+/// use tauscope::report::viewer::Track;
+///
+/// // The simulated arm is shown in outline where it follows the measured one.
+/// let q = Channels::from_vectors(&[vec![0.0, 0.5, 0.0]]);
+/// let simulated = Track { name: "simulated", ghost: true, time: vec![0.0, 1.0, 2.0], q };
+/// assert_eq!(simulated.time.len(), simulated.q.samples());
+/// ```
 #[derive(Debug, Clone)]
 pub struct Track {
     /// Whose motion: "measured", "simulated".
@@ -37,6 +65,16 @@ pub struct Track {
 }
 
 /// What a plot shows.
+///
+/// ```
+/// use tauscope::report::viewer::Quantity;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// assert_eq!(Quantity::Torque.unit(&robot, 0), "N m");
+/// assert_eq!(Quantity::ALL[0], Quantity::Residual);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     /// Torques, N m.
@@ -85,6 +123,17 @@ impl Quantity {
 }
 
 /// How a line looks: one look for one meaning, in all plots.
+///
+/// ```
+/// use tauscope::report::viewer::{Look, Quantity, Signal};
+///
+/// // Measured and predicted torque of a joint differ in their look in all plots.
+/// let (time, values) = (vec![0.0, 1.0], vec![3.0, 4.0]);
+/// let (quantity, look) = (Quantity::Torque, Look::Measured);
+/// let measured = Signal { quantity, joint: 0, name: "measured", look, time, values };
+/// let predicted = Signal { name: "with the findings", look: Look::Extended, ..measured.clone() };
+/// assert_ne!(measured.look, predicted.look);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
     /// Sensor signals.
@@ -100,6 +149,21 @@ pub enum Look {
 }
 
 /// A line of a plot.
+///
+/// ```
+/// use tauscope::report::viewer::{Film, Look, Quantity, Signal};
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // NaN breaks a line, here between two logs.
+/// let (time, values) = (vec![0.0, 1.0, 1.5, 2.0], vec![0.1, 0.2, f64::NAN, 0.3]);
+/// let name = "without the findings";
+/// let signal = Signal { quantity: Quantity::Residual, joint: 0, name, look: Look::Simulated, time, values };
+/// # let (title, text, tracks, markers) = (String::new(), String::new(), Vec::new(), Vec::new());
+/// # let film = Film { title, robot: &robot, text, tracks, signals: Vec::new(), markers };
+/// assert!(film.path(&signal).ends_with("without_the_findings"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Signal {
     /// What it is.
@@ -117,6 +181,13 @@ pub struct Signal {
 }
 
 /// Something that happens at a time.
+///
+/// ```
+/// use tauscope::report::viewer::Marker;
+///
+/// let marker = Marker { time: 12.5, text: "external_contact begins".to_owned(), finding: true };
+/// assert!(marker.finding);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
     /// When, s.

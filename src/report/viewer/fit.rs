@@ -9,6 +9,25 @@ use crate::report::console::significant;
 use crate::robot::Robot;
 
 /// What is shown of a fit.
+///
+/// ```
+/// use tauscope::report::viewer::fit::{Shown, film, shown_logs};
+/// # use tauscope::identification::effect_model::{Preparation, Trust};
+/// # use tauscope::identification::fit::{Logs, fit_effects};
+/// # use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("tests/reference/payload/before.csv", None)?;
+/// # let logs = Logs { train: &[&log], test: &[] };
+/// # let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?;
+///
+/// // No log is held out, so that the training log is shown.
+/// assert_eq!(shown_logs(logs).len(), 1);
+/// let film = film(&robot, logs, Shown { plain: &fitted, extended: None, replayed: None });
+/// assert!((film.span()[1] - log.duration()).abs() < 0.1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Shown<'a> {
     /// The fit without effects.

@@ -18,6 +18,18 @@ use crate::simulation::integrator::Integrator;
 use std::time::Instant;
 
 /// A blind run that was made.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::blind::{self, Case, Outcome};
+///
+/// // A run that hides nothing: the diagnosis is right if it names nothing.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let run = blind::run(&setup, &Case::plain(7))?;
+/// assert!(run.hidden.is_empty() && run.logs.len() >= 2);
+/// assert_eq!(run.judgement.outcome, Outcome::Quiet);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct BlindRun {
     /// The arm's description.

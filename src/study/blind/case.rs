@@ -13,6 +13,16 @@ use rand::RngExt;
 const SHAPE_FACTOR: f64 = 1.4;
 
 /// What a run hides.
+///
+/// ```
+/// use tauscope::study::blind::{Class, Plan};
+///
+/// // A first look of the study: 8 runs hide one effect as large as the noise, 4 a fainter one.
+/// let cases = Plan::SMALL.cases(1, 6);
+/// let of = |class| cases.iter().filter(|case| case.class == class).count();
+/// assert_eq!((of(Class::Single), of(Class::Faint)), (8, 4));
+/// assert!(cases.iter().all(|case| (case.class == Class::Quiet) <= case.hidden.is_empty()));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
@@ -34,6 +44,15 @@ pub enum Class {
 }
 
 /// The arm of a run.
+///
+/// ```
+/// use tauscope::study::blind::{ArmKind, Plan};
+///
+/// // Most arms of the study are drawn at random; some are the scenario's own.
+/// let cases = Plan::FULL.cases(1, 6);
+/// let own = cases.iter().filter(|case| case.arm == ArmKind::Scenario).count();
+/// assert!(own > 0 && 2 * own < cases.len());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmKind {
@@ -44,6 +63,15 @@ pub enum ArmKind {
 }
 
 /// The motions of a run.
+///
+/// ```
+/// use tauscope::study::blind::{MotionKind, Plan};
+///
+/// // Both kinds of motions have their share of the study.
+/// let cases = Plan::FULL.cases(1, 6);
+/// let fourier = cases.iter().filter(|case| case.motion == MotionKind::Fourier).count();
+/// assert!(fourier > cases.len() / 4 && fourier < 3 * cases.len() / 4);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionKind {
@@ -54,6 +82,19 @@ pub enum MotionKind {
 }
 
 /// A blind run to be made.
+///
+/// ```
+/// use tauscope::identification::effect_model::Trust;
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::blind::{self, Case};
+///
+/// // One effect of the library, drawn with its place and shape, three times as large as the noise.
+/// let setup = Setup::load("tests/scenarios/short.toml", None)?;
+/// let case = blind::draw(&setup, 7, 3.0, 0.0, Trust::Structure);
+/// assert_eq!((case.hidden.len(), case.severity), (1, 3.0));
+/// assert!(Case::plain(7).hidden.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Case {
     /// Its place in the plan.

@@ -14,6 +14,20 @@ const GAP_S: f64 = 0.6;
 const FROZEN_S: f64 = 0.4;
 
 /// A fault of the data.
+///
+/// ```
+/// use tauscope::quality::Kind;
+/// use tauscope::recording;
+/// use tauscope::study::blind::fault::Fault;
+///
+/// // A fault put into a log, and what an examination must call it.
+/// let before = recording::load("tests/reference/payload/before.csv", None)?;
+/// let mut logs = [before.clone()];
+/// Fault::Degrees.put_into(&mut logs, 1);
+/// assert!((logs[0].q.channel(0)[0] - before.q.channel(0)[0].to_degrees()).abs() < 1e-9);
+/// assert_eq!(Fault::Degrees.kind(), Kind::PositionUnit);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {

@@ -11,6 +11,15 @@ const SMALL_SET: usize = 2;
 pub(crate) const ALL_INERTIAS: &str = "all_inertias";
 
 /// How a blind run came out.
+///
+/// ```
+/// use tauscope::study::blind::Outcome;
+///
+/// // Naming what was hidden is right, and so is naming nothing where nothing was.
+/// let right: Vec<Outcome> = Outcome::ALL.into_iter().filter(|outcome| outcome.is_right()).collect();
+/// assert!(right.contains(&Outcome::Named) && right.contains(&Outcome::Quiet));
+/// assert!(!right.contains(&Outcome::Wrong) && !right.contains(&Outcome::FalseAlarm));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -55,6 +64,17 @@ impl Outcome {
 }
 
 /// The answer weighed.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::blind::{self, Case, Outcome};
+///
+/// // Nothing was hidden, nothing was named, and so nothing wrong.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let judgement = blind::run(&setup, &Case::plain(7))?.judgement;
+/// assert_eq!((judgement.outcome, judgement.wrong.len()), (Outcome::Quiet, 0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
     /// Of the run as a whole.

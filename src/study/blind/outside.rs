@@ -40,6 +40,25 @@ const fn shape(name: &'static str, unit: &'static str, lower: f64, upper: f64, t
 }
 
 /// (c cos q + s sin q) v: a bearing whose grease is thicker on one side.
+///
+/// ```
+/// use tauscope::effects::{Effect, Instant};
+/// use tauscope::study::blind::outside::PositionDependentDamping;
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // c = 5 N m s/rad at q = 0, where the sine is zero.
+/// let moving = Instant { qd: &[2.0], direction: &[1.0], ..at_rest };
+/// let mut torque = [0.0];
+/// PositionDependentDamping.torque(&[5.0, 8.0], 0, &moving, &[], &mut torque);
+/// assert_eq!(torque, [10.0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct PositionDependentDamping;
 
@@ -65,6 +84,26 @@ impl Effect for PositionDependentDamping {
 }
 
 /// A cos(2 pi t / T) cos(n q): two motor harmonics close to each other.
+///
+/// ```
+/// use tauscope::effects::{Effect, Instant};
+/// use tauscope::study::blind::outside::BeatingHarmonic;
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 10 N m at the start, and gone after a quarter of the beat's period of 8 s.
+/// for (t, expected) in [(0.0, 10.0), (2.0, 0.0)] {
+///     let mut torque = [0.0];
+///     BeatingHarmonic.torque(&[10.0, 8.0, 9.0], 0, &Instant { t, ..at_rest }, &[], &mut torque);
+///     assert!((torque[0] - expected).abs() < 1e-9);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct BeatingHarmonic;
 
@@ -93,6 +132,27 @@ impl Effect for BeatingHarmonic {
 }
 
 /// A damper with an orifice of its own for each direction, whose pressure follows with a lag.
+///
+/// ```
+/// use tauscope::effects::{Effect, Instant};
+/// use tauscope::study::blind::outside::HydraulicDamper;
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // Long after the start the pressure is b(v) v |v|, with an orifice of its own for each direction.
+/// for (v, expected) in [(2.0, 20.0 * 4.0), (-2.0, -0.3 * 20.0 * 4.0)] {
+///     let (moving, mut pressure, mut torque) = (Instant { qd: &[v], ..at_rest }, [0.0], [0.0]);
+///     HydraulicDamper.advance(&[20.0, 0.3], 0, &moving, 30.0, &mut pressure);
+///     HydraulicDamper.torque(&[20.0, 0.3], 0, &moving, &pressure, &mut torque);
+///     assert!((torque[0] - expected).abs() < 1e-6);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct HydraulicDamper;
 
@@ -126,6 +186,16 @@ impl Effect for HydraulicDamper {
 }
 
 /// The torque sensor's gain swings in time.
+///
+/// ```
+/// use tauscope::effects::Effect;
+/// use tauscope::study::blind::outside::DriftingGain;
+///
+/// // e = 0.1, a period of 8 s: the gain is right at 0 s, and 10 % too large at 2 s.
+/// let mut logged = [100.0, 100.0, 100.0];
+/// DriftingGain.distort_torque(&[0.1, 8.0], &mut logged, 1.0);
+/// assert!((logged[0] - 100.0).abs() < 1e-9 && (logged[2] - 110.0).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct DriftingGain;
 
@@ -155,6 +225,27 @@ impl Effect for DriftingGain {
 }
 
 /// Friction at one place of the turn: a dented race, a damaged tooth.
+///
+/// ```
+/// use tauscope::effects::{Effect, Instant};
+/// use tauscope::study::blind::outside::RoughSpot;
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 20 N m at 0.15 rad, next to nothing three widths away.
+/// for (q, expected) in [(0.15, 20.0), (0.45, 0.0)] {
+///     let moving = Instant { q: &[q], qd: &[1.0], direction: &[1.0], ..at_rest };
+///     let mut torque = [0.0];
+///     RoughSpot.torque(&[20.0, 0.15, 0.1], 0, &moving, &[], &mut torque);
+///     assert!((torque[0] - expected).abs() < 0.01);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct RoughSpot;
 

@@ -24,6 +24,16 @@ const FOURIER: f64 = 0.5;
 const CUT: f64 = 0.3;
 
 /// Runs of each class.
+///
+/// ```
+/// use tauscope::study::blind::Plan;
+///
+/// // The cases of a study, the same for the same seed, on an arm of six joints.
+/// let cases = Plan::SMALL.cases(1, 6);
+/// let again = Plan::SMALL.cases(1, 6);
+/// assert!(cases.iter().zip(&again).all(|(a, b)| a.seed == b.seed && a.hidden == b.hidden));
+/// assert!(Plan::FULL.cases(1, 6).len() > 10 * cases.len());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Plan {
     /// Runs that hide nothing, for each trust and colour of the noise.

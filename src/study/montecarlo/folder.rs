@@ -19,6 +19,26 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const UNFINISHED: &str = "unfinished";
 
 /// How far a study is.
+///
+/// ```
+/// use tauscope::study::montecarlo::{Progress, Shard, StudyFolder};
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (stop, path) = (std::sync::atomic::AtomicBool::new(false), folder.path().join("study"));
+///
+/// // Hears of every chunk of trials.
+/// let done = std::sync::atomic::AtomicUsize::new(0);
+/// let count = |trials| drop(done.fetch_add(trials, std::sync::atomic::Ordering::Relaxed));
+/// let progress = Progress { done: &count, stop: &stop };
+/// StudyFolder::open(&path, &study, Shard::WHOLE, false)?.run(&study, &progress, &|_, _| String::new())?;
+/// assert_eq!(done.into_inner(), 4);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct Progress<'a> {
     /// Told the trials of each chunk as it is finished, or found finished.
     pub done: &'a (dyn Fn(usize) + Sync),
@@ -27,6 +47,25 @@ pub struct Progress<'a> {
 }
 
 /// The folder of a study, or of one of its shards.
+///
+/// ```
+/// use tauscope::study::montecarlo::{Progress, Shard, StudyFolder};
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (stop, path) = (std::sync::atomic::AtomicBool::new(false), folder.path().join("study"));
+///
+/// // All trials of a study, with their table and summary in the folder.
+/// let opened = StudyFolder::open(&path, &study, Shard::WHOLE, false)?;
+/// assert_eq!(opened.trials(&study), 4);
+/// let finished = opened.run(&study, &Progress { done: &|_| (), stop: &stop }, &|_, _| String::new())?;
+/// assert!(finished.is_some() && path.join("summary.json").is_file());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct StudyFolder {
     path: PathBuf,
     identity: Identity,

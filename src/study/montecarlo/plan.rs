@@ -13,6 +13,18 @@ const CHUNKS: usize = 64;
 const LARGEST_CHUNK: usize = 64;
 
 /// What replaces the scenario's `[montecarlo]` table.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::montecarlo::{Overrides, Plan};
+///
+/// // What is given here replaces the entries of the scenario's table.
+/// let setup = Setup::load("tests/scenarios/montecarlo.toml", None)?;
+/// let plan = Plan::new(&setup, Overrides { trials: Some(5), ..Overrides::default() })?;
+/// assert_eq!((plan.spec.trials, &plan.spec.sg_windows[..]), (5, &[31][..]));
+/// assert!(Plan::new(&setup, Overrides { trials: Some(0), ..Overrides::default() }).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     /// Number of trials.
@@ -28,6 +40,20 @@ pub struct Overrides {
 }
 
 /// What a study draws and compares.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::montecarlo::{Overrides, Plan};
+///
+/// // Two estimators with two windows: four rows a trial.
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let (estimators, windows) = (Some(["wls", "iv"].map(str::to_owned).to_vec()), Some(vec![0, 61]));
+/// let overrides = Overrides { trials: Some(100), estimators, windows, ..Overrides::default() };
+/// let plan = Plan::new(&setup, overrides)?;
+/// assert_eq!((plan.cells(), plan.draws_runs()), (4, false));
+/// assert_eq!((0..plan.chunks()).map(|chunk| plan.trials_of(chunk).len()).sum::<usize>(), 100);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct Plan {
     /// The table, with everything that was left out filled in.
     pub spec: MonteCarloSpec,
@@ -123,6 +149,20 @@ impl Plan {
 }
 
 /// Identity of a study, kept with its trials as `study.json`.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::montecarlo::{Overrides, Plan};
+///
+/// // Two machines do parts of one study where this agrees; another seed is another study.
+/// let identity = |seed| {
+///     let setup = Setup::load("tests/scenarios/pendulum.toml", Some(seed))?;
+///     Plan::new(&setup, Overrides::default())?.identity(&setup, &[])
+/// };
+/// assert_eq!(identity(1)?, identity(1)?);
+/// assert_ne!(identity(1)?, identity(2)?);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct Identity {
     /// Name of the scenario.

@@ -5,6 +5,17 @@ use std::fmt;
 use std::str::FromStr;
 
 /// Part `index` of `count`, from 0.
+///
+/// ```
+/// use tauscope::study::montecarlo::Shard;
+///
+/// // The third of four parts of a study has every fourth chunk.
+/// let third: Shard = "2/4".parse()?;
+/// assert_eq!((third.index, third.count), (2, 4));
+/// let chunks: Vec<usize> = (0..10).filter(|&chunk| third.has(chunk)).collect();
+/// assert_eq!(chunks, [2, 6]);
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// From 0.

@@ -8,6 +8,21 @@ use crate::scenario::{Setup, simulate};
 use crate::simulation::Truth;
 
 /// A study ready to run: the plan and what all trials share.
+///
+/// ```
+/// use tauscope::scenario::Setup;
+/// use tauscope::study::montecarlo::{Overrides, Plan, Study};
+///
+/// let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// let plan = Plan::new(&setup, Overrides { windows: Some(vec![61]), ..Overrides::default() })?;
+/// let study = Study::new(setup, plan)?;
+///
+/// // One trial: the noise is drawn, and every estimator has its row.
+/// let rows = study.trial(0);
+/// assert_eq!(rows.len(), study.plan.cells());
+/// assert_eq!(study.parameters().len(), rows[0].truth.len());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct Study {
     /// The scenario.
     pub setup: Setup,

@@ -12,6 +12,14 @@ use std::path::Path;
 const SIGNIFICANT: f64 = 3.0;
 
 /// The 5 %, 50 % and 95 % quantiles of a quantity and its mean; none without values.
+///
+/// ```
+/// use tauscope::study::montecarlo::Quantiles;
+///
+/// let quantiles = Quantiles::of((0..=100).map(f64::from).collect()).expect("there are values");
+/// assert_eq!((quantiles.p05, quantiles.p50, quantiles.p95, quantiles.mean), (5.0, 50.0, 95.0, 50.0));
+/// assert_eq!(Quantiles::of(Vec::new()), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
     /// Mean.
@@ -42,6 +50,28 @@ impl Quantiles {
 }
 
 /// One estimator at one noise level with one smoothing.
+///
+/// ```
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (stop, path) = (std::sync::atomic::AtomicBool::new(false), folder.path().join("study"));
+/// # use tauscope::study::montecarlo::{Progress, Shard, StudyFolder};
+/// # let opened = StudyFolder::open(&path, &study, Shard::WHOLE, false)?;
+/// # let finished = opened.run(&study, &Progress { done: &|_| (), stop: &stop }, &|_, _| String::new())?;
+/// # let (summary, timings, _) = finished.expect("nothing stopped it");
+///
+/// // The summary of a study with one estimator and two smoothings: none, and Savitzky-Golay over 61 samples.
+/// let [raw, smoothed] = &summary.cells[..] else { unreachable!() };
+/// assert_eq!((smoothed.sg_window, smoothed.found, smoothed.failed), (61, 4, 0));
+/// let median = |cell: &tauscope::study::montecarlo::Cell| cell.d_beta.expect("it was found").p50;
+/// assert!(median(smoothed) < median(raw));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Index of the noise level.
@@ -81,6 +111,26 @@ pub struct Cell {
 }
 
 /// The smoothing with the smallest median parameter error of an estimator at a noise level.
+///
+/// ```
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (stop, path) = (std::sync::atomic::AtomicBool::new(false), folder.path().join("study"));
+/// # use tauscope::study::montecarlo::{Progress, Shard, StudyFolder};
+/// # let opened = StudyFolder::open(&path, &study, Shard::WHOLE, false)?;
+/// # let finished = opened.run(&study, &Progress { done: &|_| (), stop: &stop }, &|_, _| String::new())?;
+/// # let (summary, timings, _) = finished.expect("nothing stopped it");
+///
+/// // Of no smoothing and a window of 61 samples, the window gives the smaller parameter error.
+/// let best = &summary.best_windows[0];
+/// assert_eq!((&best.estimator[..], best.sg_window), ("wls", 61));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BestWindow {
     /// Index of the noise level.
@@ -96,6 +146,26 @@ pub struct BestWindow {
 }
 
 /// A study in numbers.
+///
+/// ```
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (stop, path) = (std::sync::atomic::AtomicBool::new(false), folder.path().join("study"));
+/// # use tauscope::study::montecarlo::{Progress, Shard, StudyFolder};
+/// # let opened = StudyFolder::open(&path, &study, Shard::WHOLE, false)?;
+/// # let finished = opened.run(&study, &Progress { done: &|_| (), stop: &stop }, &|_, _| String::new())?;
+/// # let (summary, timings, _) = finished.expect("nothing stopped it");
+///
+/// // Four trials of a pendulum's identification.
+/// assert_eq!((summary.trials, summary.trials_of_study), (4, 4));
+/// assert_eq!((summary.joints.len(), summary.parameters.len(), summary.cells.len()), (1, 5, 2));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the scenario.

@@ -198,6 +198,27 @@ fn column<'a, T: Array + 'static>(path: &Path, batch: &'a RecordBatch, name: &st
 }
 
 /// Mean times by smoothing and estimator.
+///
+/// ```
+/// use tauscope::study::testbed::Variant;
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (stop, path) = (std::sync::atomic::AtomicBool::new(false), folder.path().join("study"));
+/// # use tauscope::study::montecarlo::{Progress, Shard, StudyFolder};
+/// # let opened = StudyFolder::open(&path, &study, Shard::WHOLE, false)?;
+/// # let finished = opened.run(&study, &Progress { done: &|_| (), stop: &stop }, &|_, _| String::new())?;
+/// # let (summary, timings, _) = finished.expect("nothing stopped it");
+///
+/// // How long an estimate took with a smoothing that was tried; none for one that was not.
+/// assert!(timings.mean(Variant::SavitzkyGolay, 61, "wls").is_some_and(|seconds| seconds > 0.0));
+/// assert_eq!(timings.mean(Variant::SavitzkyGolay, 31, "wls"), None);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Timings {
     sums: Vec<Timing>,

@@ -23,6 +23,23 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 /// What one estimator made of one trial at one noise level with one smoothing.
+///
+/// ```
+/// use tauscope::study::testbed::Variant;
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+///
+/// // Weighted least squares on a trial as measured, and through Savitzky-Golay over 61 samples.
+/// let rows = study.trial(0);
+/// assert_eq!((rows[0].signals, rows[0].window), (Variant::Raw, 0));
+/// assert_eq!((rows[1].signals, rows[1].window, &rows[1].estimator[..]), (Variant::SavitzkyGolay, 61, "wls"));
+/// assert!(rows[1].outcome.is_ok());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
     /// Index of the trial.
@@ -45,6 +62,22 @@ pub struct Row {
 }
 
 /// Parameters found and how good they are.
+///
+/// ```
+/// # use tauscope::scenario::Setup;
+/// # use tauscope::study::montecarlo::{Overrides, Plan, Study};
+/// # let setup = Setup::load("tests/scenarios/pendulum.toml", None)?;
+/// # let (estimators, windows) = (Some(vec!["wls".to_owned()]), Some(vec![0, 61]));
+/// # let overrides = Overrides { trials: Some(4), estimators, windows, ..Overrides::default() };
+/// # let study = Study::new(setup.clone(), Plan::new(&setup, overrides)?)?;
+///
+/// // Smoothing brings the parameters nearer to the truth.
+/// let rows = study.trial(0);
+/// let found = |row: usize| rows[row].outcome.as_ref().expect("the motion separates all parameters");
+/// assert!(found(1).d_beta < found(0).d_beta);
+/// assert_eq!(found(1).beta.len(), found(1).std.len());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
     /// Base parameters.

@@ -23,6 +23,25 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A diagnosis in the making, from [`Diagnosis::of`]. [`DiagnosisBuilder::run`] makes it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use std::time::Duration;
+/// use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+///
+/// // With a smaller alpha, two laws to look for, and a minute of time.
+/// let question = Diagnosis::of(&robot).train([("monday.csv", &train)]).test([("tuesday.csv", &test)]);
+/// let question = question.alpha(0.01).candidates(["torque_ripple", "backlash"]).budget(Duration::from_secs(60));
+/// let answer = question.run()?;
+/// assert_eq!(answer.alpha, 0.01);
+/// assert!(answer.findings().iter().all(|finding| finding.effect == "torque_ripple"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[must_use = "nothing is diagnosed before `run`"]
 pub struct DiagnosisBuilder<'a> {
     robot: &'a Robot,

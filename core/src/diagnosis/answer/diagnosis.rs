@@ -44,6 +44,22 @@ pub struct OfSampling {
 }
 
 /// What was looked for.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// assert_eq!((diagnosis.scope.alpha, &diagnosis.scope.candidates[..]), (0.05, &["torque_ripple".to_owned()][..]));
+/// assert!(!diagnosis.scope.against_reference && diagnosis.scope.effective_tests > 1.0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Scope {
     /// Family-wise false-alarm rate.
@@ -61,6 +77,23 @@ pub struct Scope {
 }
 
 /// What the logs are, and how they were filtered.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Both logs were sampled at 50 Hz, and the pivot has an equation.
+/// assert!(diagnosis.logs.rates_hz.iter().all(|rate| (rate - 50.0).abs() < 1e-6));
+/// assert_eq!((&diagnosis.logs.equations[..], diagnosis.logs.held_out_from_training), (&[true][..], false));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LogSummary {
     /// Rates at which the logs were sampled, Hz, each once, the lowest first.
@@ -81,6 +114,25 @@ pub struct LogSummary {
 }
 
 /// Residuals of the models. Root mean squares are of means over 20 ms, per joint, N m (N).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // The held-out residual of the model with the ripple is the noise; that of the baseline is ten times as large.
+/// let errors = &diagnosis.errors;
+/// let [_, baseline] = &errors.baseline_rms;
+/// assert!((errors.extended_test_rms[0] / errors.noise_floor[0] - 1.0).abs() < 0.2);
+/// assert!(errors.extended_test_rms[0] < 0.1 * baseline[0] && baseline[0] < errors.test_torque_rms[0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Errors {
     /// Standard deviation of the torque's noise.
@@ -103,6 +155,23 @@ pub struct Errors {
 }
 
 /// What was found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Verdict};
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+///
+/// // A pendulum with a ripple of seven periods a turn, which no description of an arm has.
+/// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// let diagnosis = answer.diagnosis().expect("the logs are good");
+/// assert_eq!(diagnosis.verdict, Verdict::Named);
+/// assert!(diagnosis.found.len() == 1 && !diagnosis.next_experiment.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Diagnosis {
     /// The answer in a word.

@@ -18,6 +18,28 @@ use nalgebra::DMatrix;
 const ROUNDING: f64 = 1e-6;
 
 /// A model of the arm that can be simulated.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::Motion;
+/// use tauscope::diagnosis::ExtendedModel;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // The arm with what was found, as a simulator takes it.
+/// let model: &ExtendedModel = answer.conclusion().expect("the logs are good").extended()?;
+/// assert!(model.effects.iter().any(|placed| placed.effect.about().name == "torque_ripple"));
+/// assert!(model.robot.joints.iter().all(|joint| joint.inertia.physical_fault(1e-6).is_none()));
+///
+/// // Its torque at rest at zero.
+/// assert_eq!(model.torque(&[0.0], &Motion::zeros(1, 1)).samples(), 1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtendedModel {
     /// Bodies that can exist, drives and gravity.

@@ -19,6 +19,24 @@ pub const NOT_SIZED: &str =
     "the logs show that it is there, and not how its parameters share it: none differs significantly from zero";
 
 /// An effect that was found, in words and units.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // What was found, where, how sure it is, and what it explains.
+/// let finding = &answer.findings()[0];
+/// assert_eq!((finding.effect, &finding.joints[..]), ("torque_ripple", &["pivot".to_owned()][..]));
+/// assert!(finding.alternatives.is_empty() && finding.family_wise_p.is_some_and(|p| p < 1e-6));
+/// assert!(finding.test_rms_after_nm[0] < 0.1 * finding.test_rms_before_nm[0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct Finding {
     /// Name of the effect.
@@ -49,6 +67,17 @@ pub struct Finding {
 }
 
 /// Another effect that explains the logs as well as a finding.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::NamedAlternative;
+///
+/// // As `Finding::alternatives` has it: another effect, half as likely by the logs.
+/// let joints = vec!["elbow".to_owned()];
+/// let other = NamedAlternative { effect: "torque_offset", joints, relative_likelihood: 0.5 };
+/// let text = format!("or {} on {}: {}", other.effect, other.joints.join(", "), other.relative_likelihood);
+/// assert_eq!(text, "or torque_offset on elbow: 0.5");
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct NamedAlternative {
     /// Name of the effect.
@@ -60,6 +89,23 @@ pub struct NamedAlternative {
 }
 
 /// A parameter of a finding.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // The ripple has seven periods a turn.
+/// let finding = &answer.findings()[0];
+/// let harmonic = finding.parameters.iter().find(|parameter| parameter.name == "harmonic").expect("a shape");
+/// assert!((harmonic.value - 7.0).abs() < 3.0 * harmonic.std && harmonic.unit == "1/turn");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct NamedParameter {
     /// Its name.

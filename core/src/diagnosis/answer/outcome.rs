@@ -11,6 +11,23 @@ use crate::quality::{UnitChanges, descriptions};
 use crate::robot::Robot;
 
 /// The answer of a diagnosis. It serialises as `diagnosis.json` has it, without the schema.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // The answer in a word, as findings, and as `diagnosis.json` has it.
+/// assert_eq!(answer.findings().len(), 1);
+/// let json = serde_json::to_value(&answer).expect("it has a JSON form");
+/// assert_eq!((&json["verdict"], &json["robot"]), (&"named".into(), &"pendulum".into()));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Answer {
     /// The arm as described, its gravity corrected where the logs show another.
@@ -30,6 +47,26 @@ pub struct Answer {
 }
 
 /// What came of a diagnosis.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Diagnosis, Outcome, Verdict};
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+///
+/// // Torque and position have opposite signs, and either may be the wrong one: an answer of its own, and no error.
+/// let (mut train, mut test) = (train, test);
+/// for log in [&mut train, &mut test] {
+///     log.tau.as_mut_slice().iter_mut().for_each(|torque| *torque = -*torque);
+/// }
+/// let answer = Diagnosis::of(&robot).train([&train]).test([&test]).run()?;
+/// assert!(matches!(answer.outcome, Outcome::Stopped) && answer.verdict() == Verdict::NotTestable);
+/// assert!(!answer.faults.is_empty());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub enum Outcome {
     /// Faults of the data forbid an answer; [`Answer::faults`] has them.
@@ -39,6 +76,23 @@ pub enum Outcome {
 }
 
 /// A diagnosis with the model that comes out of it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // What was found, and the arm with it for a simulator.
+/// let conclusion = answer.conclusion().expect("the logs are good");
+/// assert_eq!(conclusion.extended()?.effects.len(), conclusion.diagnosis.found.len());
+/// assert!(conclusion.accounted_for.is_none() && conclusion.resimulation.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Conclusion {
     /// What was found.
@@ -54,6 +108,23 @@ pub struct Conclusion {
 }
 
 /// What was measured of the arm in addition to its model.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+///
+/// // What a simulation of the logs needs in addition to the model: rate, accelerations, noise.
+/// let measured = &answer.conclusion().expect("the logs are good").measured;
+/// assert!((measured.rate_hz - 50.0).abs() < 1e-6 && (9.0..12.0).contains(&measured.acceleration[0]));
+/// assert!(measured.torque_noise[0] < 0.2);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Rate of the logs, Hz.

@@ -24,6 +24,31 @@ const SETTLING_S: f64 = 0.5;
 const STRAYS: f64 = 5.0;
 
 /// Runs an arm along a motion that was measured. `EngineKind` of the crate `tauscope` is one.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Engine, ExtendedModel, Followed, Simulator};
+/// use tauscope::{dynamics::Motion, effects::Placed, error::Result, robot::Robot};
+///
+/// /// An arm that follows every motion exactly, with the torque that it takes.
+/// struct Exact;
+///
+/// impl Simulator for Exact {
+///     fn engine(&self, _: &Robot) -> Engine {
+///         Engine { key: "exact", name: "inverse dynamics" }
+///     }
+///
+///     fn follow(&self, arm: &Robot, extra: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
+///         let time: Vec<f64> = (0..motion.samples()).map(|k| start + k as f64 * period).collect();
+///         let model = ExtendedModel { robot: arm.clone(), effects: extra.to_vec() };
+///         Ok(Followed { torque: model.torque(&time, motion), q: motion.q.clone() })
+///     }
+/// }
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # assert_eq!(Exact.follow(&robot, &[], &Motion::zeros(1, 3), 0.0, 0.01)?.torque.samples(), 3);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub trait Simulator: Sync {
     /// What moves `robot`.
     fn engine(&self, robot: &Robot) -> Engine;
@@ -37,6 +62,15 @@ pub trait Simulator: Sync {
 }
 
 /// The forward dynamics of a simulator, by its names.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Engine;
+///
+/// // What a simulator calls itself: in files, and in texts.
+/// let engine = Engine { key: "own", name: "own equations of motion" };
+/// assert_eq!(format!("simulated with {}", engine.name), "simulated with own equations of motion");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Engine {
     /// In files.
@@ -46,6 +80,22 @@ pub struct Engine {
 }
 
 /// What a simulated arm did, `[joint][time]`.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::channels::Channels;
+/// use tauscope::diagnosis::{ExtendedModel, Followed};
+/// use tauscope::dynamics::Motion;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // A pendulum that stays at rest in two poses, as a simulator hands it over.
+/// let motion = Motion::at_rest(Channels::from_vectors(&[vec![0.0, 1.0]]));
+/// let model = ExtendedModel { robot, effects: Vec::new() };
+/// let followed = Followed { torque: model.torque(&[0.0, 0.01], &motion), q: motion.q.clone() };
+/// assert!((followed.torque.channel(0)[1] - 9.81 * 1f64.sin()).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
     /// Motor torque as the sensors would log it, N m.
@@ -55,6 +105,36 @@ pub struct Followed {
 }
 
 /// Residuals of the models on the held-out logs when the simulator runs them along the motions.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Engine, Followed, Simulator};
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # use tauscope::diagnosis::ExtendedModel;
+/// # use tauscope::{dynamics::Motion, effects::Placed, error::Result, robot::Robot};
+/// # struct Exact;
+/// # impl Simulator for Exact {
+/// #     fn engine(&self, _: &Robot) -> Engine { Engine { key: "exact", name: "inverse dynamics" } }
+/// #     fn follow(&self, arm: &Robot, extra: &[Placed], motion: &Motion, start: f64, period: f64) -> Result<Followed> {
+/// #         let time: Vec<f64> = (0..motion.samples()).map(|k| start + k as f64 * period).collect();
+/// #         let model = ExtendedModel { robot: arm.clone(), effects: extra.to_vec() };
+/// #         Ok(Followed { torque: model.torque(&time, motion), q: motion.q.clone() })
+/// #     }
+/// # }
+///
+/// // `Exact` simulates arms that follow every motion exactly. With the ripple it comes nearer to the held-out log.
+/// let mut conclusion = answer.into_conclusion()?;
+/// let resimulation = conclusion.resimulate(Exact)?;
+/// assert_eq!(resimulation.engine.key, "exact");
+/// assert!(resimulation.extended_rms[0] < resimulation.baseline_rms[0] && resimulation.gain.value > 0.0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Resimulation {
     /// The forward dynamics.

@@ -3,6 +3,16 @@
 use serde::Serialize;
 
 /// Thresholds that decide which of several candidates is chosen, and which are listed as its alternatives.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{ComparisonCriteria, Criteria};
+///
+/// // Compare more candidates before one is chosen.
+/// let comparison = ComparisonCriteria { shortlist: 8, ..ComparisonCriteria::default() };
+/// let criteria = Criteria { comparison, ..Criteria::default() };
+/// assert!(criteria.comparison.shortlist > Criteria::default().comparison.shortlist);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ComparisonCriteria {
     /// Candidates that are fitted with a noise model of their own before one is chosen.

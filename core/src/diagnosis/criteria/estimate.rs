@@ -3,6 +3,16 @@
 use serde::Serialize;
 
 /// Thresholds that decide whether an estimate is one that a machine can have and that its columns describe.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Criteria, EstimateCriteria};
+///
+/// // Columns of a law that is not linear in a parameter describe it up to half as much again, not up to twice as much.
+/// let estimate = EstimateCriteria { same_size: 1.5, ..EstimateCriteria::default() };
+/// let criteria = Criteria { estimate, ..Criteria::default() };
+/// assert!(criteria.estimate.same_size < Criteria::default().estimate.same_size);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EstimateCriteria {
     /// Factor within which an estimate must agree with the size at which its columns were taken: the columns of a law that is not linear in

@@ -3,6 +3,14 @@
 use serde::Serialize;
 
 /// A gate that a candidate of the search, or a finding, must pass.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Gate;
+///
+/// // Why what fails a gate is no finding, as the end of a sentence.
+/// assert_eq!(format!("stribeck_friction {}", Gate::Size.reason()), "stribeck_friction is too small to matter");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gate {
@@ -87,6 +95,16 @@ impl Gate {
 }
 
 /// The judgement of a gate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Gate, Judgement};
+///
+/// // A p-value of 0.2 is above alpha; a size of three times the least one is enough.
+/// let judgements = [Judgement::at_least(Gate::Size, 3.0, 1.0), Judgement::at_most(Gate::FamilyWise, 0.2, 0.05)];
+/// let failed = Judgement::first_failed(judgements).expect("one fails");
+/// assert_eq!((failed.gate, failed.value, failed.threshold), (Gate::FamilyWise, 0.2, 0.05));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Judgement {
     /// The gate.

@@ -4,6 +4,16 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Conventional levels. One kind of question has one level, whatever it is asked about.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Levels;
+///
+/// // From "as likely as not" to "with certainty".
+/// let levels = Levels::default();
+/// let ladder = [levels.even_p, levels.leaning_p, levels.open_p, levels.usual_p, levels.strict_p, levels.sure_p];
+/// assert!(ladder.windows(2).all(|pair| pair[0] > pair[1]));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Levels {
     /// Highest p-value of the training logs, corrected for what was looked for there, at which held-out logs are asked: above it what they

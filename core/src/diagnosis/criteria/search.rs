@@ -6,6 +6,16 @@ use serde::Serialize;
 ///
 /// The first four are shares of the family-wise alpha, one for each way in which a candidate can pass: their sum is one. The factors
 /// after them make single kinds of effects stricter within the first share, because an error that the tests do not model looks like them.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::SearchCriteria;
+///
+/// // The ways in which a candidate can pass share alpha: together they spend all of it, and no more.
+/// let search = SearchCriteria::default();
+/// assert!((search.spent() - 1.0).abs() < 1e-12);
+/// assert!((search.training + search.confirmed + search.pooled + search.impacts - 1.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SearchCriteria {
     /// Share of alpha for what the training logs show: the tests take the noise for known, and it is estimated.

@@ -3,6 +3,16 @@
 use serde::Serialize;
 
 /// Thresholds that decide which structure of the residual is reported as unexplained, and which findings it replaces.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Criteria, StructureCriteria};
+///
+/// // Report a part of a joint's residual from half of its noise on, not from a quarter.
+/// let structure = StructureCriteria { clear: 0.5, ..StructureCriteria::default() };
+/// let criteria = Criteria { structure, ..Criteria::default() };
+/// assert_eq!((criteria.structure.clear, Criteria::default().structure.clear), (0.5, 0.25));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StructureCriteria {
     /// Share of alpha at which training and held-out logs together show structure, and at which the map of all logs does: generic functions

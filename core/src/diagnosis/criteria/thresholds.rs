@@ -10,6 +10,21 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// Thresholds that decide which effects are found and which of them are reported as findings.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Criteria, Options};
+///
+/// // Report what is 1 % of a joint's torque; by default it is 2 %.
+/// let criteria = Criteria { share_of_torque: 0.01, ..Criteria::default() };
+/// let options = Options { criteria, ..Options::default() };
+/// assert!(options.check().is_ok());
+///
+/// // Probability is not for free: more than alpha cannot be spent.
+/// let mut options = Options::default();
+/// options.criteria.search.training = 0.9;
+/// assert!(options.check().is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Criteria {
     /// Least size of a finding over the torque of a joint, both root mean square: below 2 % no simulation is better for it.

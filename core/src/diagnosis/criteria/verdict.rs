@@ -3,6 +3,16 @@
 use serde::Serialize;
 
 /// Thresholds that decide which findings stay named, and whether the description as a whole is what is wrong.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::{Criteria, VerdictCriteria};
+///
+/// // Call the inertias of a description wrong as a whole already beyond one wrong body.
+/// let verdict = VerdictCriteria { wrong_bodies: 1, ..VerdictCriteria::default() };
+/// let criteria = Criteria { verdict, ..Criteria::default() };
+/// assert!(criteria.verdict.wrong_bodies < Criteria::default().verdict.wrong_bodies);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct VerdictCriteria {
     /// Share of a joint's excess over the noise, in squares, that must be explained for the findings on it to stay where structure is

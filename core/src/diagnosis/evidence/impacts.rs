@@ -6,6 +6,7 @@
 //! sign are combined (Fisher 1925). Ranks need no noise model. Moments near reversals and standstill are excluded: dry
 //! friction jumps there.
 
+use super::play::Play;
 use crate::channels::Channels;
 use crate::diagnosis::logs::{Log, Rows};
 use crate::diagnosis::regression::fisher;
@@ -83,19 +84,6 @@ struct Trace {
 /// All logs of one kind as impacts show in them.
 #[derive(Debug)]
 pub(crate) struct Traces(Vec<Trace>);
-
-/// A gear's play as its impacts show it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Play {
-    /// Half the play, rad.
-    pub half_gap: f64,
-    /// Its standard deviation, rad.
-    pub std: f64,
-    /// Changes of sign of the gear's load that can be looked at.
-    pub changes: usize,
-    /// Those among the moments after which the torque jumps most.
-    pub impacts: usize,
-}
 
 impl Traces {
     /// From the arm as found along logs; those from before a change are excluded.

@@ -13,6 +13,7 @@ mod held_out;
 mod impacts;
 mod judging;
 mod multiplicity;
+mod play;
 mod scan;
 
 pub(crate) use adjusted::{against_slow_noise, log_p_adjusted};
@@ -20,9 +21,9 @@ pub(crate) use blocks::without_influential_blocks;
 pub(crate) use cross_validation::cross_validated_residual;
 pub(crate) use generic::{Block, DELAYS_S, Reach, blocks, modulated, slow_cosines};
 pub(crate) use held_out::Gains;
-pub use impacts::Play;
 pub(crate) use impacts::Traces;
 pub(crate) use judging::Judged;
 pub(crate) use multiplicity::{Multiplicity, family_wise};
+pub use play::Play;
 pub use scan::Ranked;
 pub(crate) use scan::{Scan, ranking};

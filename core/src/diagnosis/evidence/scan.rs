@@ -87,6 +87,24 @@ impl Scan {
 }
 
 /// The likeliest candidate of a family and its test.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Before anything was found, a ripple explained most.
+/// let best = &diagnosis.evidence.ranking[0];
+/// assert_eq!(best.family.effect, "torque_ripple");
+/// assert!(best.log_p < -20.0 && best.statistic > best.freedom as f64);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
     /// What and where.

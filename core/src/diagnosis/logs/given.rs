@@ -7,6 +7,22 @@ use std::path::Path;
 
 /// A log given to a diagnosis. It converts from a [`Recording`] or a [`Sieved`] log, by reference or by value, and from a
 /// pair of a file's name and either: faults and errors name the log by it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::GivenLog;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+///
+/// // A log with the name that faults and errors call it by, or without one.
+/// let (name, sieved) = GivenLog::from(("monday.csv", &train)).into_named(|| unreachable!());
+/// assert_eq!((&name[..], sieved.recording.samples()), ("monday.csv", 1000));
+/// assert_eq!(GivenLog::from(test).into_named(|| "test log 1".to_owned()).0, "test log 1");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct GivenLog<'a> {
     name: Option<String>,

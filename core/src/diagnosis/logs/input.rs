@@ -128,6 +128,22 @@ fn windows(logs: &[&Recording]) -> Vec<Parts> {
 
 /// The logs as a diagnosis uses them: corrected, cut at long gaps, at even steps; torque that must not be used is not a
 /// number.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+///
+/// // Without held-out logs, parts of the training logs are held out.
+/// let answer = Diagnosis::of(&robot).train([&train]).candidates(["torque_ripple"]).run()?;
+/// let held_out: f64 = answer.logs.held_out().iter().map(|log| log.duration()).sum();
+/// assert!(answer.logs.test.is_empty() && held_out > 1.0 && held_out < train.duration());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct CleanLogs {
     /// Logs to identify from.

@@ -15,6 +15,26 @@ use crate::robot::Robot;
 const AROUND_CLIPPED_S: f64 = 0.04;
 
 /// What a fault does to the diagnosis.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset;
+/// use tauscope::diagnosis::{Consequence, screen};
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+///
+/// // A gap is left out or bridged. A position that is frozen for six seconds stops a diagnosis.
+/// let mut gap = read.clone();
+/// gap.recording.time[300..].iter_mut().for_each(|time| *time += 0.5);
+/// let faults = screen("monday.csv", gap, &robot)?.faults;
+/// assert!(faults.iter().all(|fault| fault.consequence != Consequence::Stops));
+///
+/// read.recording.q.channel_mut(0)[300..600].fill(0.2);
+/// let faults = screen("monday.csv", read, &robot)?.faults;
+/// assert!(faults.iter().any(|fault| fault.consequence == Consequence::Stops));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Consequence {
@@ -29,6 +49,23 @@ pub enum Consequence {
 }
 
 /// A fault of one log.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset;
+/// use tauscope::diagnosis::screen;
+/// use tauscope::quality::Kind;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+///
+/// // The clock stands still for half a second.
+/// read.recording.time[300..].iter_mut().for_each(|time| *time += 0.5);
+/// let faults = screen("monday.csv", read, &robot)?.faults;
+/// let gap = faults.iter().find(|fault| fault.kind == Kind::Gap).expect("it is noticed");
+/// assert_eq!(gap.log, "monday.csv");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataFault {
     /// What kind of fault.
@@ -44,6 +81,22 @@ pub struct DataFault {
 }
 
 /// A log made ready, with its faults.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dataset;
+/// use tauscope::diagnosis::screen;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+///
+/// // Five seconds are missing in the middle: the log is made ready in two pieces.
+/// read.recording.time[400..].iter_mut().for_each(|time| *time += 5.0);
+/// let screened = screen("monday.csv", read, &robot)?;
+/// assert_eq!((&screened.name[..], screened.pieces.len()), ("monday.csv", 2));
+/// assert!(screened.verdict.is_none());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Screened {
     /// What it is called: its file.

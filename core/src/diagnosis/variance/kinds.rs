@@ -21,6 +21,17 @@ const REVERSED: f64 = 0.01;
 const SLOW: usize = 6;
 
 /// A kind of generic functions.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Kind;
+///
+/// // What a residual may follow, as the heading of a table and as the end of a sentence.
+/// assert_eq!(Kind::ALL.len(), 12);
+/// let friction = Kind::PositionByDirection;
+/// assert_eq!(friction.title(), "position x direction");
+/// assert_eq!(friction.meaning(), "is friction that depends on the joint's position");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {

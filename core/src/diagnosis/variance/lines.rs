@@ -24,6 +24,24 @@ const FINER: i32 = 20;
 const MOST: usize = 3;
 
 /// A spectral line.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // Every spectral line of a joint's residual that stands clear of the noise is one that is not in noise alone.
+/// for joint in &diagnosis.map.joints {
+///     assert!(joint.reported_lines().all(|line| line.hz > 0.0 && line.rms >= joint.reported_from && line.p < 0.05));
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Line {
     /// Frequency, Hz.

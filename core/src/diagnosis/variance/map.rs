@@ -26,6 +26,24 @@ const MOST_CORRELATED: f64 = 0.8;
 const ROW_S: f64 = 0.02;
 
 /// What the residual of every joint follows.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Kind;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // What the baseline's residual follows on the pivot, in all logs and before any law: its position.
+/// let largest = diagnosis.map.joints[0].reported().next().expect("there is a ripple");
+/// assert_eq!(largest.follows, Kind::Position);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ResidualMap {
     /// The joints that have an equation.
@@ -34,6 +52,25 @@ pub struct ResidualMap {
 
 /// What the residual of one joint follows. Torques are root mean squares over means of 80 ms, or longer where torque was
 /// low-pass filtered before it was logged, N m or N.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Kind;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // The ripple of the pivot is well above the noise, and follows the joint's position.
+/// let joint = &diagnosis.map.joints[0];
+/// assert!(joint.misfit && joint.residual > joint.noise);
+/// assert!(joint.p(Kind::Position).is_some_and(|p| p < 1e-6));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointMap {
     /// The joint, counted from 0.
@@ -59,6 +96,26 @@ pub struct JointMap {
 }
 
 /// A part of the residual that follows one kind of generic functions.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Kind;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // The largest part of the pivot's residual: significant, and almost the whole.
+/// let joint = &diagnosis.map.joints[0];
+/// let part = &joint.parts[0];
+/// assert_eq!((part.follows, part.significant), (Kind::Position, true));
+/// assert!(part.rms > 0.8 * joint.residual);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
     /// What it follows.

@@ -5,6 +5,20 @@ use crate::robot::Robot;
 use nalgebra::Rotation3;
 
 /// Gravity in base coordinates = R' g, with R = Ry(pitch) Rx(roll) the turn of the base.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{BaseTilt, Effect};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A base that rolls by 0.1 rad: in its axes gravity leaves the vertical by as much, and keeps its size.
+/// let mut arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let before = arm.gravity;
+/// BaseTilt.alter(&[0.1, 0.0], 0, &mut arm);
+/// assert!((arm.gravity.angle(&before) - 0.1).abs() < 1e-9);
+/// assert!((arm.gravity.norm() - before.norm()).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct BaseTilt;
 

@@ -5,6 +5,23 @@ use crate::robot::JointKind;
 use nalgebra::Vector3;
 
 /// tau = -J(q)' f between two times.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::{Chain, Motion};
+/// use tauscope::effects::{Along, ExternalContact, Placed, contribution};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // Someone pulls the flange to the side with 10 N from 1 s to 2 s. Joint 1 turns about z: it must hold against x f.
+/// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let pull = Placed { effect: &ExternalContact, joint: 0, parameters: vec![0.0, 10.0, 0.0, 1.0, 2.0, 0.1] };
+/// let (chain, still) = (Chain::new(&arm), Motion::zeros(6, 3));
+/// let torque = contribution(&[pull], &Along::new(&arm, &chain, &[0.5, 1.5, 2.5], &still, 0.0));
+/// let x = arm.frames(&[0.0; 6])[6].translation.x;
+/// let expected = [0.0, -10.0 * x, 0.0];
+/// assert!(torque.channel(0).iter().zip(expected).all(|(torque, expected)| (torque - expected).abs() < 1e-9));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct ExternalContact;
 

@@ -23,6 +23,27 @@ use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, R
 use crate::robot::Robot;
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, GravityBalancer, Instant};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // The strut pulls towards phi = 0.1 rad: the motor must deliver torque to leave it, and none there.
+/// for (q, sign) in [(-0.4, -1.0), (0.6, 1.0)] {
+///     let pose = Instant { q: &[q], ..at_rest };
+///     let mut torque = [0.0];
+///     GravityBalancer.torque(&[700.0, 600.0, 0.7, 0.1], 0, &pose, &[], &mut torque);
+///     assert!(torque[0] * sign > 100.0);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct GravityBalancer;
 

@@ -5,6 +5,26 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// k q + t0 = k (q - q0) with t0 = -k q0.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, JointSpring};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 60 N m/rad with a preload of -15 N m: slack at 0.25 rad.
+/// for (q, expected) in [(0.25, 0.0), (1.25, 60.0)] {
+///     let mut torque = [0.0];
+///     JointSpring.torque(&[60.0, -15.0], 0, &Instant { q: &[q], ..at_rest }, &[], &mut torque);
+///     assert_eq!(torque, [expected]);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct JointSpring;
 

@@ -6,6 +6,19 @@ use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, R
 use crate::robot::{Inertia, Robot};
 
 /// Ten inertial parameters, about the joint frame, added to a link.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, LinkInertiaError};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A weight of 1 kg at (0, 0, -1) m on the rod of a pendulum, 2 kg with the centre at -0.5 m.
+/// let mut arm = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// LinkInertiaError.alter(&[1.0, 0.0, 0.0, -1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0], 0, &mut arm);
+/// let rod = arm.joints[0].inertia;
+/// assert_eq!((rod.mass(), rod.first_moment().z), (3.0, -2.0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct LinkInertiaError;
 

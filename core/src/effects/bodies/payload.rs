@@ -6,6 +6,23 @@ use crate::robot::{Inertia, Pose, Robot};
 use nalgebra::Matrix3;
 
 /// Ten inertial parameters, about the flange frame, added to the last link.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Payload, Placed};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // The typical payload weighs 6 kg; its centre of mass is 0.12 m in front of the flange.
+/// let mut arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// let (payload, before) = (Placed::typical(&Payload, 0), arm.joints[5].inertia.mass());
+/// Payload.alter(&payload.parameters, 0, &mut arm);
+/// assert!((arm.joints[5].inertia.mass() - before - 6.0).abs() < 1e-12);
+///
+/// let derived = Payload.derived(&payload.parameters, 0, &arm);
+/// assert_eq!((derived[3].name, derived[3].unit), ("center_z", "m"));
+/// assert!((derived[3].value - 0.12).abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Payload;
 

@@ -4,6 +4,18 @@ use crate::effects::{About, DriveParameter, Effect, Hidden, Nature, Parameter, R
 use crate::robot::Robot;
 
 /// Ia a.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, RotorInertia};
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // The rotor adds to the one that the description has: 45 kg m2 at joint 1 of this arm.
+/// let mut arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// RotorInertia.alter(&[20.0], 0, &mut arm);
+/// assert_eq!(arm.joints[0].drive.armature, 65.0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct RotorInertia;
 

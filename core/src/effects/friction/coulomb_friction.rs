@@ -3,6 +3,25 @@
 use crate::effects::{About, DriveParameter, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Fc sign(v).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{CoulombFriction, Effect, Instant};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 20 N m against the motion, at any speed.
+/// let moving = Instant { qd: &[-0.5], direction: &[-1.0], ..at_rest };
+/// let mut torque = [0.0];
+/// CoulombFriction.torque(&[20.0], 0, &moving, &[], &mut torque);
+/// assert_eq!(torque, [-20.0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct CoulombFriction;
 

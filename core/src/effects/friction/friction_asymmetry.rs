@@ -6,6 +6,27 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// dFc |sign v| + dFv |v|.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, FrictionAsymmetry, Instant};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 10 N m and 10 N m s/rad, with the same sign in both directions: more friction in one, less in the other.
+/// for direction in [-1.0, 1.0] {
+///     let moving = Instant { qd: &[0.5 * direction], direction: &[direction], ..at_rest };
+///     let mut torque = [0.0];
+///     FrictionAsymmetry.torque(&[10.0, 10.0], 0, &moving, &[], &mut torque);
+///     assert_eq!(torque, [15.0]);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionAsymmetry;
 

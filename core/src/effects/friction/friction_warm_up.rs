@@ -6,6 +6,27 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// A exp(-t/T) sign(v), t counted from the start of the recording.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, FrictionWarmUp, Instant};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 40 N m when the log starts, falling with a time constant of 5 s.
+/// for (t, expected) in [(0.0, 40.0), (5.0, 40.0 / std::f64::consts::E)] {
+///     let moving = Instant { t, qd: &[0.5], direction: &[1.0], ..at_rest };
+///     let mut torque = [0.0];
+///     FrictionWarmUp.torque(&[40.0, 5.0], 0, &moving, &[], &mut torque);
+///     assert!((torque[0] - expected).abs() < 1e-9);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionWarmUp;
 

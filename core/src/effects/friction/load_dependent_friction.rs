@@ -3,6 +3,25 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// mu |tau_load| sign(v).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, LoadDependentFriction};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 8 % of a load of 50 N m, against the motion whatever the sign of the load.
+/// let moving = Instant { qd: &[0.5], direction: &[1.0], load: &[-50.0], ..at_rest };
+/// let mut torque = [0.0];
+/// LoadDependentFriction.torque(&[0.08], 0, &moving, &[], &mut torque);
+/// assert_eq!(torque, [4.0]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct LoadDependentFriction;
 

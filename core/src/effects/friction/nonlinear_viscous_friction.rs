@@ -6,6 +6,27 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// F |v|^alpha sign(v), rounded off at standstill.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, NonlinearViscousFriction};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // F = 60, alpha = 1/2: four times the speed, twice the torque.
+/// for (speed, expected) in [(0.25, 30.0), (1.0, 60.0)] {
+///     let moving = Instant { qd: &[speed], direction: &[1.0], ..at_rest };
+///     let mut torque = [0.0];
+///     NonlinearViscousFriction.torque(&[60.0, 0.5, 1e-4], 0, &moving, &[], &mut torque);
+///     assert!((torque[0] - expected).abs() < 1e-3);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NonlinearViscousFriction;
 

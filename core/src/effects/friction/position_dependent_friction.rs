@@ -6,6 +6,27 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A cos(q - phi) sign(v) = (Ac cos q + As sin q) sign(v).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, PositionDependentFriction};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // Ac = 20 N m, As = 10 N m: at q = 0 only the cosine acts, and its sign is that of the motion.
+/// for direction in [-1.0, 1.0] {
+///     let moving = Instant { qd: &[direction], direction: &[direction], ..at_rest };
+///     let mut torque = [0.0];
+///     PositionDependentFriction.torque(&[20.0, 10.0], 0, &moving, &[], &mut torque);
+///     assert_eq!(torque, [20.0 * direction]);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct PositionDependentFriction;
 

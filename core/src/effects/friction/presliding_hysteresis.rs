@@ -8,6 +8,27 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A Dahl bristle: level z.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, PreslidingHysteresis};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // 30 N m that build up over 5 mrad. After a reversal and 5 mrad, 63 % of it is there.
+/// let (parameters, mut memory) = ([30.0, 5e-3], [0.0]);
+/// let moving = Instant { qd: &[0.1], direction: &[1.0], ..at_rest };
+/// PreslidingHysteresis.advance(&parameters, 0, &moving, 0.05, &mut memory);
+/// let mut torque = [0.0];
+/// PreslidingHysteresis.torque(&parameters, 0, &moving, &memory, &mut torque);
+/// assert!((torque[0] / 30.0 - 0.632).abs() < 1e-3);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct PreslidingHysteresis;
 

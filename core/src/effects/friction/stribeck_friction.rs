@@ -3,6 +3,27 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// (Fs - Fc) exp(-(|v|/vs)^delta) sign(v).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, StribeckFriction};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // A rise of 25 N m at low speed, with vs = 0.15 rad/s and Armstrong-Helouvry's exponent 2.
+/// for (speed, share) in [(1e-6, 1.0), (0.15, 0.368), (0.6, 0.0)] {
+///     let moving = Instant { qd: &[speed], direction: &[1.0], ..at_rest };
+///     let mut torque = [0.0];
+///     StribeckFriction.torque(&[25.0, 0.15, 2.0], 0, &moving, &[], &mut torque);
+///     assert!((torque[0] / 25.0 - share).abs() < 1e-3);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct StribeckFriction;
 

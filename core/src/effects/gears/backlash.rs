@@ -3,6 +3,16 @@
 use crate::effects::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// A dead zone of +- half_gap between motor and link.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Backlash, Effect};
+///
+/// // The link lags by half the play, on the side of the load.
+/// let gear = Backlash.gear(&[5e-4]).expect("a gear with play");
+/// assert_eq!((gear.twist(10.0), gear.twist(-10.0)), (5e-4, -5e-4));
+/// assert_eq!(gear.torque(3e-4, 0.0), 0.0);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Backlash;
 

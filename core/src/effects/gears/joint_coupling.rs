@@ -9,6 +9,26 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site, direction};
 
 /// Fvc v_other + Fcc sign(v_a + v_b) + Iac a_other on both joints of the pair.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, JointCoupling};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // Only the first axis of the pair moves, at 1 rad/s, and the second takes torque too: Fvc v + Fcc.
+/// let (one_moves, still) = ([1.0, 0.0], [0.0, 0.0]);
+/// let moving = Instant { q: &still, qd: &one_moves, qdd: &still, direction: &one_moves, load: &still, ..at_rest };
+/// let mut torque = [0.0, 0.0];
+/// JointCoupling.torque(&[1.5, 2.0, 0.3, 0.02], 0, &moving, &[], &mut torque);
+/// assert_eq!(torque, [2.0, 3.5]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct JointCoupling;
 

@@ -3,6 +3,15 @@
 use crate::effects::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// A gear of stiffness K = 1 / compliance.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, JointElasticity};
+///
+/// // A gear of 250 kN m/rad winds up by 2 mrad under 500 N m.
+/// let gear = JointElasticity.gear(&[4e-6]).expect("an elastic gear");
+/// assert!((gear.twist(500.0) - 2e-3).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct JointElasticity;
 

@@ -4,6 +4,18 @@ use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scop
 use crate::robot::Robot;
 
 /// Logged position = q + e sin(q - phi), as q + s sin q + c cos q with s = e cos phi, c = -e sin phi.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use std::f64::consts::FRAC_PI_2;
+/// use tauscope::effects::{Effect, EncoderEccentricity};
+///
+/// // s = 8 mrad, c = -6 mrad: the error goes round once with the joint.
+/// let mut logged = [0.0, FRAC_PI_2, 2.0 * FRAC_PI_2];
+/// EncoderEccentricity.distort_position(&[0.008, -0.006], &mut logged);
+/// let errors = [logged[0], logged[1] - FRAC_PI_2, logged[2] - 2.0 * FRAC_PI_2];
+/// assert!(errors.iter().zip([-0.006, 0.008, 0.006]).all(|(error, expected)| (error - expected).abs() < 1e-12));
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct EncoderEccentricity;
 

@@ -3,6 +3,15 @@
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged position = q + d.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, EncoderOffset};
+///
+/// let mut logged = [0.0, 0.5];
+/// EncoderOffset.distort_position(&[0.25], &mut logged);
+/// assert_eq!(logged, [0.25, 0.75]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct EncoderOffset;
 

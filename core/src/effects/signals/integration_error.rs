@@ -15,6 +15,25 @@ use nalgebra::Vector3;
 ///
 /// Velocity and acceleration are to be derivatives of the logged position: a log of the exact acceleration at each state
 /// shows nothing of it, a tachometer twice B.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, IntegrationError};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // One joint has no velocity torques, so that -h Fv a / 2 remains: Fv of the pendulum is 0.4 N m s/rad.
+/// let accelerating = Instant { qd: &[2.0], qdd: &[5.0], direction: &[1.0], ..at_rest };
+/// let mut torque = [0.0];
+/// IntegrationError.torque(&[0.01], 0, &accelerating, &[], &mut torque);
+/// assert!((torque[0] + 0.01).abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct IntegrationError;
 

@@ -3,6 +3,16 @@
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// Logged torque at t = tau(t - d), on all joints.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, TimeDelay};
+///
+/// // A delay of 4 ms in a log of 500 Hz: two samples. The first torque is held before that.
+/// let mut logged = [1.0, 2.0, 5.0, 5.0, 3.0, 0.0];
+/// TimeDelay.distort_torque(&[0.004], &mut logged, 0.002);
+/// assert_eq!(logged, [1.0, 1.0, 1.0, 2.0, 5.0, 5.0]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct TimeDelay;
 

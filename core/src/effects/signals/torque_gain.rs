@@ -3,6 +3,16 @@
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque = (1 + e) tau.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, TorqueGain};
+///
+/// // Logged 25 % too large.
+/// let mut logged = [100.0, -40.0];
+/// TorqueGain.distort_torque(&[0.25], &mut logged, 0.01);
+/// assert_eq!(logged, [125.0, -50.0]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct TorqueGain;
 

@@ -3,6 +3,17 @@
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// T d(logged)/dt + logged = tau.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, TorqueLag};
+///
+/// // Behind a ramp of 300 N m/s the log of a drive with T = 5 ms stays back by 1.5 N m.
+/// let torque: Vec<f64> = (0..200).map(|k| 300.0 * 1e-3 * f64::from(k)).collect();
+/// let mut logged = torque.clone();
+/// TorqueLag.distort_torque(&[0.005], &mut logged, 1e-3);
+/// assert!((torque[199] - logged[199] - 1.5).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct TorqueLag;
 

@@ -3,6 +3,15 @@
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque = tau + o.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, TorqueOffset};
+///
+/// let mut logged = [20.0, -20.0];
+/// TorqueOffset.distort_torque(&[5.0], &mut logged, 0.01);
+/// assert_eq!(logged, [25.0, -15.0]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct TorqueOffset;
 

@@ -3,6 +3,28 @@
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
 
 /// Ac cos(n q) + As sin(n q).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, Instant, TorqueRipple};
+/// # use tauscope::{dynamics::Chain, robot::{self, InertiaCheck}};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let (chain, zero) = (Chain::new(&robot), &[0.0][..]);
+/// # let at_rest = Instant {
+/// #     t: 0.0, started: 0.0, q: zero, qd: zero, qdd: zero, direction: zero, load: zero,
+/// #     robot: &robot, chain: &chain, frames: None,
+/// # };
+///
+/// // Ac = 8 N m, As = 6 N m, 20 periods a turn: an amplitude of 10 N m, whatever the speed.
+/// let largest = (0..1000).map(|k| {
+///     let mut torque = [0.0];
+///     let pose = Instant { q: &[1e-3 * f64::from(k)], ..at_rest };
+///     TorqueRipple.torque(&[8.0, 6.0, 20.0], 0, &pose, &[], &mut torque);
+///     torque[0]
+/// });
+/// assert!((largest.fold(0.0, f64::max) - 10.0).abs() < 1e-3);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct TorqueRipple;
 

@@ -3,6 +3,15 @@
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
 
 /// Logged torque = tau clipped to +- L.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Effect, TorqueSaturation};
+///
+/// let mut logged = [80.0, 120.0, -300.0];
+/// TorqueSaturation.distort_torque(&[100.0], &mut logged, 0.01);
+/// assert_eq!(logged, [80.0, 100.0, -100.0]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct TorqueSaturation;
 

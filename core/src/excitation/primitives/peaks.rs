@@ -10,6 +10,19 @@ pub struct Extreme {
 }
 
 /// Extremes of one joint over a motion that starts at rest at zero (which the default value stands for).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::Peaks;
+///
+/// // States of a motion at three times: position, velocity, acceleration.
+/// let mut peaks = Peaks::default();
+/// for (time_s, state) in [(0.0, [0.0, 0.0, 2.0]), (0.5, [0.4, 0.9, 0.0]), (1.0, [0.6, 0.0, -3.0])] {
+///     peaks.include(time_s, state);
+/// }
+/// assert_eq!((peaks.highest.value, peaks.lowest.value), (0.6, 0.0));
+/// assert_eq!((peaks.acceleration.value, peaks.acceleration.time_s), (-3.0, 1.0));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peaks {
     /// Lowest position, rad.

@@ -4,6 +4,26 @@ use super::peaks::Peaks;
 use crate::channels::Channels;
 
 /// Something an arm can be asked to follow: position, velocity and acceleration of every joint at every time.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::Reference;
+///
+/// /// A swing of 0.5 rad at 1 rad/s on one joint.
+/// struct Swing;
+///
+/// impl Reference for Swing {
+///     fn joints(&self) -> usize { 1 }
+///     fn duration_s(&self) -> f64 { 10.0 }
+///     fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
+///         (q[0], qd[0], qdd[0]) = (0.5 * t.sin(), 0.5 * t.cos(), -0.5 * t.sin());
+///     }
+/// }
+///
+/// let [mut q, mut qd, mut qdd] = [(); 3].map(|()| tauscope::channels::Channels::zeros(1, 2));
+/// Swing.along(&[0.0, 1.0], [&mut q, &mut qd, &mut qdd]);
+/// assert_eq!(qd.channel(0), [0.5, 0.5 * 1f64.cos()]);
+/// ```
 pub trait Reference: Send + Sync {
     /// Number of joints.
     fn joints(&self) -> usize;

@@ -31,6 +31,23 @@ pub struct JointPoints {
 }
 
 /// A clamped uniform B-spline per joint.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::{Motion, MotionFile, Reference};
+/// # let file = |data: &str| {
+/// #     let head = "schema = \"tauscope.motion/1\"\nrobot = \"bench\"\njoints = [\"pan\"]\nkind = \"bspline\"\n";
+/// #     MotionFile::parse("motion.toml", &format!("{head}data = {data}"))
+/// # };
+///
+///
+/// // What a file with `kind = "bspline"` holds. A spline stays within its control points.
+/// let file = file("{ duration_s = 4.0, degree = 5, joints = [{ control_points = [0.4, 0.8, -0.6, 0.3] }] }")?;
+/// let Motion::Bspline(spline) = file.motion else { unreachable!() };
+/// let peaks = spline.peaks(0).expect("the law gives bounds");
+/// assert!(peaks.highest.value < 0.8 && peaks.lowest.value > -0.6);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
 pub struct Bspline {

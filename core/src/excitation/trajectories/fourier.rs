@@ -53,6 +53,27 @@ impl Harmonics {
 }
 
 /// A finite Fourier series per joint, over one or more periods.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::{Motion, MotionFile, Reference};
+/// # let file = |data: &str| {
+/// #     let head = "schema = \"tauscope.motion/1\"\nrobot = \"bench\"\njoints = [\"pan\"]\nkind = \"fourier\"\n";
+/// #     MotionFile::parse("motion.toml", &format!("{head}data = {data}"))
+/// # };
+///
+///
+/// // What a file with `kind = "fourier"` holds: two periods of 10 s with two harmonics of the velocity.
+/// let file = file("{ period_s = 10.0, periods = 2, joints = [{ a = [0.3, -0.3], b = [0.2, -0.1] }] }")?;
+/// let Motion::Fourier(series) = file.motion else { unreachable!() };
+/// assert_eq!(series.duration_s(), 20.0);
+///
+/// // Periodic, and at rest at zero at both ends.
+/// let (mut q, mut qd, mut qdd) = ([1.0], [1.0], [1.0]);
+/// series.at(10.0, &mut q, &mut qd, &mut qdd);
+/// assert!(q[0].abs() < 1e-12 && qd[0].abs() < 1e-12 && qdd[0].abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
 pub struct FourierSeries {

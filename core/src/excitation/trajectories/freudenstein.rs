@@ -103,6 +103,26 @@ pub struct JointMoves {
 ///
 /// One move per joint with a common timing is not enough to excite an arm: the joints then move in proportion, and
 /// parallel joints cannot be separated.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::{Motion, MotionFile, Reference};
+/// # let file = |data: &str| {
+/// #     let head = "schema = \"tauscope.motion/1\"\nrobot = \"bench\"\njoints = [\"pan\"]\nkind = \"freudenstein\"\n";
+/// #     MotionFile::parse("motion.toml", &format!("{head}data = {data}"))
+/// # };
+///
+///
+/// // What a file with `kind = "freudenstein"` holds: to 0.4 rad in 1 s, and back in 2 s.
+/// let data = "{ duration_s = 3.0, joints = [{ duration_s = [1.0, 2.0], via = [0.4] }] }";
+/// let Motion::Freudenstein(sequence) = file(data)?.motion else { unreachable!() };
+///
+/// // The velocity peaks at half time of a move, with 2 h/T.
+/// let (mut q, mut qd, mut qdd) = ([0.0], [0.0], [0.0]);
+/// sequence.at(0.5, &mut q, &mut qd, &mut qdd);
+/// assert!((q[0] - 0.2).abs() < 1e-12 && (qd[0] - 0.8).abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
 pub struct FreudensteinSequence {

@@ -10,6 +10,20 @@ use serde::{Deserialize, Serialize};
 
 /// A motion of any of the four parametrisations, as motion files hold it: `kind` names the parametrisation, `data` holds
 /// its unknowns.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::random_sequence::random_sequence;
+/// use tauscope::excitation::{JointLimits, Motion, Reference};
+///
+/// let limits = [JointLimits { lower: -2.0, upper: 2.0, velocity: 3.0, acceleration: 20.0 }];
+/// let draw = |index| random_sequence(1, "motion", index, 3, 5.0, &limits).map(Motion::Freudenstein);
+///
+/// // One after the other, as one motion.
+/// let both = Motion::joined(&[draw(0)?, draw(1)?])?;
+/// assert_eq!((both.kind(), both.duration_s()), (Motion::KINDS[0], 10.0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "data", rename_all = "snake_case")]
 pub enum Motion {

@@ -38,6 +38,26 @@ impl JointSegments {
 }
 
 /// Quintic segments of every joint, each with its own durations, that together last equally long.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::excitation::{Motion, MotionFile, Reference};
+/// # let file = |data: &str| {
+/// #     let head = "schema = \"tauscope.motion/1\"\nrobot = \"bench\"\njoints = [\"pan\"]\nkind = \"quintic\"\n";
+/// #     MotionFile::parse("motion.toml", &format!("{head}data = {data}"))
+/// # };
+///
+///
+/// // What a file with `kind = "quintic"` holds: through 0.5 rad at 0.3 rad/s after 1 s, and back to rest at zero.
+/// let data = "{ duration_s = 3.0, joints = [{ duration_s = [1.0, 2.0], position = [0.5], velocity = [0.3] }] }";
+/// let Motion::Quintic(sequence) = file(data)?.motion else { unreachable!() };
+/// let (mut q, mut qd, mut qdd) = ([0.0], [0.0], [0.0]);
+/// sequence.at(1.0, &mut q, &mut qd, &mut qdd);
+/// assert!((q[0] - 0.5).abs() < 1e-12 && (qd[0] - 0.3).abs() < 1e-12);
+/// sequence.at(3.0, &mut q, &mut qd, &mut qdd);
+/// assert!(q[0].abs() < 1e-12 && qd[0].abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
 pub struct QuinticSequence {

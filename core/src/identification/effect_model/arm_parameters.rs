@@ -5,6 +5,23 @@ use crate::identification::model::Model;
 use crate::identification::model::standard::{ROTOR, STANDARD};
 
 /// Which parameters of the arm are taken from the URDF.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{EffectModel, Preparation, Trust};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // Trusted inertias leave friction and rotors to be fitted: three parameters a joint. Else all base parameters are.
+/// let model = Model::new(&robot);
+/// let fitted = |trust| EffectModel::new(&model, trust, &[&log], Preparation::usual(&log), Vec::new());
+/// assert_eq!(fitted(Trust::Nominal)?.baseline_len(), 3 * 5);
+/// assert_eq!(fitted(Trust::Structure)?.baseline_len(), model.base().len());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {

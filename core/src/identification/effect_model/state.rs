@@ -14,6 +14,23 @@ use crate::identification::regression::undetermined::undetermined;
 use crate::recording::Recording;
 
 /// How measured logs are made ready.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::Preparation;
+/// use tauscope::identification::reversals::Band;
+/// use tauscope::identification::smoothing_choice;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // By the noise of a log; or the usual window at its rate.
+/// let chosen = Preparation { smoothing: smoothing_choice::savitzky_golay(&[&log])?, band: Band::OfNoise };
+/// let usual = Preparation::usual(&log);
+/// assert_eq!((chosen.band, usual.band), (Band::OfNoise, Band::OfNoise));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preparation {
     /// Smoothing, differentiation and the filter of torque and columns.
@@ -36,6 +53,25 @@ impl Preparation {
 }
 
 /// A model with effects on a set of logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::effects::{Placed, StribeckFriction};
+/// use tauscope::identification::effect_model::{EffectModel, Preparation, Trust};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // The arm with a Stribeck curve on joint 2: its rise is linear, its velocity is searched.
+/// let (model, stribeck) = (Model::new(&robot), Placed::typical(&StribeckFriction, 1));
+/// let effects = EffectModel::new(&model, Trust::Structure, &[&log], Preparation::usual(&log), vec![stribeck])?;
+/// assert_eq!(effects.linear_names().len(), model.base().len() + 1);
+/// assert_eq!((effects.amplitudes(), effects.nonlinear()), (vec![(0, 0)], vec![(0, 1)]));
+/// assert_eq!(effects.parameter_name((0, 0)), "stribeck_friction:j2 rise");
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct EffectModel<'a> {
     pub(super) model: &'a Model,
     pub(super) trust: Trust,

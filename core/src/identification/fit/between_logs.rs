@@ -36,6 +36,32 @@ const OF_VALUE: f64 = 0.1;
 const SPREAD: f64 = 0.01;
 
 /// Estimates of a parameter by all logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// use tauscope::identification::fit::Agreement;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// // Three logs of one arm. From the second on joint j1 has 2 N m more Coulomb friction.
+/// let (mut second, mut third) = (other.clone(), log.clone());
+/// for log in [&mut second, &mut third] {
+///     let speed: Vec<f64> = log.q.channel(0).windows(2).map(|pair| pair[1] - pair[0]).collect();
+///     log.tau.channel_mut(0).iter_mut().zip(speed).for_each(|(torque, speed)| *torque += 2.0 * speed.signum());
+/// }
+/// let logs = Logs { train: &[&log, &second, &third], test: &[] };
+/// let fit = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?.fit;
+/// let friction = fit.names.iter().position(|name| name == "Fc1").expect("friction is a base parameter");
+/// let agreement = fit.between_logs[friction].as_ref().expect("there are several logs").agreement;
+/// assert_eq!(agreement, Agreement::Changed { after: 1 });
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case", tag = "verdict")]
 pub enum Agreement {
@@ -51,6 +77,27 @@ pub enum Agreement {
 }
 
 /// A parameter in each log, all others being common.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// // The friction of joint j1 in each of two logs of the same arm, everything else being common.
+/// let logs = Logs { train: &[&log, &other], test: &[] };
+/// let fit = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?.fit;
+/// let friction = fit.names.iter().position(|name| name == "Fc1").expect("friction is a base parameter");
+/// let between = fit.between_logs[friction].as_ref().expect("there are several logs");
+/// assert!((between.values[0] - between.values[1]).abs() < 4.0 * between.std[0].hypot(between.std[1]));
+/// assert!(between.p > 1e-3);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct BetweenLogs {
     /// Its value in each log.

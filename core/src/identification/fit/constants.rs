@@ -18,6 +18,27 @@ const SHARE: f64 = 0.25;
 const SIZE: f64 = 0.005;
 
 /// A constant that a residual holds.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// // The torque sensor of joint j1, whose axis is vertical, has an offset of 3 N m.
+/// let mut log = log;
+/// log.tau.channel_mut(0).iter_mut().for_each(|torque| *torque += 3.0);
+/// let (logs, preparation) = (Logs { train: &[&log], test: &[] }, Preparation::usual(&log));
+/// let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, preparation, Vec::new())?;
+/// let constant = fitted.fit.constants[0].as_ref().expect("it matters");
+/// assert!((constant.value - 3.0).abs() < 0.2 && constant.share > 0.5);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
     /// Its least-squares estimate with all parameters of the arm free, N m (N).

@@ -12,6 +12,26 @@ use crate::recording::Recording;
 use crate::robot::Robot;
 
 /// The model of the joints that have an equation.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::equations;
+/// use tauscope::identification::fit::Logs;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // A log without the torque of the last joint: it moves like the others, and has no equation.
+/// let mut log = log;
+/// log.tau.channel_mut(4).fill(f64::NAN);
+/// let logs = Logs { train: &[&log], test: &[] };
+/// let observed = equations::observed(&robot, logs, Preparation::usual(&log), Trust::Structure)?;
+/// assert!(observed.model.has_equation(0) && !observed.model.has_equation(4));
+/// assert!(observed.notes[0].contains("j5"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Observed {
     /// The model.

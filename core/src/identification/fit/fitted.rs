@@ -10,6 +10,24 @@ use crate::recording::Recording;
 use crate::robot::{Drive, Robot};
 
 /// Logs to fit and logs to judge by.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// // Fit to one log, judge by another that the fit has not seen.
+/// let logs = Logs { train: &[&log], test: &[&other] };
+/// let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?;
+/// assert_eq!((fitted.train_rms.len(), fitted.test_rms.len()), (5, 5));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Logs<'a> {
     /// Logs that are identified from.
@@ -19,6 +37,29 @@ pub struct Logs<'a> {
 }
 
 /// A fit with its residual on training and held-out logs, root mean square per joint in N m.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// use tauscope::effects::{Placed, TorqueRipple};
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// // Friction of joint j2 has a ripple of seven periods a turn. A law for it makes the held-out residual smaller.
+/// let (model, preparation) = (Model::new(&robot), Preparation::usual(&log));
+/// let logs = Logs { train: &[&log], test: &[&other] };
+/// let ripple = Placed { effect: &TorqueRipple, joint: 1, parameters: vec![0.5, 0.5, 7.0] };
+/// let fit = |placed| fit_effects(&model, Trust::Structure, logs, preparation, placed);
+/// let (without, with) = (fit(Vec::new())?, fit(vec![ripple])?);
+/// assert!(with.test_rms[1] < 0.6 * without.test_rms[1]);
+/// assert!((with.placed[0].parameters[2] - 7.0).abs() < 0.1);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Fitted {
     /// Parameters with their covariance.
@@ -36,6 +77,27 @@ pub struct Fitted {
 }
 
 /// The rows that a fit is judged by, `[joint][row]`; nothing where there are no held-out logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// let logs = Logs { train: &[&log], test: &[&other] };
+/// let fitted = fit_effects(&Model::new(&robot), Trust::Structure, logs, Preparation::usual(&log), Vec::new())?;
+///
+/// // Root mean square of the held-out residual of joint j1 over the rows that count.
+/// let rows: Vec<f64> = fitted.test.residual[0].iter().flatten().copied().collect();
+/// let rms = (rows.iter().map(|value| value * value).sum::<f64>() / rows.len() as f64).sqrt();
+/// assert!((rms / fitted.test_rms[0] - 1.0).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Rows {
     /// Time, each log's own, s; NaN between two logs.

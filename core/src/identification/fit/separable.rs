@@ -37,6 +37,28 @@ const DIFFERENCE: f64 = 1e-3;
 const SETTLING: usize = 3;
 
 /// What a fit with effects found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// let (logs, preparation) = (Logs { train: &[&log], test: &[] }, Preparation::usual(&log));
+/// let fit = fit_effects(&Model::new(&robot), Trust::Structure, logs, preparation, Vec::new())?.fit;
+///
+/// // Coulomb friction of joint 2, of which the log was made with 2.5 N m.
+/// let place = fit.names.iter().position(|name| name == "Fc2").expect("friction is a base parameter");
+/// let (value, std) = (fit.estimate.beta[place], fit.estimate.std()[place]);
+/// assert!((value - 2.5).abs() < 0.3 && std < 0.2);
+/// assert_eq!((fit.arm_units[place], fit.at_bound[place]), ("N m", false));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct EffectFit {
     /// Linear parameters (arm, amplitudes), then nonlinear ones, with their joint covariance.

@@ -3,6 +3,28 @@
 use nalgebra::{DMatrix, DVector};
 
 /// What lambda multiplies in \[J'WJ + lambda D\] h = J'W (y - yhat).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::levenberg_marquardt::{Options, Scaling};
+/// # use nalgebra::{DMatrix, DVector};
+/// # use tauscope::identification::levenberg_marquardt::{DenseProblem, minimize};
+/// # let times = DVector::from_fn(20, |k, _| 0.1 * k as f64);
+/// # let measured = times.map(|t| 2.0 * (-1.5 * t).exp());
+/// # let of = times.clone();
+/// # let decay = move |p: &[f64]| of.map(|t| p[0] * (-p[1] * t).exp());
+/// # let slopes = move |p: &[f64]| DMatrix::from_fn(20, 2, |k, c| {
+/// #     let fall = (-p[1] * times[k]).exp();
+/// #     [fall, -p[0] * times[k] * fall][c]
+/// # });
+/// # let mut problem = DenseProblem::new(measured, DVector::repeat(20, 1.0), 2, decay, slopes)?;
+///
+/// // Of y = a exp(-b t): with diag(J'WJ) the path is the same in whatever units a and b are.
+/// assert_eq!(Options::default().scaling, Scaling::Diagonal);
+/// let fit = minimize(&mut problem, &[1.0, 1.0], &Options { scaling: Scaling::Identity, ..Options::default() })?;
+/// assert!((fit.parameters[0] - 2.0).abs() < 1e-8 && (fit.parameters[1] - 1.5).abs() < 1e-8);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scaling {
     /// D = I (Levenberg). Sensible where all parameters are of one scale.
@@ -12,6 +34,29 @@ pub enum Scaling {
 }
 
 /// The rule by which lambda changes.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::levenberg_marquardt::{Damping, Options};
+/// # use nalgebra::{DMatrix, DVector};
+/// # use tauscope::identification::levenberg_marquardt::{DenseProblem, minimize};
+/// # let times = DVector::from_fn(20, |k, _| 0.1 * k as f64);
+/// # let measured = times.map(|t| 2.0 * (-1.5 * t).exp());
+/// # let of = times.clone();
+/// # let decay = move |p: &[f64]| of.map(|t| p[0] * (-p[1] * t).exp());
+/// # let slopes = move |p: &[f64]| DMatrix::from_fn(20, 2, |k, c| {
+/// #     let fall = (-p[1] * times[k]).exp();
+/// #     [fall, -p[0] * times[k] * fall][c]
+/// # });
+/// # let mut problem = DenseProblem::new(measured, DVector::repeat(20, 1.0), 2, decay, slopes)?;
+///
+/// // Every rule finds the decay 2 exp(-1.5 t).
+/// for damping in [Damping::default(), Damping::Nielsen] {
+///     let fit = minimize(&mut problem, &[1.0, 1.0], &Options { damping, ..Options::default() })?;
+///     assert!((fit.parameters[0] - 2.0).abs() < 1e-8 && (fit.parameters[1] - 1.5).abs() < 1e-8);
+/// }
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Damping {
     /// Divide by `down` after a step that is taken, multiply by `up` after one that is not (Gavin's method 1, with

@@ -8,6 +8,22 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// `predict` maps p to yhat(p), one value per measurement; `jacobian` maps p to d yhat / d p, measurements x
 /// parameters.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use nalgebra::{DMatrix, DVector};
+/// use tauscope::identification::levenberg_marquardt::{DenseProblem, Options, minimize};
+///
+/// // A straight line through (0, 1), (1, 3), (2, 5) and (3, 9).
+/// let columns = DMatrix::from_row_slice(4, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 3.0]);
+/// let (measured, weights) = (DVector::from_column_slice(&[1.0, 3.0, 5.0, 9.0]), DVector::repeat(4, 1.0));
+/// let predict = |p: &[f64]| &columns * DVector::from_column_slice(p);
+/// let mut line = DenseProblem::new(measured, weights, 2, predict, |_: &[f64]| columns.clone())?;
+///
+/// let fit = minimize(&mut line, &[0.0, 0.0], &Options::default())?;
+/// assert!((fit.parameters[0] - 0.6).abs() < 1e-9 && (fit.parameters[1] - 2.6).abs() < 1e-9);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct DenseProblem<F, G> {
     measured: DVector<f64>,
     weights: DVector<f64>,

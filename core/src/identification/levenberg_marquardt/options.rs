@@ -5,6 +5,27 @@ use super::problem::Bounds;
 use nalgebra::DMatrix;
 
 /// How to search and when to stop. The default is Gavin's method 1 with tolerances near the rounding error.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::levenberg_marquardt::{Options, StopReason};
+/// # use nalgebra::{DMatrix, DVector};
+/// # use tauscope::identification::levenberg_marquardt::{DenseProblem, minimize};
+/// # let times = DVector::from_fn(20, |k, _| 0.1 * k as f64);
+/// # let measured = times.map(|t| 2.0 * (-1.5 * t).exp());
+/// # let of = times.clone();
+/// # let decay = move |p: &[f64]| of.map(|t| p[0] * (-p[1] * t).exp());
+/// # let slopes = move |p: &[f64]| DMatrix::from_fn(20, 2, |k, c| {
+/// #     let fall = (-p[1] * times[k]).exp();
+/// #     [fall, -p[0] * times[k] * fall][c]
+/// # });
+/// # let mut problem = DenseProblem::new(measured, DVector::repeat(20, 1.0), 2, decay, slopes)?;
+///
+/// // Two steps are not enough to find the decay.
+/// let fit = minimize(&mut problem, &[1.0, 1.0], &Options { max_iterations: 2, ..Options::default() })?;
+/// assert_eq!((fit.iterations, fit.stop), (2, StopReason::Iterations));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Options {
     /// How lambda changes from step to step.
@@ -44,6 +65,29 @@ impl Default for Options {
 }
 
 /// Why the search ended.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::levenberg_marquardt::{Options, StopReason};
+/// # use nalgebra::{DMatrix, DVector};
+/// # use tauscope::identification::levenberg_marquardt::{DenseProblem, minimize};
+/// # let times = DVector::from_fn(20, |k, _| 0.1 * k as f64);
+/// # let measured = times.map(|t| 2.0 * (-1.5 * t).exp());
+/// # let of = times.clone();
+/// # let decay = move |p: &[f64]| of.map(|t| p[0] * (-p[1] * t).exp());
+/// # let slopes = move |p: &[f64]| DMatrix::from_fn(20, 2, |k, c| {
+/// #     let fall = (-p[1] * times[k]).exp();
+/// #     [fall, -p[0] * times[k] * fall][c]
+/// # });
+/// # let mut problem = DenseProblem::new(measured, DVector::repeat(20, 1.0), 2, decay, slopes)?;
+///
+/// let fit = minimize(&mut problem, &[1.0, 1.0], &Options::default())?;
+/// assert!(fit.stop.converged());
+///
+/// // Running out of iterations, or of steps that help, is no minimum.
+/// assert!(!StopReason::Iterations.converged() && !StopReason::Damping.converged());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopReason {
     /// The residual is orthogonal to what the parameters can change.
@@ -69,6 +113,28 @@ impl StopReason {
 }
 
 /// The end point of a fit and the way to it.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::levenberg_marquardt::Options;
+/// # use nalgebra::{DMatrix, DVector};
+/// # use tauscope::identification::levenberg_marquardt::{DenseProblem, minimize};
+/// # let times = DVector::from_fn(20, |k, _| 0.1 * k as f64);
+/// # let measured = times.map(|t| 2.0 * (-1.5 * t).exp());
+/// # let of = times.clone();
+/// # let decay = move |p: &[f64]| of.map(|t| p[0] * (-p[1] * t).exp());
+/// # let slopes = move |p: &[f64]| DMatrix::from_fn(20, 2, |k, c| {
+/// #     let fall = (-p[1] * times[k]).exp();
+/// #     [fall, -p[0] * times[k] * fall][c]
+/// # });
+/// # let mut problem = DenseProblem::new(measured, DVector::repeat(20, 1.0), 2, decay, slopes)?;
+///
+/// // 2 exp(-1.5 t), from exact values.
+/// let fit = minimize(&mut problem, &[1.0, 1.0], &Options::default())?;
+/// assert!((fit.parameters[0] - 2.0).abs() < 1e-8 && fit.chi2() < 1e-16);
+/// assert!(fit.chi2_history[0] > 1.0 && fit.chi2_history.last() == Some(&fit.chi2()));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Fit {
     /// The parameters found.

@@ -24,6 +24,33 @@ const BLOCK: usize = super::base_columns::BLOCK;
 const STRETCH: usize = 21;
 
 /// A motion with the torque it took.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::Motion;
+/// use tauscope::identification::fused::{self, Log};
+/// use tauscope::identification::model::Model;
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let mut motion = Motion::zeros(1, 400);
+/// # for k in 0..400 {
+/// #     let (t, [a, b]) = (0.01 * k as f64, [1.0f64, 2.3]);
+/// #     motion.q.set(k, &[(a * t).sin() + 0.5 * (b * t).cos()]);
+/// #     motion.qd.set(k, &[a * (a * t).cos() - 0.5 * b * (b * t).sin()]);
+/// #     motion.qdd.set(k, &[-a * a * (a * t).sin() - 0.5 * b * b * (b * t).cos()]);
+/// # }
+/// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // The first half of a log alone counts.
+/// let model = Model::new(&pendulum);
+/// let truth = model.base().values(&Model::standard_values(&pendulum));
+/// let mut torque = fused::predicted(&model, &motion, &truth);
+/// torque.channel_mut(0)[200..].fill(0.0);
+/// let valid = [(0..400).map(|k| k < 200).collect()];
+/// let log = Log { motion: &motion, torque: &torque, valid: Some(&valid) };
+/// let found = fused::weighted_least_squares(&model, log)?.beta;
+/// assert!(found.iter().zip(&truth).all(|(found, truth)| (found - truth).abs() < 1e-6));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Log<'a> {
     /// Positions, velocities and accelerations.
@@ -35,6 +62,36 @@ pub struct Log<'a> {
 }
 
 /// Base parameters with what white noise in the torque makes of them.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::dynamics::Motion;
+/// use tauscope::identification::fused::{self, Log};
+/// use tauscope::identification::model::Model;
+/// use tauscope::robot::{self, InertiaCheck};
+/// # let mut motion = Motion::zeros(1, 400);
+/// # for k in 0..400 {
+/// #     let (t, [a, b]) = (0.01 * k as f64, [1.0f64, 2.3]);
+/// #     motion.q.set(k, &[(a * t).sin() + 0.5 * (b * t).cos()]);
+/// #     motion.qd.set(k, &[a * (a * t).cos() - 0.5 * b * (b * t).sin()]);
+/// #     motion.qdd.set(k, &[-a * a * (a * t).sin() - 0.5 * b * b * (b * t).cos()]);
+/// # }
+/// # let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+///
+/// // 4 s of torque with a noise of 0.1 N m: the errors are as large as the covariance indicates.
+/// let model = Model::new(&pendulum);
+/// let truth = model.base().values(&Model::standard_values(&pendulum));
+/// let mut torque = fused::predicted(&model, &motion, &truth);
+/// let mut noise = [0.0; 400];
+/// tauscope::random::normals(1, "torque", 0).fill(&mut noise);
+/// torque.channel_mut(0).iter_mut().zip(noise).for_each(|(torque, noise)| *torque += 0.1 * noise);
+///
+/// let found = fused::weighted_least_squares(&model, Log { motion: &motion, torque: &torque, valid: None })?;
+/// assert!((found.sigma[0] - 0.1).abs() < 0.01);
+/// let deviations = (0..5).map(|k| (found.beta[k] - truth[k]) / found.covariance[(k, k)].sqrt());
+/// assert!(deviations.into_iter().all(|deviation| deviation.abs() < 4.0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Base parameters.

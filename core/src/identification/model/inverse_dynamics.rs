@@ -22,6 +22,22 @@ const PROBES_PER_JOINT: usize = 40;
 
 /// Torque linear in standard parameters (13 per moving body and its joint: m, mx .. Izz, Ia, Fv, Fc) and in the base parameters that torque
 /// can separate.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::model::Model;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // Of the 13 standard parameters of a pendulum torque shows five: two first moments, an inertia, and friction.
+/// let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let model = Model::new(&pendulum);
+/// assert_eq!((model.names().len(), model.base().len()), (13, 5));
+///
+/// let beta = model.base().values(&Model::standard_values(&pendulum));
+/// let viscous = (0..5).find(|&base| model.drive_of(base) == Some((0, 1))).expect("it has viscous friction");
+/// assert_eq!((beta[viscous], model.is_friction(viscous)), (0.4, true));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Model {
     robot: Robot,

@@ -11,6 +11,20 @@ use nalgebra::DMatrix;
 const GATHERED: usize = 1024;
 
 /// R over the rows seen so far.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::tsqr::Triangle;
+///
+/// // Rows of a table with two columns come in parts: R'R is the Gram matrix of all of them.
+/// let mut triangle = Triangle::new(2);
+/// triangle.add(&[1.0, 2.0, 0.0, 1.0], 2);
+/// triangle.add(&[2.0, 3.0], 1);
+/// let r = triangle.factor();
+/// let gram = r.transpose() * &r;
+/// let expected = nalgebra::dmatrix![9.0, 8.0; 8.0, 10.0];
+/// assert!((gram - expected).amax() < 1e-12);
+/// ```
 pub struct Triangle {
     columns: usize,
     /// The triangle so far, and below it rows that wait.

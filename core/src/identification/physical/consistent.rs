@@ -37,6 +37,31 @@ const STEPS: usize = 60;
 const CONDITIONS: usize = 7;
 
 /// Consistent parameters and what consistency costs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::effect_model::{Preparation, Trust};
+/// use tauscope::identification::fit::{Logs, fit_effects};
+/// use tauscope::identification::model::Model;
+/// use tauscope::identification::consistent;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # let other = recording::load("../tests/reference/payload/nothing.csv", None)?;
+///
+/// // Base parameters from a log, and bodies that can exist and have them.
+/// let (model, preparation) = (Model::new(&robot), Preparation::usual(&log));
+/// let logs = Logs { train: &[&log], test: &[&other] };
+/// let fitted = fit_effects(&model, Trust::Structure, logs, preparation, Vec::new())?;
+/// let bodies = consistent::consistent(&model, logs, preparation, &fitted)?;
+/// let identified = bodies.robot(&robot);
+/// assert!(identified.joints.iter().all(|joint| joint.inertia.physical_fault(1e-9).is_none()));
+///
+/// // They predict the held-out torque as well.
+/// assert!(bodies.test_rms[1] < 1.2 * fitted.test_rms[1]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Consistent {
     /// Standard parameters, 13 per joint in the order of [`Model::names`].

@@ -19,6 +19,22 @@ use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
 /// How measured signals are smoothed before they enter the regression.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::prepare::Smoothing;
+/// use tauscope::identification::smoothing_choice;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // The window that suits the noise of a log, or a low-pass by its motion.
+/// assert!(matches!(smoothing_choice::savitzky_golay(&[&log])?, Smoothing::SavitzkyGolay { order: 6, .. }));
+/// let Smoothing::LowPass { cutoff_hz, .. } = smoothing_choice::usual_low_pass(&[&log])? else { unreachable!() };
+/// assert!((1.0..5.0).contains(&cutoff_hz));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Smoothing {
     /// Not at all: measured positions, velocities and accelerations (or central differences) as they are.
@@ -69,6 +85,27 @@ pub fn position_cutoff_hz(cutoff_hz: f64, rate_hz: f64) -> f64 {
 
 /// A recording made ready for a model: the motion, the filter for torque and columns, and which samples count. What it takes
 /// over as it is stays in the recording.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::model::Model;
+/// use tauscope::identification::prepare::{self, Smoothing};
+/// use tauscope::identification::reversals::Band;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // Every fourth sample is a row; columns go through the same filter as the torque.
+/// let smoothing = Smoothing::SavitzkyGolay { window: 11, order: 4, decimation: 4 };
+/// let prepared = prepare::measured(&log, smoothing, Band::OfNoise)?;
+/// let rows = prepared.regression(&Model::new(&robot))?;
+/// assert_eq!((prepared.motion.samples(), rows.len()), (800, 5));
+///
+/// // Near reversals the direction of a joint is not certain.
+/// assert!(prepared.moving(1).iter().any(|moves| !moves));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Prepared<'a> {
     /// Names of the joints.

@@ -8,6 +8,23 @@ use crate::error::Result;
 use crate::signal::Filter;
 
 /// Speed below which the direction of a joint is not certain.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::prepare::{self, Smoothing};
+/// use tauscope::identification::reversals::Band;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+///
+/// // The wider the band of speeds, the fewer samples have a direction that is certain.
+/// let smoothing = Smoothing::SavitzkyGolay { window: 11, order: 4, decimation: 4 };
+/// let moving = |band: Band| prepare::measured(&log, smoothing, band).map(|log| log.moving(0));
+/// let samples = |band| Ok::<_, tauscope::error::Error>(moving(band)?.iter().filter(|moves| **moves).count());
+/// assert!(samples(Band::Given(0.5))? < samples(Band::Given(0.05))?);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Band {
     /// The same for every joint, rad/s or m/s. No row whose filter reaches a slower sample is used.

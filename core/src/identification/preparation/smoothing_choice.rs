@@ -109,6 +109,18 @@ pub fn usual_low_pass(logs: &[&Recording]) -> Result<Smoothing> {
 }
 
 /// A smoothing in numbers, for reports.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::prepare::Smoothing;
+/// use tauscope::identification::smoothing_choice::{Described, described};
+///
+/// let smoothing = Smoothing::SavitzkyGolay { window: 61, order: 6, decimation: 5 };
+/// let in_numbers = described(smoothing, 500.0)?;
+/// let Some(Described::SavitzkyGolay { window_s, cutoff_hz, .. }) = in_numbers else { unreachable!() };
+/// assert!((window_s - 0.12).abs() < 0.01 && (10.0..40.0).contains(&cutoff_hz));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Described {

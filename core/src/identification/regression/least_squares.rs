@@ -23,6 +23,31 @@ pub const REWEIGHTINGS: usize = 3;
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// What identification found.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::least_squares::weighted_least_squares;
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # use tauscope::identification::prepare::{self, Smoothing};
+/// # use tauscope::identification::reversals::Band;
+/// # let smoothing = Smoothing::SavitzkyGolay { window: 11, order: 4, decimation: 2 };
+///
+/// let model = Model::new(&robot);
+/// let rows = prepare::measured(&log, smoothing, Band::OfNoise)?.regression(&model)?;
+/// let names: Vec<String> = model.base().groupings().iter().map(|grouping| grouping.name.clone()).collect();
+/// let estimate = weighted_least_squares(&rows, &names)?;
+///
+/// // Coulomb friction of joint 1, of which the log was made with 2 N m.
+/// let friction = names.iter().position(|name| name == "Fc1").expect("friction is a base parameter");
+/// assert!((estimate.beta[friction] - 2.0).abs() < 0.3);
+/// let [low, high] = estimate.intervals()[friction];
+/// assert!((high - low - 2.0 * 1.96 * estimate.std()[friction]).abs() < 1e-3);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Estimate {
     /// Base parameters.

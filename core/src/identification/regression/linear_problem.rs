@@ -7,6 +7,31 @@ use crate::identification::numerics::scaled_normal::ScaledNormal;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of all joints, weighted by the joints' standard deviations, with the normal matrix worked out once.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::identification::least_squares::{residual_sigma, weighted_least_squares};
+/// use tauscope::identification::levenberg_marquardt::{Options, minimize};
+/// use tauscope::identification::linear_problem::LinearProblem;
+/// use tauscope::identification::model::Model;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/payload/arm.urdf", InertiaCheck::Ignored)?;
+/// # let log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// # use tauscope::identification::prepare::{self, Smoothing};
+/// # use tauscope::identification::reversals::Band;
+/// # let smoothing = Smoothing::SavitzkyGolay { window: 11, order: 4, decimation: 2 };
+///
+/// // An iterative search on the rows of a log ends where weighted least squares is at once.
+/// let model = Model::new(&robot);
+/// let rows = prepare::measured(&log, smoothing, Band::OfNoise)?.regression(&model)?;
+/// let names: Vec<String> = model.base().groupings().iter().map(|grouping| grouping.name.clone()).collect();
+/// let direct = weighted_least_squares(&rows, &names)?;
+/// let mut problem = LinearProblem::new(&rows, &direct.sigma, names.len());
+/// let searched = minimize(&mut problem, &vec![0.0; names.len()], &Options::default())?.parameters;
+/// assert!(searched.iter().zip(&direct.beta).all(|(a, b)| (a - b).abs() < 1e-4 * (1.0 + b.abs())));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 pub struct LinearProblem<'a> {
     joints: &'a [JointRegression],
     sigma: &'a [f64],

@@ -8,6 +8,18 @@ use nalgebra::Vector3;
 const GRAVITY: f64 = 9.81;
 
 /// One change to the description of the logs.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::descriptions::{Change, words};
+///
+/// let joints = ["hip", "knee"].map(str::to_owned);
+/// assert_eq!(words(Change::TorqueExchange(0, 1), &joints), "the torques of hip and knee are exchanged");
+/// assert_eq!(words(Change::AllTorqueSigns, &joints), "all torques have the wrong sign");
+///
+/// // Exchanged columns are a mistake of one kind, whichever they are of.
+/// assert_eq!(Change::TorqueSign(0).rank(), Change::TorqueSign(1).rank());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
     /// The torque of a joint has the opposite sign.
@@ -61,6 +73,22 @@ impl Change {
 }
 
 /// How logged channels become signals of the arm: the identity, or that after some changes.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::descriptions::{Change, Description};
+/// use tauscope::recording;
+///
+/// // A log whose first two torques are exchanged, and one of them has the wrong sign.
+/// let mut log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// let (first, second) = (log.tau.channel(0)[0], log.tau.channel(1)[0]);
+/// let given = Description::as_given(5, [0.0, 0.0, -9.81].into());
+/// let changed = given.with(Change::TorqueExchange(0, 1)).with(Change::TorqueSign(0));
+/// changed.apply(&mut log);
+/// assert_eq!((log.tau.channel(0)[0], log.tau.channel(1)[0]), (-second, first));
+/// assert!(!changed.same_as(&given) && changed.same_motion(&given));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// Position channel of every joint.

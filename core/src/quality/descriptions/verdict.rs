@@ -3,6 +3,22 @@
 use super::change::{Change, Description};
 
 /// A set of changes with the share of the torque that stays unexplained under it, held out.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+/// use tauscope::quality::descriptions::Change;
+///
+/// // Torque and position have opposite signs. On a single joint either may be the wrong one.
+/// read.recording.tau.channel_mut(0).iter_mut().for_each(|torque| *torque *= -1.0);
+/// let verdict = quality::examine(&read, Some(&robot))?.description.expect("the log is described wrongly");
+/// assert_eq!(verdict.description.changes, [Change::TorqueSign(0)]);
+/// assert_eq!(verdict.alternatives[0].changes, [Change::PositionSign(0)]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
     /// The changes.
@@ -12,6 +28,16 @@ pub struct Alternative {
 }
 
 /// What shows a change that explains the logs as well as their description does.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::descriptions::Shown;
+///
+/// // A torque of 90 N m from a drive that has 40: the log is of another drive, or in another unit.
+/// let shown = Shown::Effort { joint: 2, largest: 90.0, limit: 40.0 };
+/// let Shown::Effort { largest, limit, .. } = shown else { unreachable!() };
+/// assert!(largest > limit);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shown {
     /// As described, the drive of a joint that slides would need a constant force beyond the weight on it, N.
@@ -40,6 +66,18 @@ const NARROW: f64 = 8.0;
 const NARROW_ALONG_AN_AXIS: f64 = 18.0;
 
 /// Directions of gravity that the logs do not separate from the best one.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::descriptions::Spread;
+///
+/// // Gravity along an axis of the base, known to within 10 degrees: no other direction that is tried is as good.
+/// let spread = Spread { degrees: 10.0, includes: vec![[0.0, 0.0, -9.81]], along_an_axis: true };
+/// assert!(spread.is_narrow());
+///
+/// // A direction between the axes must be known better.
+/// assert!(!Spread { along_an_axis: false, ..spread }.is_narrow());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
     /// Angle from the best direction within which all of them are, degrees; without bound where some are farther than any that was tried.
@@ -58,6 +96,22 @@ impl Spread {
 }
 
 /// What explains the logs clearly better than their description, or as well and by a drive that exists.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+/// use tauscope::quality::descriptions::Change;
+///
+/// // A driver that reports the torque with the wrong sign.
+/// read.recording.tau.channel_mut(0).iter_mut().for_each(|torque| *torque *= -1.0);
+/// let verdict = quality::examine(&read, Some(&robot))?.description.expect("the log is described wrongly");
+/// assert_eq!(verdict.description.changes, [Change::TorqueSign(0)]);
+/// assert!(verdict.after < 0.6 * verdict.before);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// The changed description.

@@ -24,6 +24,14 @@ const TURNS_AWAY: f64 = 2.0;
 const RATIO: f64 = 0.1;
 
 /// A unit of positions other than rad and m.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality::OtherUnit;
+///
+/// // As a dataset names it: [units] position = "deg".
+/// assert_eq!(OtherUnit::Degree.symbol(), "deg");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs, reason = "a unit says what it is")]
 pub enum OtherUnit {

@@ -6,6 +6,17 @@ use crate::robot::Robot;
 use crate::signal::size_quantile;
 
 /// Range, speed and torque of a joint.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::quality;
+///
+/// let joints = quality::inspect("../tests/reference/payload/before.csv".as_ref(), None)?.joints;
+/// assert_eq!(joints[1].name, "j2");
+/// let [low, high] = joints[1].range;
+/// assert!(low < -0.7 && high > -0.7 && joints[1].reversals > 10 && joints[1].torque_rms > 3.0);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct JointSummary {
     /// Name of the joint.
@@ -32,6 +43,19 @@ pub struct JointSummary {
 }
 
 /// A constant torque that no body makes: an offset of a sensor or of a current.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # use tauscope::{dataset, quality};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// # let mut read = dataset::read("../tests/reference/pendulum/train.csv".as_ref(), &robot)?;
+/// // A torque sensor that reads 8 N m too much on a pendulum.
+/// read.recording.tau.channel_mut(0).iter_mut().for_each(|torque| *torque += 8.0);
+/// let constant = quality::examine(&read, Some(&robot))?.joints[0].constant.expect("the joint has a model");
+/// assert!((constant.torque - 8.0).abs() < 0.5 && constant.unexplained < 0.3);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
     /// Its size with its sign, N m or N.

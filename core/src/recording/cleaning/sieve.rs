@@ -13,6 +13,20 @@ const ABSURD: f64 = 1e12;
 const ABSURD_TIME: f64 = 1e19;
 
 /// Why a row was left out.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, Cause, ColumnMap};
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("log.csv");
+///
+/// let rows = ["t,q1,tau1", "0.00,0.1,1.0", "0.01,0.2,nan", "0.02,0.3,1.2", "0.03,x,1.1", "0.04,0.5,1.2"];
+/// std::fs::write(&path, rows.join("\n") + "\n").unwrap();
+/// let rejected = lenient::load(&path, None, &ColumnMap::default())?.rejected;
+/// let causes: Vec<Cause> = rejected.iter().map(|row| row.cause).collect();
+/// assert_eq!(causes, [Cause::NotFinite, Cause::Unreadable]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
@@ -31,6 +45,18 @@ pub enum Cause {
 }
 
 /// A row that was left out.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, Cause, ColumnMap};
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("log.csv");
+///
+/// std::fs::write(&path, "t,q1,tau1\n0.00,0.1,1.0\n0.01,0.2,nan\n0.02,0.3,1.2\n0.03,0.3,1.1\n").unwrap();
+/// let rejected = lenient::load(&path, None, &ColumnMap::default())?.rejected;
+/// assert_eq!((rejected[0].line, &rejected[0].column[..], rejected[0].cause), (3, "tau1", Cause::NotFinite));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Rejected {
     /// Line of the file (CSV) or number of the row (Parquet) or message (ROS 2), counted from 1.

@@ -166,6 +166,19 @@ fn positions(meanings: &[Vec<Meaning>]) -> Vec<&Meaning> {
 }
 
 /// The joints of which a log holds positions.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, ColumnMap};
+///
+/// // Which joints a log has, from its header alone.
+/// let names = lenient::joint_names("../tests/reference/payload/before.csv", &[], &ColumnMap::default())?;
+/// assert_eq!(names.names, ["j1", "j2", "j3", "j4", "j5"]);
+///
+/// // These names are numbers: the columns can be the first five joints of any robot.
+/// assert_eq!(names.numbered, 5);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct JointNames {
     /// Names in the order of the file; empty where the joints are numbered alone.

@@ -5,6 +5,20 @@ use crate::error::{Error, Result};
 use std::path::Path;
 
 /// A column of a file.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, Column, ColumnMap};
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("log.csv");
+///
+/// // The third column is the motor's torque, whatever it is called.
+/// std::fs::write(&path, "t,q1,drive\n0.00,0.1,1.5\n0.01,0.2,2.5\n0.02,0.4,2.0\n").unwrap();
+/// let map = ColumnMap { tau: Some(vec![Column::Number(3)]), ..ColumnMap::default() };
+/// assert_eq!(lenient::load(&path, None, &map)?.recording.tau.channel(0), [1.5, 2.5, 2.0]);
+/// assert_eq!(Column::from("drive"), Column::Name("drive".to_owned()));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, serde::Deserialize)]
 #[serde(untagged, expecting = "the name of a column, or its number counted from 1")]
 pub enum Column {
@@ -23,6 +37,21 @@ impl From<&str> for Column {
 
 /// Columns in a file, for those that are not called as [`csv`](crate::recording::csv) expects; one per joint in the order of
 /// the joints. Quantities left out are looked for under their usual names.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, ColumnMap};
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("log.csv");
+///
+/// // Names that no one could guess, and rows at 100 Hz without a column of time.
+/// std::fs::write(&path, "angle,drive\n0.1,1.5\n0.2,2.5\n0.4,2.0\n").unwrap();
+/// let column = |name: &str| Some(vec![name.into()]);
+/// let map = ColumnMap { rate_hz: Some(100.0), q: column("angle"), tau: column("drive"), ..ColumnMap::default() };
+/// let log = lenient::load(&path, None, &map)?.recording;
+/// assert_eq!((log.time, log.q.channel(0)), (vec![0.0, 0.01, 0.02], &[0.1, 0.2, 0.4][..]));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnMap {

@@ -11,6 +11,20 @@ use crate::recording::sampling::{rates, reversed, stamps};
 use std::path::{Path, PathBuf};
 
 /// A log without its unusable rows.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording::lenient::{self, ColumnMap};
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("log.csv");
+///
+/// // Angles in degrees by their name, and a row that cannot be used.
+/// std::fs::write(&path, "t,q1_deg,tau1\n0.00,90,1.0\n0.01,90,x\n0.02,180,1.2\n").unwrap();
+/// let read = lenient::load(&path, None, &ColumnMap::default())?;
+/// assert_eq!((&read.lines[..], read.rejected.len()), (&[2, 4][..], 1));
+/// assert!((read.recording.q.channel(0)[1] - std::f64::consts::PI).abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sieved {
     /// The accepted rows; there may be none. Time is in seconds, all else in SI units where the names of the columns give units, else in

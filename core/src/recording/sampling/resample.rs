@@ -18,6 +18,21 @@ const LOST_ROW: f64 = 1.5;
 const STEADY: f64 = 0.1;
 
 /// How regular the clock of a log is.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::recording;
+/// use tauscope::recording::resample::Clock;
+///
+/// let mut log = recording::load("../tests/reference/payload/before.csv", None)?;
+/// let clock = Clock::new(&log);
+/// assert!((clock.rate_hz - 50.0).abs() < 1e-6 && clock.gaps.is_empty() && !clock.is_irregular());
+///
+/// // Half a second is missing after sample 100.
+/// log.time[101..].iter_mut().for_each(|time| *time += 0.5);
+/// assert_eq!(Clock::new(&log).gaps, [100]);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Clock {
     /// One over the median step, Hz.

@@ -5,6 +5,16 @@ use nalgebra::Vector3;
 use std::path::PathBuf;
 
 /// How a joint of a file moves.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::description::{self, Motion};
+///
+/// let file = description::read("../tests/reference/trees/two_finger.urdf".as_ref())?;
+/// let of = |motion| file.joints.iter().filter(|joint| joint.motion == motion).count();
+/// assert_eq!((of(Motion::Revolute), of(Motion::Prismatic), of(Motion::Fixed)), (4, 2, 3));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
     /// Not at all.
@@ -20,6 +30,17 @@ pub enum Motion {
 }
 
 /// A joint that follows another: q = multiplier q_master + offset.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::description;
+///
+/// // <joint name="finger_right_joint" ..> <mimic joint="finger_left_joint"/>
+/// let file = description::read("../tests/reference/trees/two_finger.urdf".as_ref())?;
+/// let mimic = file.joints.iter().find_map(|joint| joint.mimic.as_ref()).expect("a finger follows the other");
+/// assert_eq!((&mimic.master[..], mimic.multiplier, mimic.offset), ("finger_left_joint", 1.0, 0.0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mimic {
     /// Name of the joint that is followed; it may itself follow another.
@@ -31,6 +52,23 @@ pub struct Mimic {
 }
 
 /// A number of a body that a file leaves out; it counts as zero where the body does not matter.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{Choice, InertiaCheck, description};
+///
+/// let text = r#"<robot name="r"><link name="base"/>
+/// <joint name="j" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
+/// <link name="rod"><inertial><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+/// let file = description::parse(text, "r.urdf")?;
+/// let missing = file.links[1].missing.as_ref().expect("the rod has no mass");
+/// assert_eq!((missing.line, &missing.field[..]), (3, "value of <mass> in `rod`"));
+///
+/// // It matters where the inertias are to be believed.
+/// assert!(file.robot(&Choice::default(), InertiaCheck::Ignored).is_ok());
+/// assert!(file.robot(&Choice::default(), InertiaCheck::Required).is_err());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Missing {
     /// Line in the file, counted from 1.
@@ -42,6 +80,18 @@ pub struct Missing {
 }
 
 /// A link of a file.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::description;
+///
+/// // Every link of the file, whether or not it moves.
+/// let file = description::read("../tests/reference/pendulum.urdf".as_ref())?;
+/// let names: Vec<&str> = file.links.iter().map(|link| &link.name[..]).collect();
+/// assert_eq!(names, ["stand", "rod"]);
+/// assert_eq!((file.links[1].inertia.mass(), &file.links[1].missing), (2.0, &None));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkDescription {
     /// Its name.
@@ -56,6 +106,17 @@ pub struct LinkDescription {
 }
 
 /// A joint of a file.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{JointKind, description};
+///
+/// let file = description::read("../tests/reference/pendulum.urdf".as_ref())?;
+/// let pivot = &file.joints[0];
+/// assert_eq!((&pivot.name[..], pivot.kind()), ("pivot", Some(JointKind::Revolute)));
+/// assert_eq!((&file.links[pivot.parent].name[..], &file.links[pivot.child].name[..]), ("stand", "rod"));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointDescription {
     /// Its name.
@@ -94,6 +155,21 @@ impl JointDescription {
 
 /// A robot as described by a file. Its reader guarantees: names are unique, every link but one has exactly one joint above
 /// it, all are reached from that root, every `master` exists and no chain of followers closes on itself.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{Choice, InertiaCheck, description};
+///
+/// // The file has 13 links and joints; which of them move is decided afterwards.
+/// let file = description::read("../tests/reference/trees/two_finger.urdf".as_ref())?;
+/// assert_eq!(file.links[file.root()].name, "world");
+///
+/// let whole = file.robot(&Choice::default(), InertiaCheck::Required)?;
+/// let choice = Choice { tip: Some("tcp".to_owned()), ..Choice::default() };
+/// let without_fingers = file.robot(&choice, InertiaCheck::Required)?;
+/// assert_eq!((whole.dof(), without_fingers.dof()), (5, 4));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// Name of the robot.

@@ -11,6 +11,23 @@ use std::path::PathBuf;
 const LEAST_PART: f64 = 0.05;
 
 /// A robot of one or more revolute or prismatic joints with a coordinate each, and of joints that follow them.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// let robot = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
+/// assert_eq!((robot.dof(), robot.joint_index("joint_3")?), (6, 2));
+///
+/// // Gravity does not turn joint 1, whose axis is vertical in every pose.
+/// assert!(!robot.feels_gravity(0) && robot.feels_gravity(1));
+///
+/// // Six joint frames and the flange, which lies within the arm's reach.
+/// let frames = robot.frames(&[0.0, 0.5, -0.3, 0.0, 0.2, 0.0]);
+/// assert_eq!(frames.len(), 7);
+/// assert!(frames[6].translation.norm() < robot.reach());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     /// Name of the robot in the URDF.

@@ -11,6 +11,16 @@ use nalgebra::DMatrix;
 const SINGULAR: f64 = 1e6;
 
 /// One entry of the linear map: what follows one coordinate, q = multiplier x + offset.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::Coupling;
+///
+/// // A joint that goes the other way, half as far, from 0.2 rad. Torque on it acts back in the same ratio.
+/// let coupling = Coupling { coordinate: 0, multiplier: -0.5, offset: 0.2 };
+/// assert_eq!(coupling.position(1.0), -0.3);
+/// assert_eq!((coupling.rate(1.0), coupling.torque(4.0)), (-0.5, -2.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
     /// The coordinate.
@@ -47,6 +57,24 @@ impl Coupling {
 }
 
 /// The whole map, a row for each that follows: the sum of its couplings.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use nalgebra::dmatrix;
+/// use tauscope::channels::Channels;
+/// use tauscope::robot::LinearMap;
+///
+/// // A wrist whose second joint also turns with the first motor.
+/// let joints_of_motors = LinearMap::of_matrix(&dmatrix![1.0, 0.0; 1.0, 1.0]);
+/// let motors = Channels::from_vectors(&[vec![0.5], vec![0.25]]);
+/// let joints = joints_of_motors.positions(&motors);
+/// assert_eq!(joints.at(0), [0.5, 0.75]);
+///
+/// // Back to the motors; and torque, A' tau, the other way than motion.
+/// let back = joints_of_motors.inverse().expect("A can be inverted");
+/// assert_eq!(back.positions(&joints), motors);
+/// assert_eq!(joints_of_motors.torques(&Channels::from_vectors(&[vec![3.0], vec![2.0]])).at(0), [5.0, 2.0]);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearMap {
     coordinates: usize,

@@ -14,6 +14,20 @@ pub const UNITS: [&str; PARAMETERS] =
 
 /// Inertial parameters m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz of a body, about the origin and in the axes of the
 /// frame it is attached to (kg, kg m, kg m2). Torque is linear in these ten (Atkeson, An and Hollerbach 1986).
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use nalgebra::{Matrix3, Vector3};
+/// use tauscope::robot::Inertia;
+///
+/// // A point of 2 kg at 0.5 m along x: m, first moments and, by the parallel-axis theorem, moments about the origin.
+/// let body = Inertia::from_center_of_mass(2.0, Vector3::new(0.5, 0.0, 0.0), Matrix3::zeros());
+/// assert_eq!(body.0, [2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5]);
+/// assert_eq!(body.physical_fault(1e-9), None);
+///
+/// // Parameters of bodies welded together add up.
+/// assert_eq!(body.welded_to(&body).mass(), 4.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inertia(pub [f64; PARAMETERS]);
 

@@ -6,6 +6,17 @@ use super::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 
 /// How a joint moves along or about its axis.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use nalgebra::Vector3;
+/// use tauscope::robot::JointKind;
+///
+/// // A rail slides along its axis and keeps its attitude.
+/// let moved = JointKind::Prismatic.motion(&Vector3::x(), 0.3);
+/// assert_eq!(moved.translation, Vector3::new(0.3, 0.0, 0.0));
+/// assert_eq!(moved.rotation, nalgebra::Matrix3::identity());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
@@ -30,6 +41,18 @@ impl JointKind {
 }
 
 /// Limits of a joint, in rad (or m), rad/s (or m/s), and N m (or N). Infinite where the URDF gives none.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{self, InertiaCheck};
+///
+/// // A joint that turns without end has limits of speed and effort alone.
+/// let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let limits = pendulum.joints[0].limits;
+/// assert_eq!((limits.lower, limits.upper), (f64::NEG_INFINITY, f64::INFINITY));
+/// assert_eq!((limits.velocity, limits.effort), (8.0, 60.0));
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Lowest position.
@@ -50,6 +73,17 @@ impl Limits {
 }
 
 /// Friction and rotor of a joint's drive, at the joint side of the gear.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{self, Drive, InertiaCheck};
+///
+/// // <dynamics damping="0.4" friction="0.6" armature="0.1"/>
+/// let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// assert_eq!(pendulum.joints[0].drive, Drive { viscous: 0.4, coulomb: 0.6, armature: 0.1 });
+/// assert!(Drive::default().is_frictionless());
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drive {
     /// Viscous friction Fv, N m s/rad.
@@ -61,6 +95,20 @@ pub struct Drive {
 }
 
 /// One joint and the body it carries.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::robot::{self, InertiaCheck, JointKind};
+///
+/// let pendulum = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Required)?;
+/// let pivot = &pendulum.joints[0];
+/// assert_eq!((&pivot.name[..], &pivot.link[..], pivot.kind), ("pivot", "rod", JointKind::Revolute));
+///
+/// // A quarter turn about y lifts the centre of mass from below the pivot to its side.
+/// let center = pivot.motion(std::f64::consts::FRAC_PI_2).rotation * pivot.inertia.center_of_mass();
+/// assert!((center.x.abs() - 0.5).abs() < 1e-12 && center.z.abs() < 1e-12);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
     /// Name of the joint in the URDF.

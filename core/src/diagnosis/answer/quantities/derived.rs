@@ -9,6 +9,15 @@ use crate::robot::Robot;
 const SIGNIFICANT: f64 = 3.0;
 
 /// A quantity that follows from an effect's parameters.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Derived;
+///
+/// // As `Diagnosis::derived` has it for a payload: its mass, which is significant.
+/// let mass = Derived { name: "mass", value: 1.52, std: 0.03, unit: "kg" };
+/// assert!(mass.value > 3.0 * mass.std);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Derived {
     /// Its name.

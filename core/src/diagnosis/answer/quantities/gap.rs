@@ -14,6 +14,24 @@ const DRAWS: u64 = 1000;
 const CHANGES: f64 = 0.1;
 
 /// A share with its 95 % interval.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// # use tauscope::diagnosis::Diagnosis;
+/// # use tauscope::recording;
+/// # use tauscope::robot::{self, InertiaCheck};
+/// # let robot = robot::load("../tests/reference/pendulum.urdf", InertiaCheck::Ignored)?;
+/// # let log = |name: &str| recording::load(format!("../tests/reference/pendulum/{name}.csv"), None);
+/// # let (train, test) = (log("train")?, log("test")?);
+/// # let answer = Diagnosis::of(&robot).train([&train]).test([&test]).candidates(["torque_ripple"]).run()?;
+/// # let diagnosis = answer.diagnosis().expect("the logs are good");
+///
+/// // The ripple closes the gap between the baseline and the noise on the held-out log.
+/// let share = diagnosis.errors.gap_closed;
+/// assert!(share.interval[0] <= share.value && share.value <= share.interval[1]);
+/// assert!(share.value > 0.95);
+/// # Ok::<(), tauscope::error::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Share {
     /// The estimate.

@@ -65,6 +65,16 @@ impl Candidate {
 pub(crate) type Slot = (Family, Option<usize>);
 
 /// An effect at a place.
+///
+/// ```
+/// # extern crate tauscope_core as tauscope;
+/// use tauscope::diagnosis::Family;
+///
+/// // An effect at a place, whatever its parameters: what findings, alternatives and rankings are lists of.
+/// let mut families = [Family { effect: "payload", joint: 0 }, Family { effect: "backlash", joint: 1 }];
+/// families.sort();
+/// assert_eq!(families[0], Family { effect: "backlash", joint: 1 });
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Family {
     /// Name of the effect.

@@ -24,6 +24,9 @@ use motor_off::{motor_off, off};
 /// A channel that stands still for longer while its joint moves is frozen, s.
 const FROZEN_S: f64 = 0.1;
 
+/// Number of runs of equal samples in a log that chance brings, up to which a torque that has one is frozen there.
+const BY_CHANCE: f64 = 1e-3;
+
 /// Speed up to the last sample before that which no joint loses within a sample, rad/s or m/s.
 const STOPS_DEAD: f64 = 0.2;
 
@@ -270,10 +273,18 @@ fn frozen_position(view: &View, joint: usize, q: &[f64]) -> Option<Finding> {
 fn frozen_torques<'a>(view: &'a View, joint: usize, tau: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
     let shortest = ((FROZEN_S / view.period) as usize).max(10);
     let (low, high) = extremes(tau);
+    let repeated: usize = runs(tau).filter(|(_, length)| *length < shortest).map(|(_, length)| length - 1).sum();
+    let repeats = repeated as f64 / tau.len().max(1) as f64;
     runs(tau).filter(move |&(start, length)| {
         let moved = || path(&view.q.channel(joint)[start..start + length]) > PATH;
-        length >= shortest && ![low, high, 0.0].contains(&tau[start]) && moved()
+        let long = length >= shortest && !is_by_chance(length, repeats, tau.len());
+        long && ![low, high, 0.0].contains(&tau[start]) && moved()
     })
+}
+
+/// Whether a torque of few digits, a share of whose samples `repeats` the one before, has a run of so many samples by chance.
+fn is_by_chance(length: usize, repeats: f64, samples: usize) -> bool {
+    samples as f64 * repeats.powf((length - 1) as f64) > BY_CHANCE
 }
 
 fn frozen_torque(view: &View, joint: usize, tau: &[f64]) -> Option<Finding> {
@@ -311,6 +322,13 @@ mod tests {
     use super::*;
     use crate::random;
     use rand::RngExt;
+
+    #[test]
+    fn torques_of_few_digits_repeat_themselves() {
+        // Of 4000 samples half of which repeat the one before, 3.9 runs of 11 are by chance, and 9e-4 of 23; of noise with all its digits, none.
+        assert!(is_by_chance(11, 0.5, 4000) && is_by_chance(22, 0.5, 4000) && !is_by_chance(23, 0.5, 4000));
+        assert!(!is_by_chance(11, 0.0, 4000));
+    }
 
     /// Torques with friction's jumps and white noise of 1 N m; the first with spikes of a size, the second with a share of them.
     #[test]

@@ -20,16 +20,17 @@ const WIDTHS: [f64; 8] = [0.01, 0.015, 0.02, 0.03, 0.04, 0.05, 0.07, 0.1];
 /// No share is less: so slow a joint creeps.
 const LEAST_SHARE: f64 = 1e-3;
 
-/// Widths of the other forms are these times as large: a ramp as steep as a tanh ends at its width, and is wide where a solver makes it of light links; a
-/// root reaches far where it is narrow. Of them every second is tried.
-const RAMP: f64 = 3.0;
-const ROOT: f64 = 0.4;
+/// The same of a ramp, which ends at its width and is wide where a solver makes it of light links, ..
+const RAMPS: [f64; 5] = [0.03, 0.05, 0.08, 0.14, 0.25];
+/// .. and of a root, whose tails reach far where it is narrow.
+const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
 
 /// By how much more likely, in its logarithm, the torque of a joint must be under another form than tanh.
 const ANOTHER_FORM: f64 = 3.0;
 
-/// Factors on the best of them, in rounds.
-const FINER: [&[f64]; 2] = [&[0.8, 0.9, 1.12, 1.25], &[0.95, 1.05]];
+/// Factors on the best of them, and on the best of those.
+const FINER: [f64; 4] = [0.8, 0.9, 1.12, 1.25];
+const FINEST: [f64; 2] = [0.95, 1.05];
 
 /// Joints whose gain does not count, where more than twice as many are left.
 const LEFT_OUT: usize = 2;
@@ -72,18 +73,23 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
         Ok(rounding.into_iter().zip(gains).collect())
     };
     let tried = |all: Vec<Vec<Rounding>>| all.into_par_iter().map(gains).collect::<Result<Vec<Tried>>>();
-    let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
     let shares = shares(&session.logs.train.rows.logs, model.dof());
     let of_all = |unit: Rounding, width: f64| shares.iter().map(|share| unit.scaled(share * width)).collect();
-    better(&mut best, tried(WIDTHS.iter().map(|&width| of_all(Rounding::Tanh(1.0), width)).collect())?, 0.0);
-    let forms = [Rounding::Ramp(RAMP), Rounding::Root(ROOT)];
-    let others = forms.iter().flat_map(|&unit| WIDTHS.iter().step_by(2).map(move |&width| (unit, width)));
-    better(&mut best, tried(others.map(|(unit, width)| of_all(unit, width)).collect())?, ANOTHER_FORM);
-    for factors in FINER {
-        let scaled = |factor: &f64| best.iter().map(|(rounding, _)| rounding.scaled(*factor)).collect();
-        let finer = tried(factors.iter().map(scaled).collect())?;
+    let scaled = |best: &Tried, factor: f64| best.iter().map(|(own, _)| own.scaled(factor)).collect();
+    // Forms are compared at the best width of each.
+    let of_form = |unit: Rounding, widths: &[f64]| -> Result<Tried> {
+        let mut best: Tried = vec![(Rounding::Sharp, 0.0); model.dof()];
+        better(&mut best, tried(widths.iter().map(|&width| of_all(unit, width)).collect())?, 0.0);
+        let finer = tried(FINER.iter().map(|&factor| scaled(&best, factor)).collect())?;
         better(&mut best, finer, 0.0);
+        Ok(best)
+    };
+    let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS)?;
+    for (unit, widths) in [(Rounding::Ramp(1.0), RAMPS), (Rounding::Root(1.0), ROOTS)] {
+        better(&mut best, vec![of_form(unit, &widths)?], ANOTHER_FORM);
     }
+    let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect())?;
+    better(&mut best, finest, 0.0);
     let by_laws = by_laws(session, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws);

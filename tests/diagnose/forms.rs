@@ -2,7 +2,7 @@
 
 use super::{SETUP, logs, with};
 use tauscope::diagnosis::Diagnosis;
-use tauscope::effects::{Placed, find};
+use tauscope::effects::{Placed, Rounding, find};
 use tauscope::recording::Recording;
 use tauscope::scenario::Setup;
 
@@ -55,29 +55,30 @@ fn a_part_of_a_sample_of_delay_is_no_finding() {
     assert_eq!(families(&diagnosed(&later(&precise, 0.4), &["time_delay"])), [("time_delay", 0)]);
 }
 
-/// Simulators write dry friction as tanh(v / width), whose tails look like two laws of low speed on every joint.
+/// Simulators round dry friction near standstill, which looks like two laws of low speed on every joint.
 #[test]
 fn friction_that_turns_over_some_speed_is_no_finding() {
-    let width = 0.03;
-    let smooth = |mut log: Recording| {
-        let qd = log.truth.as_ref().unwrap().qd.clone();
-        log.tau = log.tau.map(|joint, tau| {
-            let dry = SETUP.plant.joints[joint].drive.coulomb;
-            let turned = |v: &f64| dry * ((v / width).tanh() - v.signum());
-            tau.iter().zip(qd.channel(joint)).map(|(tau, v)| tau + turned(v)).collect()
-        });
-        log
-    };
-    let logs: Vec<Recording> = logs(&SETUP, 25, 3).into_iter().map(smooth).collect();
     let speed_laws = ["stribeck_friction", "nonlinear_viscous_friction", "presliding_hysteresis"];
-    let diagnosis = diagnosed(&logs, &speed_laws);
-    assert_eq!(families(&diagnosis), []);
-    let close = |found: &f64| (found / width - 1.0).abs() < 0.4;
-    assert!(
-        diagnosis.logs.coulomb_widths.iter().filter(|found| close(found)).count() >= 4,
-        "{:?}",
-        diagnosis.logs.coulomb_widths
-    );
+    for rounding in [Rounding::Tanh(0.03), Rounding::Ramp(0.08), Rounding::Root(0.02)] {
+        let smooth = |mut log: Recording| {
+            let qd = log.truth.as_ref().unwrap().qd.clone();
+            log.tau = log.tau.map(|joint, tau| {
+                let dry = SETUP.plant.joints[joint].drive.coulomb;
+                let turned = |v: &f64| dry * (rounding.direction(*v) - v.signum());
+                tau.iter().zip(qd.channel(joint)).map(|(tau, v)| tau + turned(v)).collect()
+            });
+            log
+        };
+        let logs: Vec<Recording> = logs(&SETUP, 25, 3).into_iter().map(smooth).collect();
+        let diagnosis = diagnosed(&logs, &speed_laws);
+        assert_eq!(families(&diagnosis), [], "{rounding:?}");
+        let found = &diagnosis.logs.coulomb_rounding;
+        let is_close = |own: &&Rounding| {
+            let same_form = std::mem::discriminant(*own) == std::mem::discriminant(&rounding);
+            same_form && (own.width() / rounding.width() - 1.0).abs() < 0.4
+        };
+        assert!(found.iter().filter(is_close).count() >= 4, "{rounding:?}: {found:?}");
+    }
     // A law of one joint is not taken for the friction of all.
     let concave =
         Placed { effect: find("nonlinear_viscous_friction").unwrap(), joint: 1, parameters: vec![60.0, 0.3, 0.01] };

@@ -18,11 +18,7 @@ pub use clipped::clipping;
 use digits::coarse;
 pub(super) use digits::{extremes, resolution, runs};
 pub(super) use jumps::Jumps;
-pub(crate) use motor_off::leave_out_unmeasured;
-use motor_off::{motor_off, off};
-
-/// A channel that stands still for longer while its joint moves is frozen, s.
-const FROZEN_S: f64 = 0.1;
+use motor_off::{FROZEN_S, PATH, motor_off, off, path};
 
 /// Number of runs of equal samples in a log that chance brings, up to which a torque that has one is frozen there.
 const BY_CHANCE: f64 = 1e-3;
@@ -40,9 +36,6 @@ const STICKS: f64 = 0.1;
 /// Standard deviations of a velocity's noise above which it is one.
 const SURELY: f64 = 3.0;
 
-/// Path that a joint or its neighbours must go meanwhile, rad or m.
-const PATH: f64 = 0.02;
-
 /// No joint is faster, rad/s: a sample that is left and reached faster is a spike.
 const FASTEST: f64 = 50.0;
 
@@ -55,6 +48,18 @@ const FEW: f64 = 0.02;
 /// Samples to either side within which an impact shows in other torques, and how far these go and come back over their usual change.
 const RINGS: usize = 3;
 const STRUCK: f64 = 5.0;
+
+/// Torque of a recording that is no measurement becomes not a number: that of motors that are switched off, and spikes.
+pub(crate) fn leave_out_unmeasured(recording: &mut Recording) {
+    let rate = recording.rate_hz();
+    let spikes: Vec<Vec<usize>> = (0..recording.joints()).map(|joint| torque_spikes(&recording.tau, joint)).collect();
+    let Recording { q, tau, .. } = recording;
+    for (joint, spikes) in spikes.iter().enumerate() {
+        let off = motor_off(q.channel(joint), tau.channel(joint), rate);
+        off.into_iter().for_each(|samples| tau.channel_mut(joint)[samples].fill(f64::NAN));
+        spikes.iter().for_each(|&at| tau.channel_mut(joint)[at] = f64::NAN);
+    }
+}
 
 /// Findings about the channels of every joint; `logged` is the log as it was, with joints that have no torque, and with the
 /// digits that even steps do not keep.
@@ -95,10 +100,6 @@ pub(super) fn findings(view: &View, logged: &Recording) -> Vec<Finding> {
         out.push(Finding::new(Kind::NoTorque, Severity::Fatal, "tau", text));
     }
     out
-}
-
-fn path(signal: &[f64]) -> f64 {
-    signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
 }
 
 /// The samples behind which a position that hardly moves before and behind jumps by a part of a turn. A joint that is so fast all

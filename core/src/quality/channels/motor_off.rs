@@ -1,28 +1,21 @@
-//! Torque of a motor that is switched off, and all torque that is no measurement.
+//! Torque of a motor that is switched off.
 
-use super::{FROZEN_S, PATH, path, runs, torque_spikes};
+use super::digits::runs;
 use crate::quality::finding::{Finding, Kind, Severity};
 use crate::quality::view::View;
-use crate::recording::Recording;
 use crate::signal::quantum;
 use std::ops::Range;
+
+/// A channel that stands still for longer while its joint moves is frozen, s.
+pub(super) const FROZEN_S: f64 = 0.1;
+
+/// Path that a joint or its neighbours must go meanwhile, rad or m.
+pub(super) const PATH: f64 = 0.02;
 
 /// A torque of few digits rests at zero where it changes its sign. A motor that is switched off, or on again, is more than so many last digits
 /// away from zero one sample before or behind, and rests there so many times longer than the torque does elsewhere.
 const FALLS: f64 = 5.0;
 const LONGER: usize = 3;
-
-/// Torque of a recording that is no measurement becomes not a number: that of motors that are switched off, and spikes.
-pub(crate) fn leave_out_unmeasured(recording: &mut Recording) {
-    let rate = recording.rate_hz();
-    let spikes: Vec<Vec<usize>> = (0..recording.joints()).map(|joint| torque_spikes(&recording.tau, joint)).collect();
-    let Recording { q, tau, .. } = recording;
-    for (joint, spikes) in spikes.iter().enumerate() {
-        let off = motor_off(q.channel(joint), tau.channel(joint), rate);
-        off.into_iter().for_each(|samples| tau.channel_mut(joint)[samples].fill(f64::NAN));
-        spikes.iter().for_each(|&at| tau.channel_mut(joint)[at] = f64::NAN);
-    }
-}
 
 /// Samples over which a torque, at so many samples per second, is exactly zero for longer than a torque that changes its sign
 /// is, while the position goes on: the motor is off.
@@ -47,6 +40,11 @@ pub(super) fn motor_off(q: &[f64], tau: &[f64], rate_hz: f64) -> Vec<Range<usize
         tau[start] == 0.0 && length >= shortest && path(&q[start..end]) > PATH && falls(start, end)
     });
     off.map(|(start, length)| start..start + length).collect()
+}
+
+/// Path that a position goes, rad or m.
+pub(super) fn path(signal: &[f64]) -> f64 {
+    signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
 }
 
 /// The finding on a motor that is off in a part of the log.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::quality::Severity;
 use crate::quality::descriptions::fitting::{Physics, Rows};
-use crate::quality::descriptions::settle::opposite_zeros;
+use crate::quality::descriptions::settle::{are_of_bodies, opposite_zeros};
 use crate::quality::descriptions::tried::Tried;
 
 /// The offsets of a verdict, degrees, by joint.
@@ -71,6 +71,30 @@ fn zeros_that_make_up_for_each_other_are_seen_by_described_bodies() {
     let [second, third] = of(120.0).unwrap();
     assert!((second - 120.0).abs() < 4.0 && (third + 120.0).abs() < 4.0, "{second} {third}");
     assert_eq!(of(0.0), None);
+}
+
+#[test]
+fn zeros_that_described_bodies_show_need_these_to_be_right() {
+    let robot = irb();
+    let as_given = Description::as_given(6, robot.gravity);
+    let (free, bodies) = (Physics::free(&robot), Physics::bodies(&robot).unwrap());
+    let pair = |degrees: f64| {
+        let angle = f64::to_radians(degrees);
+        as_given.clone().with(Change::ZeroOffset(1, angle)).with(Change::ZeroOffset(2, -angle))
+    };
+    let trusted = |own: &Robot, description: Description| {
+        let mut log = simulated(own, Oddity::None, 15.0, 7);
+        pair(-120.0).apply(&mut log.recording);
+        let view = crate::quality::view::View::new(&log.recording, Some(&robot)).unwrap();
+        let rows = Rows::new(&[&view], Some(&robot)).unwrap();
+        are_of_bodies(&bodies, &free, &rows, &as_given, &Tried::new(&bodies, &rows, description).unwrap())
+    };
+    assert!(trusted(&robot, pair(120.0)));
+    let mut heavier = robot.clone();
+    heavier.joints.iter_mut().skip(2).for_each(|joint| joint.inertia.0.iter_mut().for_each(|value| *value *= 1.5));
+    assert!(!trusted(&heavier, pair(120.0)));
+    // What is no zero is not asked.
+    assert!(trusted(&heavier, as_given.clone()));
 }
 
 #[test]

@@ -25,9 +25,6 @@ const RAMPS: [f64; 5] = [0.03, 0.05, 0.08, 0.14, 0.25];
 /// .. and of a root, whose tails reach far where it is narrow.
 const ROOTS: [f64; 5] = [0.004, 0.007, 0.012, 0.02, 0.04];
 
-/// By how much more likely, in its logarithm, the torque of a joint must be under another form than tanh.
-const ANOTHER_FORM: f64 = 3.0;
-
 /// Factors on the best of them, and on the best of those.
 const FINER: [f64; 4] = [0.8, 0.9, 1.12, 1.25];
 const FINEST: [f64; 2] = [0.95, 1.05];
@@ -43,10 +40,6 @@ const OWN_WIDTH: f64 = 1.0;
 
 /// Mean squared residual of one joint alone under a width, in units of the noise, up to which the width explains that joint.
 const EXPLAINED: f64 = 1.5;
-
-/// By how much more likely, in its logarithm, the torque of a joint must be than with the best law of the library, though a width has fewer
-/// parameters than any.
-const BEYOND_LAWS: f64 = 3.0;
 
 /// Rounding of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
 type Tried = Vec<(Rounding, f64)>;
@@ -84,15 +77,17 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
         better(&mut best, finer, 0.0);
         Ok(best)
     };
+    // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any law.
+    let odds = session.criteria.levels.log_odds;
     let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS)?;
     for (unit, widths) in [(Rounding::Ramp(1.0), RAMPS), (Rounding::Root(1.0), ROOTS)] {
-        better(&mut best, vec![of_form(unit, &widths)?], ANOTHER_FORM);
+        better(&mut best, vec![of_form(unit, &widths)?], odds);
     }
     let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect())?;
     better(&mut best, finest, 0.0);
     let by_laws = by_laws(session, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
-    let surely = surely(&best, &by_laws);
+    let surely = surely(&best, &by_laws, odds);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
     if of_most(gained) < LIKELIER {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
@@ -144,8 +139,8 @@ fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result
 
 /// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints alone,
 /// whose parameters it shares.
-fn surely(best: &Tried, by_laws: &[f64]) -> Vec<bool> {
-    let is_sure = |((own, gain), by_law): (&(Rounding, f64), &f64)| own.width() > 0.0 && *gain > BEYOND_LAWS + by_law;
+fn surely(best: &Tried, by_laws: &[f64], odds: f64) -> Vec<bool> {
+    let is_sure = |((own, gain), by_law): (&(Rounding, f64), &f64)| own.width() > 0.0 && *gain > odds + by_law;
     best.iter().zip(by_laws).map(is_sure).collect()
 }
 
@@ -183,7 +178,7 @@ mod tests {
     fn a_joint_with_a_plain_sign_has_gained_by_no_width() {
         let tanh = Rounding::Tanh(0.02);
         let best = vec![(tanh, 13.0), (Rounding::Sharp, 59.0), (tanh, 10.9), (tanh, 11.1)];
-        assert_eq!(surely(&best, &[2.0, 2.0, 8.0, 8.0]), [true, false, false, true]);
+        assert_eq!(surely(&best, &[2.0, 2.0, 8.0, 8.0], 3.0), [true, false, false, true]);
     }
 
     #[test]
@@ -211,7 +206,7 @@ mod tests {
         assert_eq!(best, [(narrow, 3.0), (Rounding::Sharp, 0.0), (wide, 5.0)]);
         // Another form must gain clearly more.
         let ramp = Rounding::Ramp(0.05);
-        better(&mut best, vec![all(ramp, [6.1, 2.9, 7.9])], ANOTHER_FORM);
+        better(&mut best, vec![all(ramp, [6.1, 2.9, 7.9])], 3.0);
         assert_eq!(best, [(ramp, 6.1), (Rounding::Sharp, 0.0), (wide, 5.0)]);
     }
 

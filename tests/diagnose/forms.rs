@@ -84,7 +84,7 @@ fn friction_that_turns_over_some_speed_is_no_finding() {
         Placed { effect: find("nonlinear_viscous_friction").unwrap(), joint: 1, parameters: vec![60.0, 0.3, 0.01] };
     let diagnosis = diagnosed(&super::logs(&with(&[concave]), 25, 3), &speed_laws);
     assert_eq!(families(&diagnosis), [("nonlinear_viscous_friction", 1)]);
-    assert_eq!(diagnosis.logs.coulomb_widths, [0.0; 6]);
+    assert_eq!(diagnosis.logs.coulomb_rounding, [Rounding::Sharp; 6]);
 }
 
 #[test]

@@ -297,7 +297,6 @@ fn answer<'a>(
         rates_hz: rates_hz(&session),
         cutoffs_hz: session.logs.cutoffs_hz.clone(),
         passband: session.logs.passband,
-        coulomb_widths: session.model.arm.coulomb_rounding.iter().map(|own| own.width()).collect(),
         coulomb_rounding: session.model.arm.coulomb_rounding.clone(),
         equations: (0..session.model.base.dof()).map(|joint| session.model.base.has_equation(joint)).collect(),
         held_out_from_training,

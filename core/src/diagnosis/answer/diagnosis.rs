@@ -102,9 +102,7 @@ pub struct LogSummary {
     pub cutoffs_hz: Vec<f64>,
     /// The low-pass that torque went through before it was logged, if any.
     pub passband: Option<LowPass>,
-    /// Coulomb smoothing velocity of each joint, rad/s or m/s: the width over which the sign of friction is rounded; zero for a plain sign.
-    pub coulomb_widths: Vec<f64>,
-    /// The same with the form of each.
+    /// How the sign of friction is rounded on each joint: its form and the Coulomb smoothing velocity, rad/s or m/s.
     pub coulomb_rounding: Vec<Rounding>,
     /// Whether each joint has an equation: its torque is logged, and it moves. The numbers of a joint without one
     /// mean nothing.

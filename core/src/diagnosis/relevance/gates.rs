@@ -100,7 +100,8 @@ impl<'a> Judge<'a> {
         let mut judgements = vec![self.believable(member), Judgement::at_least(Gate::Size, relative_size, 1.0)];
         let is_level = is_level(member.placed.effect);
         // Torque is cut off in a few rows of a few blocks, whose scatter indicates little.
-        if let Some([strength, std, freedom]) = self.fit.strength(kept, index).filter(|_| !is_level) {
+        let strength = if is_level { None } else { self.fit.strength(kept, index) };
+        if let Some([strength, std, freedom]) = strength {
             let p = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf((strength / std).abs()));
             judgements.push(Judgement::at_most(Gate::Strength, p, self.session.criteria.levels.strict_p));
         }

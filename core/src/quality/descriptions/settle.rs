@@ -83,15 +83,14 @@ fn with_directions(physics: &Physics, rows: &Rows, mut found: Found) -> Found {
 }
 
 /// Whether zeros that described bodies show, if there are any, are those of bodies that are described rightly: with them these leave about as
-/// much of the torques as free ones do.
-pub(super) fn are_of_bodies(bodies: &Physics, free: &Physics, rows: &Rows, start: &Description, found: &Tried) -> bool {
+/// much of the torques as free ones do. `found` is what was found under the described bodies.
+pub(super) fn are_of_bodies(free: &Physics, rows: &Rows, start: &Description, found: &Tried) -> bool {
     let has_zero = found.description.changes.iter().any(|change| matches!(change, Change::ZeroOffset(..)));
-    let share = |physics: &Physics, description: &Description| {
-        Tried::new(physics, rows, description.clone()).map_or(f64::INFINITY, |tried| tried.share())
+    let by_free = |description: &Description| {
+        Tried::new(free, rows, description.clone()).map_or(f64::INFINITY, |tried| tried.share())
     };
     // Free ones as they were given, too: what these explain worse is no zero.
-    let by_free = || share(free, start).min(share(free, &found.description));
-    !has_zero || share(bodies, &found.description) <= LIKE_FREE * by_free()
+    !has_zero || found.share() <= LIKE_FREE * by_free(start).min(by_free(&found.description))
 }
 
 /// The same with one more zero, where the described bodies explain the torques by that and not without it, and free ones no worse: of axes that are

@@ -87,7 +87,7 @@ fn zeros_that_described_bodies_show_need_these_to_be_right() {
         pair(-120.0).apply(&mut log.recording);
         let view = crate::quality::view::View::new(&log.recording, Some(&robot)).unwrap();
         let rows = Rows::new(&[&view], Some(&robot)).unwrap();
-        are_of_bodies(&bodies, &free, &rows, &as_given, &Tried::new(&bodies, &rows, description).unwrap())
+        are_of_bodies(&free, &rows, &as_given, &Tried::new(&bodies, &rows, description).unwrap())
     };
     assert!(trusted(&robot, pair(120.0)));
     let mut heavier = robot.clone();

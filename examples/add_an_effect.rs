@@ -14,6 +14,7 @@ use tauscope::identification::fit::{Logs, fit_effects};
 use tauscope::identification::model::Model;
 use tauscope::identification::reversals::Band;
 use tauscope::identification::smoothing_choice;
+use tauscope::robot::Unit;
 use tauscope::scenario::Setup;
 use tauscope::study::testbed;
 
@@ -39,14 +40,22 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "stiffness",
         symbol: "k",
-        unit: "N m/rad",
+        unit: Unit::Stiffness,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
         typical: 200.0,
     },
     // Where it is touched is searched between the bounds, from the typical value.
-    Parameter { name: "touch", symbol: "q0", unit: "rad", role: Role::Shape, lower: -0.5, upper: 0.5, typical: 0.1 },
+    Parameter {
+        name: "touch",
+        symbol: "q0",
+        unit: Unit::Position,
+        role: Role::Shape,
+        lower: -0.5,
+        upper: 0.5,
+        typical: 0.1,
+    },
 ];
 
 impl Effect for RubberStop {

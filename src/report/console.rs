@@ -3,7 +3,7 @@
 use super::results::{AtEffortLimit, SmoothingGain};
 use crate::identification::smoothing_choice::Described;
 pub(super) use crate::output::significant;
-use crate::robot::{Joint, JointKind, Robot};
+use crate::robot::{Joint, JointKind, Robot, Unit};
 use crate::scenario::Setup;
 use crate::study::testbed::{Score, Scored, Variant};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -195,7 +195,7 @@ pub(super) fn by_joint(robot: &Robot) -> (&'static str, Vec<String>) {
         JointKind::Revolute => joint.name.clone(),
         JointKind::Prismatic => format!("{} (slides, in {})", joint.name, joint.effort_unit()),
     };
-    (JointKind::Revolute.unit("N m"), robot.joints.iter().map(name).collect())
+    (JointKind::Revolute.unit(Unit::Effort), robot.joints.iter().map(name).collect())
 }
 
 /// Root mean square over the joints of residual over torque noise; a dash without noise.

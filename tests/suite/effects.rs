@@ -9,7 +9,7 @@ use tauscope::effects::{
     Along, CoulombFriction, Effect, Instant, LIBRARY, Placed, Role, Scope, ViscousFriction, contribution,
 };
 use tauscope::random;
-use tauscope::robot::{self, InertiaCheck, Robot};
+use tauscope::robot::{self, InertiaCheck, Robot, Unit};
 
 /// Every name there may be.
 const VOCABULARY: [&str; 28] = [
@@ -178,7 +178,7 @@ fn every_entry_is_complete() {
         }
         let mut names: Vec<&str> = effect.parameters().iter().map(|parameter| parameter.name).collect();
         for parameter in effect.parameters() {
-            assert!(!parameter.unit.is_empty() && !parameter.symbol.is_empty(), "{name}: {}", parameter.name);
+            assert!(!parameter.symbol.is_empty(), "{name}: {}", parameter.name);
         }
         names.sort_unstable();
         names.dedup();
@@ -300,12 +300,12 @@ fn friction_never_adds_energy_over_a_cycle() {
             let mut placed = vec![typical.clone()];
             if VARIATIONS.contains(&effect.about().name) {
                 // The baseline that the variation varies, just large enough by the unit of each amplitude.
-                let total = |unit: &str| {
+                let total = |unit: Unit| {
                     let sized = |&index: &usize| effect.parameters()[index].unit == unit;
                     amplitudes(effect).iter().filter(|i| sized(i)).map(|&i| typical.parameters[i].powi(2)).sum::<f64>()
                 };
-                let coulomb = Placed { effect: &CoulombFriction, joint, parameters: vec![total("N m").sqrt()] };
-                let viscous = Placed { effect: &ViscousFriction, joint, parameters: vec![total("N m s/rad").sqrt()] };
+                let coulomb = Placed { effect: &CoulombFriction, joint, parameters: vec![total(Unit::Effort).sqrt()] };
+                let viscous = Placed { effect: &ViscousFriction, joint, parameters: vec![total(Unit::Damping).sqrt()] };
                 placed.extend([coulomb, viscous]);
             }
             let torque = arm.torque(&placed);

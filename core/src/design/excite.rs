@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::excitation::encoding::Encoding;
 use crate::excitation::freudenstein::{PEAK_ACCELERATION, PEAK_VELOCITY};
 use crate::excitation::{JointLimits, Motion};
+use crate::robot::Unit;
 
 /// Length of a block, s: long enough for a motion on its own, short enough for CMA-ES.
 const BLOCK_S: f64 = 10.0;
@@ -128,7 +129,7 @@ fn require_long_enough(problem: &Problem, request: &Request, size: usize) -> Res
                  which is inside the reversal band of {} {unit}, where rows do not count: lengthen the motion, ask for \
                  fewer moves or raise the limit",
                 joint.name,
-                joint.kind.unit("rad/s^2"),
+                joint.kind.unit(Unit::Acceleration),
                 request.still_band,
                 unit = joint.velocity_unit()
             );

@@ -75,7 +75,7 @@ impl Problem {
             }
         }
         let base = experiment.model().base();
-        let units: Vec<&str> = base.kept().iter().map(|&standard| Model::unit(standard)).collect();
+        let units: Vec<&str> = base.kept().iter().map(|&standard| Model::unit(standard).name()).collect();
         let sizes = criterion::sizes(experiment.beta(), &units);
         Ok(Problem { experiment, envelope, criterion, grid_hz, sizes })
     }

@@ -1,5 +1,7 @@
 //! The entry of an effect in the catalogue: what it is, where it acts, its parameters, its rivals.
 
+use crate::robot::Unit;
+
 /// Where an effect can be placed.
 ///
 /// ```
@@ -92,7 +94,7 @@ pub enum Role {
 /// use tauscope::effects;
 ///
 /// let parameter = &effects::find("backlash")?.parameters()[0];
-/// assert_eq!((parameter.name, parameter.symbol, parameter.unit), ("half_gap", "b", "rad"));
+/// assert_eq!((parameter.name, parameter.symbol, parameter.unit.name()), ("half_gap", "b", "rad"));
 /// assert!((parameter.lower..=parameter.upper).contains(&parameter.typical));
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
@@ -102,8 +104,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// Symbol in equations: "Fs - Fc".
     pub symbol: &'static str,
-    /// Unit on a revolute joint.
-    pub unit: &'static str,
+    /// Its unit.
+    pub unit: Unit,
     /// How it enters.
     pub role: Role,
     /// Smallest value that makes sense.

@@ -63,7 +63,7 @@ pub struct Instant<'a> {
 /// // What a law is called, what it takes, and what it is to a drive.
 /// let law = effects::find("viscous_friction")?;
 /// let parameter = &law.parameters()[0];
-/// assert_eq!((law.about().equation, parameter.unit), ("tau = Fv v", "N m s/rad"));
+/// assert_eq!((law.about().equation, parameter.unit.name()), ("tau = Fv v", "N m s/rad"));
 /// assert_eq!(law.of_drive(), Some(DriveParameter::Viscous));
 ///
 /// // Laws of gears have no torque of their own: they are between motor and link.
@@ -188,8 +188,8 @@ pub trait Effect: Sync {
         None
     }
 
-    /// The effect on the same joint that is this one with one parameter more, where motion alone cannot separate the two.
-    fn contained_in(&self) -> Option<&'static str> {
+    /// The effect on the same joint that motion alone cannot separate from this one: it is this one with one parameter more.
+    fn indistinguishable_from(&self) -> Option<&'static str> {
         None
     }
 

@@ -13,6 +13,7 @@
 //! | what an effect is: where it acts, its parameters, its rivals | `about` |
 //! | what a law does | `law` |
 //! | how a fit searches its parameters, and what is known of them beforehand | `search` |
+//! | the values at which it does so | `grid` |
 //! | an effect on a joint | `placed` |
 //! | all effects by name | `catalogue` |
 //! | the laws | `friction`, `bodies`, `gears`, `signals` |
@@ -29,6 +30,7 @@ mod friction;
 mod gear;
 mod gear_train;
 mod gears;
+mod grid;
 mod law;
 mod placed;
 mod rounding;
@@ -50,6 +52,7 @@ pub use friction::{
 pub use gear::Gear;
 pub(crate) use gear_train::{GearTrain, behind_gears, unsmoothed};
 pub use gears::{Backlash, JointCoupling, JointElasticity};
+pub(crate) use grid::{Extent, as_size, moved};
 pub use law::{Effect, Instant};
 pub use placed::Placed;
 pub use rounding::Rounding;

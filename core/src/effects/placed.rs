@@ -1,6 +1,6 @@
 //! An effect on a joint, with its parameters.
 
-use super::about::{Role, Scope, Site};
+use super::about::{Role, Scope};
 use super::law::Effect;
 use crate::robot::Robot;
 
@@ -44,15 +44,9 @@ impl Placed {
         Placed { parameters, ..self.clone() }
     }
 
-    /// Unit of its parameter `index` on the joint of `robot` that it is placed on. What belongs to a body or to the whole arm
-    /// has the same unit on every joint.
+    /// Unit of its parameter `index` on the joint of `robot` that it is placed on.
     pub fn unit(&self, index: usize, robot: &Robot) -> &'static str {
-        let unit = self.effect.parameters()[index].unit;
-        let about = self.effect.about();
-        match about.site == Site::Body || about.scope == Scope::Arm {
-            true => unit,
-            false => robot.joints[self.joint].kind.unit(unit),
-        }
+        robot.joints[self.joint].kind.unit(self.effect.parameters()[index].unit)
     }
 
     /// The joints it is placed on; none for the whole arm.

@@ -1,5 +1,7 @@
 //! How a fit looks for the parameters of a law that are not linear, and quantities that follow from its parameters.
 
+use crate::robot::Unit;
+
 /// Where the values of a parameter that is not linear are looked for.
 ///
 /// ```
@@ -26,6 +28,8 @@ pub enum Search {
     PerTurn,
     /// A time by which signals are moved or spread, at multiples of its typical size: torque is not linear in it.
     Shift,
+    /// A level at which torque is cut off: just below the largest.
+    Level,
     /// A compliance, by the angle to which the largest torque winds the gear up: torque is not linear in it, since links swing.
     Compliance,
 }
@@ -68,7 +72,7 @@ pub enum DriveParameter {
 /// // A tilt is described by two angles; what practitioners ask for is the one between base and floor.
 /// let arm = robot::load("../urdf/irb1600_6_120.urdf", InertiaCheck::Required)?;
 /// let tilt = BaseTilt.derived(&[0.03, -0.04], 0, &arm)[0];
-/// assert_eq!((tilt.name, tilt.unit), ("tilt", "rad"));
+/// assert_eq!((tilt.name, tilt.unit.name()), ("tilt", "rad"));
 /// assert!((tilt.value - 0.05).abs() < 1e-4);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
@@ -77,7 +81,7 @@ pub struct Derived {
     /// Its name.
     pub name: &'static str,
     /// Its unit.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// Its value.
     pub value: f64,
     /// Whether it has a meaning only where the first quantity differs from zero: a body without mass has no centre.

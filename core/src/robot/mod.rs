@@ -15,5 +15,5 @@ pub use assembly::{Choice, InertiaCheck, load};
 pub use file::{to_mjcf, to_urdf, with_parameters};
 pub use model::{
     Coupling, Drive, Follower, GRAVITY, Inertia, Joint, JointKind, LARGEST, Limits, LinearMap, PARAMETERS, Pose, Robot,
-    SYMBOLS, Tree, UNITS,
+    SYMBOLS, Tree, UNITS, Unit,
 };

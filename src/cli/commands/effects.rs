@@ -59,7 +59,7 @@ fn describe(effect: &dyn Effect) -> String {
         parameters.add_row([
             parameter.name,
             parameter.symbol,
-            parameter.unit,
+            parameter.unit.name(),
             &word(parameter.role),
             &number(parameter.lower),
             &number(parameter.upper),

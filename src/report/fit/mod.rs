@@ -11,7 +11,7 @@ use super::console::{by_joint, significant, table};
 use crate::identification::consistent::Consistent;
 use crate::identification::effect_model::Trust;
 use crate::identification::fit::{BetweenLogs, Fitted};
-use crate::robot::{Joint, Robot};
+use crate::robot::{Joint, Robot, Unit};
 use serde::Serialize;
 
 /// Schema of the `identification.json` that `tauscope identify` writes.
@@ -177,7 +177,7 @@ fn bodies(robot: &Robot, consistent: &Consistent) -> Bodies {
             rotor_inertia_kg_m2: joint.drive.armature,
             viscous_nm_s_rad: joint.drive.viscous,
             coulomb_nm: joint.drive.coulomb,
-            drive_units: ["kg m2", "N m s/rad", "N m"].map(|unit| joint.kind.unit(unit)),
+            drive_units: [Unit::Inertia, Unit::Damping, Unit::Effort].map(|unit| joint.kind.unit(unit)),
         }
     };
     Bodies {
@@ -246,7 +246,7 @@ fn drives(robot: &Robot, fitted: &Fitted) -> String {
             _ => format!("{value} +- {}", significant(std[index])),
         }
     };
-    let unit = |unit: &'static str| match robot.joints.iter().map(|joint| joint.kind.unit(unit)).collect::<Vec<_>>() {
+    let unit = |unit: Unit| match robot.joints.iter().map(|joint| joint.kind.unit(unit)).collect::<Vec<_>>() {
         units if units.windows(2).all(|pair| pair[0] == pair[1]) => {
             units.first().copied().unwrap_or_default().to_owned()
         }
@@ -254,9 +254,9 @@ fn drives(robot: &Robot, fitted: &Fitted) -> String {
     };
     let header = [
         "identified".to_owned(),
-        format!("viscous friction, {}", unit("N m s/rad")),
-        format!("Coulomb friction, {}", unit("N m")),
-        format!("rotor inertia, {}", unit("kg m2")),
+        format!("viscous friction, {}", unit(Unit::Damping)),
+        format!("Coulomb friction, {}", unit(Unit::Effort)),
+        format!("rotor inertia, {}", unit(Unit::Inertia)),
     ];
     let mut rows: Vec<Vec<String>> = (0..robot.dof())
         .map(|joint| {

@@ -6,7 +6,7 @@ use crate::identification::consistent::Consistent;
 use crate::identification::fit::{Agreement, BetweenLogs, Constant, Fitted};
 use crate::recording::Recording;
 use crate::report::console::significant;
-use crate::robot::{Joint, Robot};
+use crate::robot::{Joint, Robot, Unit};
 
 /// Lines about the parameters that the logs do not determine, if there are any: those that are merged into others, and others.
 pub fn undetermined(base: &BaseParameters, fitted: &Fitted) -> Vec<String> {
@@ -56,7 +56,7 @@ pub fn constants(robot: &Robot, fitted: &Fitted) -> Option<String> {
     let each: Vec<String> = found
         .iter()
         .map(|(joint, constant)| {
-            let (value, unit) = (significant(constant.value), joint.kind.unit("N m"));
+            let (value, unit) = (significant(constant.value), joint.effort_unit());
             format!("{value} {unit} on {} ({:.0} % of its mean squared residual)", joint.name, 100.0 * constant.share)
         })
         .collect();
@@ -128,7 +128,7 @@ pub fn not_of_bodies(robot: &Robot, fitted: &Fitted, consistent: &Consistent) ->
             let Joint { name, kind, .. } = &robot.joints[joint];
             format!(
                 "{name} is left with {bodies} {} of {torque}, which the fit without them explains to {fit}",
-                kind.unit("N m")
+                kind.unit(Unit::Effort)
             )
         })
         .collect();
@@ -153,7 +153,7 @@ pub fn unlike_described(robot: &Robot, fitted: &Fitted, train: &[&Recording]) ->
         .map(|joint| (&robot.joints[joint], fitted.train_rms[joint], torque(joint)))
         .filter(|(_, left, torque)| *left > OF_TORQUE * torque)
         .map(|(Joint { name, kind, .. }, left, torque)| {
-            format!("{} of {} {} on {name}", significant(left), significant(torque), kind.unit("N m"))
+            format!("{} of {} {} on {name}", significant(left), significant(torque), kind.unit(Unit::Effort))
         })
         .collect();
     (!each.is_empty()).then(|| {
@@ -185,7 +185,7 @@ fn negative<'a>(robot: &'a Robot, fitted: &Fitted, symbol: &str) -> Vec<(&'a Joi
 }
 
 /// Joints with the values of a parameter that is negative on them.
-fn listed(fitted: &Fitted, negative: &[(&Joint, usize)], unit: &'static str) -> String {
+fn listed(fitted: &Fitted, negative: &[(&Joint, usize)], unit: Unit) -> String {
     let std = fitted.fit.estimate.std();
     let each = negative.iter().map(|&(joint, place)| {
         let [value, std] = [fitted.fit.estimate.beta[place], std[place]].map(significant);
@@ -203,7 +203,7 @@ pub fn negative_rotor(robot: &Robot, fitted: &Fitted) -> Option<String> {
             "rotor inertia is negative on {}, which no rotor's is: accelerations are wrong (a delay between position and torque, a low-pass of one of \
              them, a clock that runs wrong), or it makes up for another body's inertia or for a mass that the file lacks. Do not use it; `tauscope \
              inspect` looks for delays and clocks, `tauscope diagnose` for the other causes",
-            listed(fitted, &joints, "kg m2")
+            listed(fitted, &joints, Unit::Inertia)
         )
     })
 }
@@ -216,7 +216,7 @@ pub fn negative_coulomb(robot: &Robot, fitted: &Fitted) -> Option<String> {
             "Coulomb friction is negative on {}, which no drive's is: the sign of its torque or of its motion is wrong, its torque comes late or is \
              that of another joint, or a law of friction that the model lacks is in it. Do not use it; `tauscope inspect` looks for signs, columns and \
              delays, `tauscope diagnose` for laws of friction",
-            listed(fitted, &joints, "N m")
+            listed(fitted, &joints, Unit::Effort)
         )
     })
 }
@@ -250,7 +250,7 @@ pub fn undetermined_held_out(robot: &Robot, fitted: &Fitted, consistent: &Consis
         .map(|joint| {
             let [held_out, bodies] = [fitted.test_rms[joint], consistent.test_rms[joint]].map(significant);
             let Joint { name, kind, .. } = &robot.joints[joint];
-            format!("{name} {held_out} {}, with the bodies of identified.urdf {bodies}", kind.unit("N m"))
+            format!("{name} {held_out} {}, with the bodies of identified.urdf {bodies}", kind.unit(Unit::Effort))
         })
         .collect();
     (!each.is_empty()).then(|| {

@@ -286,7 +286,7 @@ fn spatial_result(setup: &Setup, study: &PaperStudy, fit: &SpatialFit) -> Spatia
         .zip(truth)
         .map(|((grouping, (&value, std)), truth)| SpatialParameter {
             name: grouping.name.clone(),
-            unit: Model::unit(grouping.leader),
+            unit: Model::unit(grouping.leader).name(),
             value,
             std,
             truth,

@@ -1,6 +1,7 @@
 //! Laws that the library does not have, for runs in which no name is right.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Role, Scope, Site};
+use crate::robot::Unit;
 use std::f64::consts::TAU;
 
 /// All of them.
@@ -23,7 +24,7 @@ const fn about(name: &'static str, equation: &'static str, explanation: &'static
     }
 }
 
-const fn amplitude(name: &'static str, unit: &'static str, typical: f64) -> Parameter {
+const fn amplitude(name: &'static str, unit: Unit, typical: f64) -> Parameter {
     Parameter {
         name,
         symbol: name,
@@ -35,7 +36,7 @@ const fn amplitude(name: &'static str, unit: &'static str, typical: f64) -> Para
     }
 }
 
-const fn shape(name: &'static str, unit: &'static str, lower: f64, upper: f64, typical: f64) -> Parameter {
+const fn shape(name: &'static str, unit: Unit, lower: f64, upper: f64, typical: f64) -> Parameter {
     Parameter { name, symbol: name, unit, role: Role::Shape, lower, upper, typical }
 }
 
@@ -69,7 +70,7 @@ static DAMPING: About = about(
     Site::Joint,
 );
 static DAMPING_PARAMETERS: [Parameter; 2] =
-    [amplitude("cosine", "N m s/rad", 5.0), amplitude("sine", "N m s/rad", 8.0)];
+    [amplitude("cosine", Unit::Damping, 5.0), amplitude("sine", Unit::Damping, 8.0)];
 
 impl Effect for PositionDependentDamping {
     fn about(&self) -> &'static About {
@@ -114,9 +115,9 @@ static BEATING: About = about(
     Site::Joint,
 );
 static BEATING_PARAMETERS: [Parameter; 3] = [
-    amplitude("amplitude", "N m", 10.0),
-    shape("period", "s", 1.0, 100.0, 7.0),
-    shape("harmonic", "1/turn", 1.0, 100.0, 9.0),
+    amplitude("amplitude", Unit::Effort, 10.0),
+    shape("period", Unit::Time, 1.0, 100.0, 7.0),
+    shape("harmonic", Unit::PerTurn, 1.0, 100.0, 9.0),
 ];
 
 impl Effect for BeatingHarmonic {
@@ -163,7 +164,7 @@ static HYDRAULIC: About = about(
     Site::Joint,
 );
 static HYDRAULIC_PARAMETERS: [Parameter; 2] =
-    [amplitude("coefficient", "N m s2/rad2", 20.0), shape("lag", "s", 0.01, 2.0, 0.3)];
+    [amplitude("coefficient", Unit::QuadraticDamping, 20.0), shape("lag", Unit::Time, 0.01, 2.0, 0.3)];
 
 impl Effect for HydraulicDamper {
     fn about(&self) -> &'static About {
@@ -206,8 +207,16 @@ static DRIFTING: About = about(
     Site::Sensor,
 );
 static DRIFTING_PARAMETERS: [Parameter; 2] = [
-    Parameter { name: "error", symbol: "e", unit: "1", role: Role::Departure, lower: -0.5, upper: 0.5, typical: 0.02 },
-    shape("period", "s", 1.0, 100.0, 9.0),
+    Parameter {
+        name: "error",
+        symbol: "e",
+        unit: Unit::One,
+        role: Role::Departure,
+        lower: -0.5,
+        upper: 0.5,
+        typical: 0.02,
+    },
+    shape("period", Unit::Time, 1.0, 100.0, 9.0),
 ];
 
 impl Effect for DriftingGain {
@@ -262,14 +271,14 @@ static ROUGH_PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "rise",
         symbol: "A",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
         typical: 20.0,
     },
-    shape("place", "rad", -3.0, 3.0, 0.15),
-    shape("width", "rad", 0.01, 1.0, 0.1),
+    shape("place", Unit::Position, -3.0, 3.0, 0.15),
+    shape("width", Unit::Position, 0.01, 1.0, 0.1),
 ];
 
 impl Effect for RoughSpot {

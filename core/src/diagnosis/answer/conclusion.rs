@@ -1,6 +1,6 @@
 //! The whole way from logs to the answer, and from the answer back to the simulator.
 
-use super::diagnosis::{self, Diagnosis, Errors, LogSummary, Scope, next_experiment, not_found, withdraw};
+use super::diagnosis::{self, Diagnosis, Errors, LogSummary, OfSampling, Scope, next_experiment, not_found, withdraw};
 use super::extended::ExtendedModel;
 use super::inertias::{Gain, all_inertias};
 use super::outcome::{Conclusion, Measured};
@@ -14,7 +14,7 @@ use crate::diagnosis::logs::{Input, split};
 use crate::diagnosis::model::{DataSet, Known, Member, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, combined, rms};
-use crate::diagnosis::search::{Found, Selection};
+use crate::diagnosis::search::{Found, Rejected, Selection};
 use crate::diagnosis::variance::ResidualMap;
 use crate::diagnosis::watch::{Progress, Watch};
 use crate::effects::Placed;
@@ -211,7 +211,7 @@ fn answer<'a>(
     let Searched { selection, minor, mut unexplained } = searched;
     let Selection {
         mut found,
-        rejected,
+        mut rejected,
         whitener,
         first_whitener,
         held_out: extended,
@@ -258,11 +258,20 @@ fn answer<'a>(
     let baseline_test_rms = rms(&test.valid, &baseline);
     let simulation_test_rms = rms(&test.valid, &simulation);
     withdraw(&mut found, &unexplained, [&baseline_test_rms, &extended_test_rms], &noise_floor, &options.criteria);
-    let derived = derived(&members, &solved, &session.blocks(&members).members, session.model.base.robot());
+    let derived = derived(
+        &members,
+        &solved,
+        &session.blocks(&members).members,
+        session.model.base.robot(),
+        &options.criteria.levels,
+    );
     let (mut named, mut of_sampling) = (Vec::new(), Vec::new());
     for ((found, derived), effect) in found.into_iter().zip(derived).zip(std::mem::take(&mut evidence.effects)) {
-        match diagnosis::of_sampling(&session, &found, &noise_floor)? {
-            Some(short) => of_sampling.push(short),
+        match diagnosis::beyond_sampling(&session, &found, &noise_floor)?.filter(|judgement| !judgement.passed) {
+            Some(failed) => {
+                of_sampling.push(OfSampling::new(&found.member));
+                rejected.push(Rejected { slot: found.member.candidate.slot(), failed });
+            }
             None => named.push(((found, derived), effect)),
         }
     }

@@ -43,6 +43,15 @@ pub struct OfSampling {
     pub seconds: [f64; 2],
 }
 
+impl OfSampling {
+    /// Of a delay or a lag, as it was found.
+    pub(super) fn new(member: &Member) -> Self {
+        let Member { placed, std, .. } = member;
+        let joint = (placed.effect.about().nature == Nature::Lag).then_some(placed.joint);
+        OfSampling { joint, seconds: [placed.parameters[0], std[0]] }
+    }
+}
+
 /// What was looked for.
 ///
 /// ```
@@ -280,28 +289,23 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
 }
 
-/// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
-/// beside the motion. That is worth no name as long as what it adds to the held-out torque, root mean square, is below the `noise` of
-/// every joint.
+/// Whether a delay or a lag is more than sampling makes: torque that is held over a step, or read at one end of it, lies up to half a sample
+/// from the motion. That is no finding as long as what it adds to the held-out torque, root mean square, is below the `noise` of every
+/// joint. None for all other effects.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn of_sampling(session: &Session, found: &Found, noise: &[f64]) -> Result<Option<OfSampling>> {
-    let Member { placed, std, .. } = &found.member;
-    let joint = match placed.effect.about().nature {
-        Nature::Delay => None,
-        Nature::Lag => Some(placed.joint),
-        _ => return Ok(None),
-    };
-    let period = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
-    let seconds = placed.parameters[0];
-    if seconds.abs() > 0.5 * period {
+pub(super) fn beyond_sampling(session: &Session, found: &Found, noise: &[f64]) -> Result<Option<Judgement>> {
+    let Member { placed, .. } = &found.member;
+    if !matches!(placed.effect.about().nature, Nature::Delay | Nature::Lag) {
         return Ok(None);
     }
+    let period = session.logs.train.rows.logs.first().map_or(0.0, |log| log.period);
     let test = &session.logs.test.rows;
     let added = session.model.arm.added_throughout(std::slice::from_ref(placed), test)?;
     let size = rms(&test.valid, &added[0]).iter().zip(noise).map(|(added, noise)| added / noise).fold(0.0, f64::max);
-    Ok((size < 1.0).then_some(OfSampling { joint, seconds: [seconds, std[0]] }))
+    let least = session.criteria.verdict.sampling_size;
+    Ok(Some(Judgement::at_least(Gate::Sampling, size, least).or(placed.parameters[0].abs() > 0.5 * period)))
 }
 
 /// Everything that was looked for and is not among `found`, with the size it would have needed. `multiplicity` holds the
@@ -434,7 +438,15 @@ mod tests {
         // Of an excess of 15 in units of the noise, 1.6 are left, or 1.4; without structure a name stands all the same.
         let structure = |certain| {
             let (family_wise_p, instead_of) = (Some(1e-6), Vec::new());
-            Unexplained { joint: 0, share: 0.3, structure: "follows the speed", family_wise_p, certain, instead_of }
+            Unexplained {
+                joint: 0,
+                share: 0.3,
+                structure: "follows the speed",
+                family_wise_p,
+                certain,
+                instead_of,
+                passed: Vec::new(),
+            }
         };
         let left = |excess: f64, left: f64, unexplained: &[Unexplained]| {
             let [before, after] = [excess, left].map(|excess| (1.0 + excess).sqrt());

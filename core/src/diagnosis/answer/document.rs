@@ -206,6 +206,8 @@ struct Unexplained {
     /// The law that comes nearest; absent where none was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     nearest: Option<&'static str>,
+    /// The gates that it passed.
+    passed: Vec<Judgement>,
 }
 
 #[derive(Debug, Serialize)]
@@ -276,6 +278,7 @@ impl Document {
             structure: left.structure,
             family_wise_p: left.family_wise_p,
             nearest: diagnosis.nearest(left.joint).map(|minor| minor.found.member.candidate.family().effect),
+            passed: left.passed.clone(),
         });
         let mut data_quality = qualities(robot, faults);
         let held_out = "no test log was given: 30 % of every training log was held out";

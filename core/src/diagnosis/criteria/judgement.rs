@@ -62,6 +62,19 @@ pub enum Gate {
     ImpactsAgain,
     /// They are so among moments only in which the loads of gears change as much: p-value.
     ImpactsAlike,
+    /// A delay or a lag is more than sampling makes: torque that it adds to the held-out rows of any joint, over the noise. One of more than half a
+    /// sample passes whatever it adds: torque that is held over a step, or read at one end of it, lies no farther from the motion.
+    Sampling,
+    /// Structure that no law explains is significant: family-wise p-value.
+    Structure,
+    /// The held-out logs show it too: p-value.
+    StructureAgain,
+    /// They gain by it: lower bound (84 %) of the share of the residual that it explains.
+    StructureGain,
+    /// It is large enough: share of the joint's residual, in squares.
+    StructureShare,
+    /// A residual stands clear of what was expected: over that.
+    AboveExpected,
 }
 
 impl Gate {
@@ -90,6 +103,12 @@ impl Gate {
             Gate::Predicts => "fits the training logs and not the held-out logs",
             Gate::Impacts | Gate::ImpactsAlike => "shows in impacts no more than chance does",
             Gate::ImpactsAgain => "does not show in impacts of the held-out logs",
+            Gate::Sampling => "is less than half a sample and less than the noise, as sampling makes it",
+            Gate::Structure => "is not significant",
+            Gate::StructureAgain => "does not show in the held-out logs",
+            Gate::StructureGain => "does not predict the held-out logs",
+            Gate::StructureShare => "is too small a share of the residual",
+            Gate::AboveExpected => "is not clear of what was expected",
         }
     }
 }

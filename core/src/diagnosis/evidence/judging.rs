@@ -1,11 +1,9 @@
 //! Judging candidates: score test, whether the estimate can be, and the shapes at which the test is largest.
 
-use crate::diagnosis::model::{
-    Candidate, Member, Moved, Session, bends, bounded, is_level, linear, prior, shapes, sizes, within_bounds,
-};
+use crate::diagnosis::model::{Candidate, Member, Moved, Session, bends, extent, is_level, linear, prior, shapes};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::{Column, Projection, Test, combined, rms};
-use crate::effects::{Effect, Parameter, Placed, Role, Search, varies_by_factors};
+use crate::effects::{Parameter, Placed, Role, as_size, moved};
 use crate::error::Result;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -138,7 +136,7 @@ impl Session<'_> {
         {
             // The column is that of one size; an estimate of another size is of something else. The smallest column is as good
             // as straight, and stands for everything below it.
-            let sizes = sizes(effect, only, candidate.placed.joint, &self.logs.train.rows);
+            let sizes = extent(&self.logs.train.rows, candidate.placed.joint).sizes(effect, only);
             let smallest = sizes.first().copied().unwrap_or_default();
             let size = candidate.placed.parameters[only];
             let is_straight = size.abs() <= smallest && test.values[0].abs() < criteria.same_size * size.abs();
@@ -183,6 +181,7 @@ impl Session<'_> {
         let (log, joint) = (start.candidate.log, start.candidate.placed.joint);
         let mut best = start;
         let shapes = shapes(effect);
+        let extent = extent(&self.logs.train.rows, joint);
         let mut share = 0.25;
         for _ in 0..HALVINGS {
             for &index in &shapes {
@@ -190,7 +189,7 @@ impl Session<'_> {
                     let mut placed = best.candidate.placed.clone();
                     let value = &mut placed.parameters[index];
                     let wanted = moved(effect, index, *value, sign * share);
-                    *value = within_bounds(effect, index, wanted, joint, &self.logs.train.rows);
+                    *value = extent.within_bounds(effect, index, wanted);
                     effect.is_sensible(&placed.parameters).then_some(placed)
                 };
                 // Both sides at once: most steps succeed on neither.
@@ -210,11 +209,7 @@ impl Session<'_> {
         for _ in 0..if departs && !is_level(effect) { SECANTS } else { 0 } {
             let mut placed = best.candidate.placed.clone();
             for (&index, &value) in linear(effect).iter().zip(&best.test.values) {
-                let parameter = &effect.parameters()[index];
-                // A size of next to nothing drowns in rounding.
-                let least = 1e-3 * parameter.typical.abs();
-                let size = if value.abs() < least { least } else { value };
-                placed.parameters[index] = bounded(parameter, size);
+                placed.parameters[index] = as_size(&effect.parameters()[index], value);
             }
             match self.judged_at(&[placed], log, whitener, fit)?.into_iter().next().flatten() {
                 Some(judged) => best = judged,
@@ -222,16 +217,5 @@ impl Session<'_> {
             }
         }
         Ok(best)
-    }
-}
-
-/// A value moved by a share of itself where it is positive and wide, else of its range.
-fn moved(effect: &dyn Effect, index: usize, value: f64, share: f64) -> f64 {
-    let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
-    match effect.search(index) {
-        Search::PerTurn => value + 2.0 * share,
-        Search::Instant => value + 4.0 * share,
-        _ if low == 0.0 || varies_by_factors(low, high) => value * (4.0 * share).exp(),
-        _ => value + 0.4 * share * (high - low),
     }
 }

@@ -14,6 +14,7 @@ mod impacts;
 mod judging;
 mod multiplicity;
 mod play;
+mod rival_laws;
 mod scan;
 
 pub(crate) use adjusted::{against_slow_noise, log_p_adjusted};

@@ -2,7 +2,7 @@
 //! in which it is not separated from slow noise.
 
 use super::structure::Unexplained;
-use crate::diagnosis::criteria::{Levels, StructureCriteria};
+use crate::diagnosis::criteria::{Gate, Judgement, Levels, StructureCriteria};
 use crate::diagnosis::variance::{JointMap, ResidualMap};
 
 /// What is said of such a joint.
@@ -16,23 +16,25 @@ pub(crate) fn above_noise(
     reported: &[Unexplained],
     criteria: &StructureCriteria,
 ) -> Vec<Unexplained> {
-    let is_open = |joint: &usize| {
-        residual[*joint] > criteria.above_noise * noise[*joint] && reported.iter().all(|other| other.joint != *joint)
-    };
-    let unexplained = |joint: usize| untested(joint, [residual[joint], noise[joint]], ABOVE_NOISE);
-    (0..residual.len()).filter(is_open).map(unexplained).collect()
+    let each = residual.iter().zip(noise).enumerate().filter_map(|(joint, (&residual, &noise))| {
+        let clear = Judgement::above(Gate::AboveExpected, residual / noise, criteria.above_noise);
+        untested(joint, clear, ABOVE_NOISE, reported)
+    });
+    each.collect()
 }
 
-/// What a joint's residual has above the noise, of which no test says what it is.
-fn untested(joint: usize, [residual, noise]: [f64; 2], structure: &'static str) -> Unexplained {
-    Unexplained {
+/// What a joint's residual has above the noise, of which no test says what it is; None where it is not clear of that, or reported already.
+fn untested(joint: usize, clear: Judgement, structure: &'static str, reported: &[Unexplained]) -> Option<Unexplained> {
+    let is_open = clear.passed && reported.iter().all(|other| other.joint != joint);
+    is_open.then(|| Unexplained {
         joint,
-        share: 1.0 - (noise / residual).powi(2),
+        share: 1.0 - clear.value.powi(-2),
         structure,
         family_wise_p: None,
         certain: false,
         instead_of: Vec::new(),
-    }
+        passed: vec![clear],
+    })
 }
 
 /// What is said of a joint whose residual is far above the noise of the map, though nothing in it is significant.
@@ -42,11 +44,11 @@ const NOT_SEPARATED: &str = "is far above the noise, and not separated from nois
 /// stretches of time no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over half a second
 /// have up to 2.1 times that noise.
 pub(crate) fn not_separated(map: &ResidualMap, reported: &[Unexplained], levels: &Levels) -> Vec<Unexplained> {
-    let is_open = |own: &&JointMap| {
-        own.residual >= levels.far * own.noise && reported.iter().all(|other| other.joint != own.joint)
+    let unexplained = |own: &JointMap| {
+        let clear = Judgement::at_least(Gate::AboveExpected, own.residual / own.noise, levels.far);
+        untested(own.joint, clear, NOT_SEPARATED, reported)
     };
-    let unexplained = |own: &JointMap| untested(own.joint, [own.residual, own.noise], NOT_SEPARATED);
-    map.joints.iter().filter(is_open).map(unexplained).collect()
+    map.joints.iter().filter_map(unexplained).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! from the training logs, they do not judge it.
 
 use super::structure::Unexplained;
-use crate::diagnosis::criteria::Criteria;
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement};
 use crate::diagnosis::logs::Rows;
 use crate::diagnosis::model::{Member, Session};
 use crate::diagnosis::noise::Whitener;
@@ -41,22 +41,24 @@ pub(crate) fn disagreement(
             (levels.far * trained).max(structure.above_noise * noise[joint]).max(levels.far * prediction_std[joint]);
         let expected = expected.max(levels.most * averages(test.0, baseline, joint));
         tracing::debug!(joint, trained, held_out, expected, "held-out against training rows");
-        (held_out > expected).then_some((joint, held_out))
+        let clear = Judgement::above(Gate::AboveExpected, held_out / expected, 1.0);
+        (clear.passed && held_out > 0.0).then_some((joint, held_out, clear))
     };
-    let apart: Vec<(usize, f64)> = (0..train.0.dof()).filter_map(on_joint).collect();
+    let apart: Vec<(usize, f64, Judgement)> = (0..train.0.dof()).filter_map(on_joint).collect();
     if apart.is_empty() {
         return Ok(Vec::new());
     }
     let left_out = parts_left_out(session, members, whitener)?;
-    let unexplained = apart.into_iter().filter(|&(joint, held_out)| held_out > left_out[joint]);
+    let unexplained = apart.into_iter().filter(|&(joint, held_out, _)| held_out > left_out[joint]);
     Ok(unexplained
-        .map(|(joint, held_out)| Unexplained {
+        .map(|(joint, held_out, clear)| Unexplained {
             joint,
             share: (held_out / rms(&test.0.valid, test.1)[joint]).powi(2).min(1.0),
             structure: LOGS_DISAGREE,
             family_wise_p: None,
             certain: true,
             instead_of: Vec::new(),
+            passed: vec![clear],
         })
         .collect())
 }

@@ -4,7 +4,7 @@
 //! noise. The tests of the mixed model need no noise spectrum.
 
 use super::structure::Unexplained;
-use crate::diagnosis::criteria::Criteria;
+use crate::diagnosis::criteria::{Criteria, Gate, Judgement, StructureCriteria};
 use crate::diagnosis::variance::{JointMap, Kind, Line, ResidualMap};
 use crate::error::Result;
 
@@ -32,11 +32,7 @@ pub(crate) fn mapped(
     let count = map.joints.len() as f64;
     let open = map.joints.iter().filter(|own| known.iter().all(|left| left.joint != own.joint));
     let shown: Vec<(&JointMap, Vec<Shown>)> = open
-        .map(|own| (own, shown(own, count, criteria.levels.most * cutoffs_hz[own.joint], level)))
-        .map(|(own, mut shown)| {
-            shown.retain(|shown| shown.share >= criteria.structure.share_of_residual());
-            (own, shown)
-        })
+        .map(|own| (own, shown(own, count, criteria.levels.most * cutoffs_hz[own.joint], level, &criteria.structure)))
         .filter(|(_, shown)| !shown.is_empty())
         .collect();
     if shown.is_empty() {
@@ -53,6 +49,7 @@ pub(crate) fn mapped(
             family_wise_p: Some(largest.family_wise_p),
             certain: false,
             instead_of: Vec::new(),
+            passed: largest.passed.to_vec(),
         })
     };
     Ok(shown.into_iter().filter_map(largest).collect())
@@ -72,6 +69,8 @@ struct Shown {
     /// Share of the residual's square.
     share: f64,
     family_wise_p: f64,
+    /// The gates that it passed.
+    passed: [Judgement; 2],
 }
 
 impl Follows {
@@ -94,20 +93,24 @@ impl Follows {
     }
 }
 
-/// What is significant at `level` on a joint, and clear of the noise.
-fn shown(own: &JointMap, joints: f64, highest_hz: f64, level: f64) -> Vec<Shown> {
-    let share = |rms: f64| (rms / own.residual).powi(2).min(1.0);
+/// What is significant at `level` on a joint, clear of the noise, and large enough.
+fn shown(own: &JointMap, joints: f64, highest_hz: f64, level: f64, criteria: &StructureCriteria) -> Vec<Shown> {
+    let judged = |follows: Follows, rms: f64, family_wise_p: f64| {
+        let share = (rms / own.residual).powi(2).min(1.0);
+        let passed = [
+            Judgement::at_most(Gate::Structure, family_wise_p, level),
+            Judgement::at_least(Gate::StructureShare, share, criteria.share_of_residual()),
+        ];
+        Judgement::first_failed(passed).is_none().then_some(Shown { follows, share, family_wise_p, passed })
+    };
     // A constant torque is a law of the library, which has been tested.
-    let parts = own.reported().filter(|part| part.follows != Kind::Offset).filter_map(|part| {
-        let family_wise_p = part.family_wise_p?;
-        Some(Shown { follows: Follows::Kind(part.follows), share: share(part.rms), family_wise_p })
-    });
-    let lines = own.reported_lines().filter(|line| line.hz < highest_hz).map(|line| Shown {
-        follows: Follows::Line(*line),
-        share: share(line.rms),
-        family_wise_p: (joints * line.p).min(1.0),
-    });
-    parts.chain(lines).filter(|shown| shown.family_wise_p <= level).collect()
+    let parts = own
+        .reported()
+        .filter(|part| part.follows != Kind::Offset)
+        .filter_map(|part| judged(Follows::Kind(part.follows), part.rms, part.family_wise_p?));
+    let lines = own.reported_lines().filter(|line| line.hz < highest_hz);
+    let lines = lines.filter_map(|line| judged(Follows::Line(*line), line.rms, (joints * line.p).min(1.0)));
+    parts.chain(lines).collect()
 }
 
 #[cfg(test)]

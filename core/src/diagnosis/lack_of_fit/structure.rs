@@ -2,6 +2,7 @@
 //! the joint they replace.
 
 use super::condensed::Condensed;
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Gains, against_slow_noise, modulated};
 use crate::diagnosis::model::{DataSet, Member, Nuisances, PreparedLogs, Session};
 use crate::diagnosis::noise::Whitener;
@@ -25,6 +26,8 @@ pub struct Unexplained {
     pub certain: bool,
     /// Members of the model that add nothing to the structure: it explains what they were named for.
     pub instead_of: Vec<Replaced>,
+    /// The gates that it passed.
+    pub passed: Vec<Judgement>,
 }
 
 /// A member of the model that structure replaces.
@@ -84,13 +87,14 @@ pub(super) struct Seen<'a> {
 }
 
 /// What the held-out rows show of it.
+#[derive(Debug)]
 struct Again {
     /// Probability of as much by chance.
     chance: f64,
     /// Whether they gain by it, also outside the second that gains most.
     gained: bool,
-    /// Whether the lower bound of their gain is positive.
-    significant: bool,
+    /// Whether that is significant: by its lower bound, or by chance where it is fitted to them.
+    significant: Judgement,
 }
 
 /// The model as found, on training and held-out rows.
@@ -250,29 +254,32 @@ impl<'a> Fitted<'a> {
         let Again { chance, gained, significant } =
             if block.over_time { self.seen_again(&under, again)? } else { self.gained(&under, joint, block, again) };
         let with = |level: f64| fisher([level.min(1.0), chance].map(|p| p.max(f64::MIN_POSITIVE).ln())).exp();
-        tracing::debug!(joint, structure, chance, gained, significant, "structure on held-out rows");
+        tracing::debug!(joint, structure, chance, gained, ?significant, "structure on held-out rows");
+        let levels = &self.session.criteria.levels;
+        let surely = Judgement::below(Gate::Structure, family_wise_p, self.certain);
+        let again = |level: f64| Judgement::below(Gate::StructureAgain, chance, level);
         // A place may be passed once, and what was fitted to few rows goes the right way without a gain.
-        let goes_along = family_wise_p < self.certain && chance < self.session.criteria.levels.strict_p;
-        let certain = gained && family_wise_p < self.certain && significant;
-        let shown = certain
-            || goes_along
-            || (gained && with(family_wise_p) < self.together && chance < self.session.criteria.levels.usual_p);
-        let is_not_all = place.has_names
-            && chance < self.session.criteria.levels.leaning_p
-            && with(place.kinds * p) < self.session.criteria.levels.strict_p;
+        let ways = [
+            [surely.and(gained), significant],
+            [surely, again(levels.strict_p)],
+            [Judgement::below(Gate::Structure, with(family_wise_p), self.together).and(gained), again(levels.usual_p)],
+        ];
+        let way = ways.iter().find(|way| Judgement::first_failed(**way).is_none());
+        let certain = Judgement::first_failed(ways[0]).is_none();
+        let of_finding =
+            [again(levels.leaning_p), Judgement::below(Gate::Structure, with(place.kinds * p), levels.strict_p)];
+        let is_not_all = place.has_names && Judgement::first_failed(of_finding).is_none();
         let share = under.share(joint, test.statistic);
+        let large = Judgement::above(Gate::StructureShare, share, self.session.criteria.structure.share_of_residual());
         let weighs = certain || is_not_all;
         let instead_of = if weighs { self.made_superfluous(&under, joint, &whitened, &test) } else { Vec::new() };
-        tracing::debug!(joint, structure, share, shown, ?instead_of, "structure weighed");
-        let counts = (shown && share > self.session.criteria.structure.share_of_residual()) || !instead_of.is_empty();
-        counts.then_some(Unexplained {
-            joint,
-            share,
-            structure,
-            family_wise_p: Some(family_wise_p),
-            certain,
-            instead_of,
-        })
+        tracing::debug!(joint, structure, share, ?way, ?instead_of, "structure weighed");
+        let passed = match way {
+            Some(way) if large.passed => way.iter().copied().chain([large]).collect(),
+            _ if instead_of.is_empty() => return None,
+            _ => of_finding.to_vec(),
+        };
+        Some(Unexplained { joint, share, structure, family_wise_p: Some(family_wise_p), certain, instead_of, passed })
     }
 
     /// Evidence of the held-out rows for a block that goes with time: fitted to them by themselves, as far as the model leaves it.
@@ -283,15 +290,16 @@ impl<'a> Fitted<'a> {
         let whitened = under.on_held_out.apply_all(&again.columns);
         let found = fit.test(&whitened)?;
         let chance = against_slow_noise(&test.rows, &under.on_held_out, &fit, &whitened, &found).exp();
-        let significant = chance < self.session.criteria.levels.strict_p;
-        Some(Again { chance, gained: significant, significant })
+        let significant = Judgement::below(Gate::StructureAgain, chance, self.session.criteria.levels.strict_p);
+        Some(Again { chance, gained: significant.passed, significant })
     }
 
     /// Evidence of the held-out rows for a block that follows from the motion, as fitted to the training rows.
     fn gained(&self, under: &Under, joint: usize, block: &Block, again: &Block) -> Again {
         let gains = self.gains(under, joint, block, again);
         let gained = gains.share() > 0.0 && gains.without_most_influential_block() > 0.0;
-        Again { chance: gains.chance(), gained, significant: gains.lower_bound(&self.session.criteria.levels) > 0.0 }
+        let lower_bound = gains.lower_bound(&self.session.criteria.levels);
+        Again { chance: gains.chance(), gained, significant: Judgement::above(Gate::StructureGain, lower_bound, 0.0) }
     }
 
     /// How much better the held-out rows are predicted with a block.

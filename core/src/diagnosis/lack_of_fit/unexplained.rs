@@ -3,6 +3,7 @@
 
 use super::harmonics::Spectrum;
 use super::structure::{Fitted, Place, Replaced, Under, Unexplained, is_weighed};
+use crate::diagnosis::criteria::{Gate, Judgement};
 use crate::diagnosis::evidence::{Block, Reach, blocks, slow_cosines};
 use crate::diagnosis::model::{PreparedLogs, Session};
 use crate::diagnosis::search::Selection;
@@ -79,13 +80,15 @@ impl Fitted<'_> {
         let (freedom, above_freedom) = (test.freedom as f64, above.freedom as f64);
         let ratio = test.statistic / freedom / (above.statistic / above_freedom);
         let family_wise_p = place.tests * FisherSnedecor::new(freedom, above_freedom).ok()?.sf(ratio);
-        (family_wise_p < self.certain).then(|| Unexplained {
+        let significant = Judgement::below(Gate::Structure, family_wise_p, self.certain);
+        significant.passed.then(|| Unexplained {
             joint: place.joint,
             share: place.under.share(place.joint, test.statistic),
             structure: "drifts over time",
             family_wise_p: Some(family_wise_p),
             certain: true,
             instead_of: Vec::new(),
+            passed: vec![significant],
         })
     }
 
@@ -97,17 +100,22 @@ impl Fitted<'_> {
         let found = Spectrum::new(&train.rows, whitener, &fit.residual, joint).strongest()?;
         let family_wise_p = tests * found.log_p.exp();
         let residual = on_held_out.apply(&self.before.only(&[joint]));
-        let again = (family_wise_p < self.certain)
+        let significant = Judgement::below(Gate::Structure, family_wise_p, self.certain);
+        let again = significant
+            .passed
             .then(|| Spectrum::new(&test.rows, on_held_out, &residual, joint).at(found.order))
             .flatten()?;
         tracing::debug!(joint, ?found, ?again, "harmonic");
-        (again.log_p < self.session.criteria.levels.usual_p.ln()).then_some(Unexplained {
+        let levels = &self.session.criteria.levels;
+        let confirmed = Judgement::below(Gate::StructureAgain, again.log_p.exp(), levels.usual_p);
+        confirmed.passed.then(|| Unexplained {
             joint,
             share: found.share,
             structure: "is a harmonic of the joint's position that comes and goes",
             family_wise_p: Some(family_wise_p),
-            certain: again.log_p < self.session.criteria.levels.strict_p.ln(),
+            certain: again.log_p < levels.strict_p.ln(),
             instead_of: Vec::new(),
+            passed: vec![significant, confirmed],
         })
     }
 }

@@ -4,12 +4,12 @@
 //! One law that is wrong on one joint must not be taken for it: what the joints that gain most by it gain does not count, unless they gain
 //! more by it than by any friction law of speed in the library.
 
-use crate::diagnosis::evidence::Judged;
+use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::logs::Log;
-use crate::diagnosis::model::{DataSet, Session, all_candidates};
+use crate::diagnosis::model::{DataSet, Session};
 use crate::diagnosis::noise::Whitener;
 use crate::diagnosis::regression::Projection;
-use crate::effects::{LIBRARY, Nature, Rounding};
+use crate::effects::{Nature, Rounding};
 use crate::error::Result;
 use rayon::prelude::*;
 
@@ -31,15 +31,6 @@ const FINEST: [f64; 2] = [0.95, 1.05];
 
 /// Joints whose gain does not count, where more than twice as many are left.
 const LEFT_OUT: usize = 2;
-
-/// By how much more likely, in its logarithm, the torque of the others must be than with a plain sign, or that of one joint.
-const LIKELIER: f64 = 8.0;
-
-/// The same for a joint to have a width of its own, where most have one.
-const OWN_WIDTH: f64 = 1.0;
-
-/// Mean squared residual of one joint alone under a width, in units of the noise, up to which the width explains that joint.
-const EXPLAINED: f64 = 1.5;
 
 /// Rounding of the joints and by how much more likely, in its logarithm, the torque of each is than with a plain sign.
 type Tried = Vec<(Rounding, f64)>;
@@ -78,22 +69,23 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
         Ok(best)
     };
     // Another form, and a rounding in the place of a law of the library, must be likelier: though a rounding has fewer parameters than any law.
-    let odds = session.criteria.levels.log_odds;
+    let Levels { log_odds: odds, misfit, .. } = session.criteria.levels;
+    let clearly = session.criteria.criterion_gap();
     let mut best = of_form(Rounding::Tanh(1.0), &WIDTHS)?;
     for (unit, widths) in [(Rounding::Ramp(1.0), RAMPS), (Rounding::Root(1.0), ROOTS)] {
         better(&mut best, vec![of_form(unit, &widths)?], odds);
     }
     let finest = tried(FINEST.iter().map(|&factor| scaled(&best, factor)).collect())?;
     better(&mut best, finest, 0.0);
-    let by_laws = by_laws(session, &whitener, &plain)?;
+    let by_laws = session.best_gains(Nature::OfSpeed, &whitener, &plain)?;
     tracing::debug!(?best, ?by_laws, "rounding of the sign of friction");
     let surely = surely(&best, &by_laws, odds);
     let gained = best.iter().zip(&surely).map(|((_, gain), surely)| if *surely { *gain } else { 0.0 }).collect();
-    if of_most(gained) < LIKELIER {
+    if of_most(gained) < clearly {
         // One joint alone must be explained by its width: what is much beyond the noise may look like anything.
         let rows = whitener.rows();
-        let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < EXPLAINED;
-        let alone = |joint: &usize| surely[*joint] && best[*joint].1 > LIKELIER && of_noise(*joint);
+        let of_noise = |joint: usize| (plain_left[joint] - 2.0 * best[joint].1) / (rows[joint] as f64) < misfit;
+        let alone = |joint: &usize| surely[*joint] && best[*joint].1 > clearly && of_noise(*joint);
         let joints = 0..model.dof();
         return Ok(joints.map(|joint| if alone(&joint) { best[joint].0 } else { Rounding::Sharp }).collect());
     }
@@ -103,7 +95,7 @@ pub(super) fn likeliest(session: &Session) -> Result<Vec<Rounding>> {
     let as_most = gains(shares.iter().map(|share| of_most_joints(&of_fast).scaled(*share)).collect())?;
     let as_most = as_most.into_iter().map(|(own, gain)| if gain > 0.0 { own } else { Rounding::Sharp });
     let all = best.into_iter().zip(surely).zip(as_most);
-    Ok(all.map(|(((own, gain), surely), as_most)| if surely && gain > OWN_WIDTH { own } else { as_most }).collect())
+    Ok(all.map(|(((own, gain), surely), as_most)| if surely && gain > odds { own } else { as_most }).collect())
 }
 
 /// The commonest form, with the median of its widths.
@@ -119,22 +111,6 @@ fn of_most_joints(each: &[Rounding]) -> Rounding {
 fn shares(logs: &[Log], joints: usize) -> Vec<f64> {
     let of_joint = |joint: usize| logs.iter().map(|log| log.slow[joint].share).fold(LEAST_SHARE, f64::max);
     (0..joints).map(of_joint).collect()
-}
-
-/// By how much more likely, in its logarithm, the torque of each joint is with the best law of friction over its speed than with the
-/// `plain` fit.
-fn by_laws(session: &Session, whitener: &Whitener, plain: &Projection) -> Result<Vec<f64>> {
-    let of_speed = LIBRARY.iter().map(|effect| effect.about()).filter(|about| about.nature == Nature::OfSpeed);
-    let names: Vec<String> = of_speed.map(|about| about.name.to_owned()).collect();
-    let candidates = all_candidates(&session.model.arm, &session.logs.train.rows, session.model.trust, &names)?;
-    let judged: Vec<Judged> =
-        candidates.par_iter().filter_map(|candidate| session.judge(candidate, whitener, plain)).collect();
-    let of_joint = |joint: usize| -> Result<f64> {
-        let own = judged.iter().filter(|judged| judged.candidate.placed.joint == joint);
-        let Some(best) = own.max_by(|a, b| a.test.statistic.total_cmp(&b.test.statistic)) else { return Ok(0.0) };
-        Ok(0.5 * session.refined(best.clone(), whitener, plain)?.test.statistic)
-    };
-    (0..session.model.base.dof()).map(of_joint).collect()
 }
 
 /// Whether each joint gains more by its width than by any law. One that does best with a plain sign gains by the widths of other joints alone,

@@ -2,6 +2,7 @@
 
 use super::passband;
 use super::smoothing;
+use crate::diagnosis::criteria::Criteria;
 use crate::diagnosis::logs::{FEWEST_ROWS, FEWEST_TEST_ROWS, LowPass, Rows, cutoff, cutoffs_up_to, widest};
 use crate::diagnosis::model::{DataSet, Known};
 use crate::diagnosis::noise::{Whitener, rich};
@@ -20,6 +21,7 @@ const RAISED: usize = 2;
 pub(super) struct Preparation<'a> {
     model: &'a Model,
     known: &'a Known<'a>,
+    criteria: Criteria,
     /// Logs to identify from, those from before a change first.
     train: Vec<&'a Recording>,
     test: &'a [&'a Recording],
@@ -48,16 +50,17 @@ impl<'a> Preparation<'a> {
         known: &'a Known<'a>,
         train: &[&'a Recording],
         test: &'a [&'a Recording],
+        criteria: Criteria,
     ) -> Result<Self> {
         let train: Vec<&Recording> = known.reference.iter().chain(train).copied().collect();
         let all: Vec<&Recording> = train.iter().chain(test).copied().collect();
-        Ok(Preparation { model, known, whole_hz: cutoff(&all)?, train, test })
+        Ok(Preparation { model, known, criteria, whole_hz: cutoff(&all)?, train, test })
     }
 
     /// The same logs with other things known.
     pub(super) fn knowing<'b>(&'b self, known: &'b Known<'b>) -> Preparation<'b> {
-        let Preparation { model, ref train, test, whole_hz, .. } = *self;
-        Preparation { model, known, train: train.clone(), test, whole_hz }
+        let Preparation { model, criteria, ref train, test, whole_hz, .. } = *self;
+        Preparation { model, known, criteria, train: train.clone(), test, whole_hz }
     }
 
     /// Whether no log is both identified from and judged by.
@@ -102,7 +105,8 @@ impl<'a> Preparation<'a> {
         of_fit: (&Whitener, &Column),
         cutoff_hz: f64,
     ) -> Result<Vec<f64>> {
-        smoothing::of_joints(along, of_fit, &self.train, [cutoff_hz, self.whole_hz])
+        let within = [cutoff_hz, self.whole_hz];
+        smoothing::of_joints(along, of_fit, &self.train, within, self.criteria.criterion_gap())
     }
 
     /// The cut-off to take where this one makes the torque likeliest.
@@ -168,7 +172,8 @@ impl<'a> Preparation<'a> {
             let columns: Vec<Column> = baseline.into_iter().chain(rich).collect();
             Some(passband::left(&rows, &torque, &columns))
         };
-        Ok(passband::best(edge_hz, left).and_then(|found| self.best_of(Some(found))))
+        let clearly = self.criteria.search.share_of_misfit;
+        Ok(passband::best(edge_hz, clearly, left).and_then(|found| self.best_of(Some(found))))
     }
 }
 

@@ -11,9 +11,7 @@ use crate::identification::effect_model::Trust;
 use crate::identification::model::Model;
 use crate::recording::Recording;
 
-/// Error of the smoothing from which a row is left out, in standard deviations of the innovations, and the largest share
-/// of the rows that may be.
-const DISTORTED: f64 = 2.0;
+/// Largest share of the rows that are left out because smoothing bent the motion there.
 const MOST_DISTORTED: f64 = 0.1;
 
 impl<'a> Session<'a> {
@@ -37,7 +35,7 @@ impl<'a> Session<'a> {
         test: &[&Recording],
         criteria: Criteria,
     ) -> Result<Self> {
-        let preparation = Preparation::new(model, &known, train, test)?;
+        let preparation = Preparation::new(model, &known, train, test, criteria)?;
         let Prepared { data_sets: [train, test], cutoff_hz, passband } = preparation.prepared()?;
         let (apart, cutoffs_hz) = (preparation.is_apart(), preparation.alike(cutoff_hz));
         let logs = PreparedLogs { train, test, apart, cutoffs_hz, passband };
@@ -71,7 +69,12 @@ impl<'a> Session<'a> {
             session.model.arm = session.model.known.arm.clone();
             noise = session.settle_baseline()?;
         }
-        let noisy = smoothing::noisy_once_moved(&session.model.arm, &session.logs.train.rows, &noise.whitener)?;
+        let noisy = smoothing::noisy_once_moved(
+            &session.model.arm,
+            &session.logs.train.rows,
+            &noise.whitener,
+            criteria.structure.above_noise,
+        )?;
         for log in session.logs.train.rows.logs.iter_mut().chain(&mut session.logs.test.rows.logs) {
             log.noisy.clone_from(&noisy);
         }
@@ -90,7 +93,8 @@ impl<'a> Session<'a> {
     /// Leaves out rows in which the low-pass bent the motion, by the arm as settled without any effect and the noise under it: what is
     /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
-        let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
+        let bearable = |std: &f64| self.criteria.structure.above_noise * std;
+        let bearable: Vec<f64> = whitener.innovation_std().iter().map(bearable).collect();
         let smoothing = [&self.logs.train, &self.logs.test].map(|set| self.errors(set).smoothing.clone());
         for (set, smoothing) in [&mut self.logs.train, &mut self.logs.test].into_iter().zip(&smoothing) {
             set.rows.leave_out_largest(smoothing, &bearable, MOST_DISTORTED);

@@ -36,9 +36,6 @@ const ORDERS: [usize; 6] = [4, 2, 1, 3, 5, 6];
 /// Rounds of weighting the joints by their residual.
 const ROUNDS: usize = 3;
 
-/// Mean over the joints of the logarithm of the residual by which that with the filter must be smaller.
-const CLEARLY: f64 = 0.05;
-
 /// The frequency, Hz, within an octave of which the torque of all joints of all logs ends as no step of friction does; None where it goes
 /// on, or where there is noise above it.
 ///
@@ -119,9 +116,13 @@ pub(super) fn left(rows: &Rows, torque: &Column, columns: &[Column]) -> f64 {
     scale.iter().map(|scale| scale.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / scale.len() as f64
 }
 
-/// The filter with the smallest residual, if that is clearly smaller than without any. `left` gives the mean over the joints of the
+/// The filter with the smallest residual, if that is smaller by the share `clearly` than without any. `left` gives the mean over the joints of the
 /// logarithm of the residual; None where the filter cannot be.
-pub(super) fn best(edge_hz: f64, mut left: impl FnMut(Option<LowPass>) -> Option<f64>) -> Option<LowPass> {
+pub(super) fn best(
+    edge_hz: f64,
+    clearly: f64,
+    mut left: impl FnMut(Option<LowPass>) -> Option<f64>,
+) -> Option<LowPass> {
     let without = left(None)?;
     let mut least: Option<(f64, LowPass)> = None;
     let mut try_one = |low_pass: LowPass, least: &mut Option<(f64, LowPass)>| {
@@ -153,7 +154,7 @@ pub(super) fn best(edge_hz: f64, mut left: impl FnMut(Option<LowPass>) -> Option
     }
     let (value, low_pass) = least?;
     tracing::debug!(?low_pass, left = value, without, "low-pass of the logged torque");
-    (value < without - CLEARLY).then_some(low_pass)
+    (value < without + (-clearly).ln_1p()).then_some(low_pass)
 }
 
 #[cfg(test)]
@@ -212,8 +213,8 @@ mod tests {
             let sum: f64 = inner.clone().map(|k| (model[k] - logged[k]).powi(2)).sum();
             Some(0.5 * (sum / inner.len() as f64).ln())
         };
-        let found = best(edge_of(&logged, RATE).unwrap().unwrap(), left).unwrap();
+        let found = best(edge_of(&logged, RATE).unwrap().unwrap(), 0.05, left).unwrap();
         assert!(found.order == 5 && (found.hz / truth.hz - 1.0).abs() < 0.03, "{found:?}");
-        assert_eq!(best(2.0, |_| Some(1.0)), None);
+        assert_eq!(best(2.0, 0.05, |_| Some(1.0)), None);
     }
 }

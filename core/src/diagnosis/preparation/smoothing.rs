@@ -15,17 +15,11 @@ use rayon::prelude::*;
 /// Factor within which the cut-off of one joint lies about that of all.
 const APART: f64 = 2.2;
 
-/// By how much more likely, in its logarithm, the training torque must be with another cut-off of a joint.
-const LIKELIER: f64 = 5.0;
-
 /// Time by which torque is moved to see how noisy it gets, s.
 const MOVED_S: f64 = 1e-3;
 
-/// What a moved torque must hold, over what it holds along accelerations that stand clear of the noise, to be mostly noise.
-const NOISY: f64 = 2.0;
-
 /// Cut-off of the positions of every joint, Hz, up to `highest_hz`: where the torque of `arm`, fitted with all joints at the
-/// `common` cut-off, is likeliest once that joint alone goes to another. `residual` is that of the fit, in units of the noise;
+/// `common` cut-off, is likelier by `log_odds`, in its logarithm, once that joint alone goes to another. `residual` is that of the fit, in units of the noise;
 /// `recordings` are the logs of `rows`.
 ///
 /// # Errors
@@ -35,6 +29,7 @@ pub(super) fn of_joints(
     (whitener, residual): (&Whitener, &Column),
     recordings: &[&Recording],
     [common, highest_hz]: [f64; 2],
+    log_odds: f64,
 ) -> Result<Vec<f64>> {
     let near = (common / APART)..=(common * APART).min(highest_hz);
     let others: Vec<f64> = CUTOFFS_HZ.into_iter().filter(|hz| *hz != common && near.contains(hz)).collect();
@@ -61,7 +56,7 @@ pub(super) fn of_joints(
     (0..rows.dof())
         .into_par_iter()
         .map(|joint| {
-            let mut best = (before + LIKELIER, common);
+            let mut best = (before + log_odds, common);
             for &hz in &others {
                 let likelihood = moved(joint, hz)?;
                 if likelihood > best.0 {
@@ -73,11 +68,12 @@ pub(super) fn of_joints(
         .collect()
 }
 
-/// Joints whose torque, moved in time, holds more of the encoders' noise than of the motion, in units of the noise of the torque.
+/// Joints whose torque, moved in time, holds mostly the encoders' noise, in units of the noise of the torque: by the factor `mostly` more than
+/// along accelerations that stand clear of the noise.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener) -> Result<Vec<bool>> {
+pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener, mostly: f64) -> Result<Vec<bool>> {
     let delay = Placed { effect: &TimeDelay, joint: 0, parameters: vec![MOVED_S] };
     let power = |moved: Moved| -> Result<Column> {
         let added = arm.added_in(0..rows.logs.len(), std::slice::from_ref(&delay), rows, moved)?;
@@ -87,7 +83,7 @@ pub(super) fn noisy_once_moved(arm: &Arm, rows: &Rows, whitener: &Whitener) -> R
     Ok((0..rows.dof())
         .map(|joint| {
             let of = |column: &Column| column.only(&[joint]).dot(&column.only(&[joint]));
-            of(&all) > NOISY * of(&clear)
+            of(&all) > mostly * of(&clear)
         })
         .collect())
 }

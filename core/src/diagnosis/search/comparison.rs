@@ -184,7 +184,7 @@ impl Chosen {
 fn is_one_more(winner: &Judged, rival: &Judged) -> bool {
     let (family, other) = (winner.candidate.family(), rival.candidate.family());
     let effect = winner.candidate.placed.effect;
-    family.joint == other.joint && effect.contained_in() == Some(other.effect)
+    family.joint == other.joint && effect.indistinguishable_from() == Some(other.effect)
 }
 
 /// The fit with a candidate and the derivatives to its shapes.

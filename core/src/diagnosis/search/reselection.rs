@@ -107,7 +107,7 @@ fn can_be_asked(found: &Found) -> bool {
 ///
 /// # Errors
 /// If a log is too short to differentiate.
-pub(super) fn rename(
+pub(super) fn reselect(
     session: &Session,
     found: &mut [Found],
     everywhere: &[Candidate],

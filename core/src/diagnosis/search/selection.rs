@@ -8,7 +8,7 @@ use super::eligible::{Contenders, Refused, Standing};
 use super::found::{Found, Rejected, explained_by_play, in_the_end, members};
 use super::parsimony::chosen;
 use super::play::rattling_gears;
-use super::reselection::rename;
+use super::reselection::reselect;
 use super::round::{Round, converged, settled};
 use crate::diagnosis::Options;
 use crate::diagnosis::criteria::{Gate, Judgement};
@@ -132,12 +132,12 @@ pub(crate) fn select(session: &mut Session, options: &Options, watch: &mut Watch
     let superfluous = drop_superfluous(session, &mut found)?;
     let dropped = !superfluous.is_empty();
     rejected.extend(superfluous);
-    let renamed = rename(session, &mut found, &round.all, &multiplicity, options, watch)?;
+    let reselected = reselect(session, &mut found, &round.all, &multiplicity, options, watch)?;
     let Round { mut whitener, scan, all, .. } = round;
     let sensitivity = scan.sensitivity();
     drop(scan);
     let more = all_logs::search(session, &mut found, all, &multiplicity, options, &mut rejected, watch)?;
-    if more || renamed || dropped {
+    if more || reselected || dropped {
         (whitener, _) = settled(session, &mut found)?;
     }
     let held_out = held_out_steps(session, &mut found, &whitener)?;

@@ -1,7 +1,7 @@
 //! Base tilt: the base does not stand as in the model, so gravity points elsewhere.
 
 use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::Robot;
+use crate::robot::{Robot, Unit};
 use nalgebra::Rotation3;
 
 /// Gravity in base coordinates = R' g, with R = Ry(pitch) Rx(roll) the turn of the base.
@@ -47,7 +47,15 @@ static ABOUT: About = About {
 
 const fn angle(name: &'static str, typical: f64) -> Parameter {
     const HALF_TURN: f64 = std::f64::consts::PI;
-    Parameter { name, symbol: name, unit: "rad", role: Role::Departure, lower: -HALF_TURN, upper: HALF_TURN, typical }
+    Parameter {
+        name,
+        symbol: name,
+        unit: Unit::Angle,
+        role: Role::Departure,
+        lower: -HALF_TURN,
+        upper: HALF_TURN,
+        typical,
+    }
 }
 
 static PARAMETERS: [Parameter; 2] = [angle("roll", 0.02), angle("pitch", -0.015)];
@@ -67,7 +75,7 @@ impl Effect for BaseTilt {
 
     fn derived(&self, p: &[f64], _: usize, _: &Robot) -> Vec<Derived> {
         let value = (p[0].cos() * p[1].cos()).acos();
-        vec![Derived { name: "tilt", unit: "rad", value, of_the_first: false }]
+        vec![Derived { name: "tilt", unit: Unit::Angle, value, of_the_first: false }]
     }
 
     fn alter(&self, p: &[f64], _: usize, robot: &mut Robot) {

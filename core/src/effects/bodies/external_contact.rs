@@ -1,7 +1,7 @@
 //! External contact: something pushes the tool for a part of the run.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
-use crate::robot::JointKind;
+use crate::robot::{JointKind, Unit};
 use nalgebra::Vector3;
 
 /// tau = -J(q)' f between two times.
@@ -57,7 +57,7 @@ const fn force(name: &'static str, typical: f64) -> Parameter {
     Parameter {
         name,
         symbol: name,
-        unit: "N",
+        unit: Unit::Force,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -66,7 +66,7 @@ const fn force(name: &'static str, typical: f64) -> Parameter {
 }
 
 const fn instant(name: &'static str, symbol: &'static str, typical: f64) -> Parameter {
-    Parameter { name, symbol, unit: "s", role: Role::Shape, lower: 0.0, upper: 1e5, typical }
+    Parameter { name, symbol, unit: Unit::Time, role: Role::Shape, lower: 0.0, upper: 1e5, typical }
 }
 
 static PARAMETERS: [Parameter; 6] = [
@@ -76,7 +76,7 @@ static PARAMETERS: [Parameter; 6] = [
     instant("start", "t1", 2.0),
     instant("end", "t2", 5.0),
     // Contacts build up; an edge of some width also lets a fit move it.
-    Parameter { name: "rise", symbol: "w", unit: "s", role: Role::Held, lower: 1e-3, upper: 10.0, typical: 0.1 },
+    Parameter { name: "rise", symbol: "w", unit: Unit::Time, role: Role::Held, lower: 1e-3, upper: 10.0, typical: 0.1 },
 ];
 
 impl Effect for ExternalContact {

@@ -20,7 +20,7 @@
 //! that pushes from half a turn away is nearly one that pulls.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::Robot;
+use crate::robot::{Robot, Unit};
 
 /// (M + K (r - r0)) g sin(q - phi) / (2 r).
 ///
@@ -79,7 +79,7 @@ static PARAMETERS: [Parameter; 4] = [
     Parameter {
         name: "preload",
         symbol: "M",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
@@ -88,18 +88,26 @@ static PARAMETERS: [Parameter; 4] = [
     Parameter {
         name: "stiffness",
         symbol: "K",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
         typical: 600.0,
     },
     // At 0.8 the strut triples its length, at 1 it would shrink to nothing.
-    Parameter { name: "geometry", symbol: "g", unit: "1", role: Role::Shape, lower: 0.05, upper: 0.8, typical: 0.7 },
+    Parameter {
+        name: "geometry",
+        symbol: "g",
+        unit: Unit::One,
+        role: Role::Shape,
+        lower: 0.05,
+        upper: 0.8,
+        typical: 0.7,
+    },
     Parameter {
         name: "angle",
         symbol: "phi",
-        unit: "rad",
+        unit: Unit::Position,
         role: Role::Shape,
         lower: -std::f64::consts::PI,
         upper: std::f64::consts::PI,
@@ -122,7 +130,7 @@ impl Effect for GravityBalancer {
     }
 
     /// The pull of a balancer is that of a link of another first moment.
-    fn contained_in(&self) -> Option<&'static str> {
+    fn indistinguishable_from(&self) -> Option<&'static str> {
         Some("link_inertia_error")
     }
 

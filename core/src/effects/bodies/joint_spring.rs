@@ -3,6 +3,7 @@
 //! k (q - q0) is written with the torque at zero position, -k q0, so that both parameters enter linearly.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// k q + t0 = k (q - q0) with t0 = -k q0.
 ///
@@ -61,7 +62,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "stiffness",
         symbol: "k",
-        unit: "N m/rad",
+        unit: Unit::Stiffness,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
@@ -70,7 +71,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "preload",
         symbol: "t0",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,

@@ -3,7 +3,7 @@
 use super::payload::load;
 use super::plausible::{can_be, length, mass, spread};
 use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::{Inertia, Robot};
+use crate::robot::{Inertia, Robot, Unit};
 
 /// Ten inertial parameters, about the joint frame, added to a link.
 ///
@@ -49,7 +49,7 @@ static ABOUT: About = About {
     hidden_by_base_parameters: Hidden::Wholly,
 };
 
-const fn amplitude(name: &'static str, unit: &'static str, typical: f64) -> Parameter {
+const fn amplitude(name: &'static str, unit: Unit, typical: f64) -> Parameter {
     Parameter {
         name,
         symbol: name,
@@ -63,16 +63,16 @@ const fn amplitude(name: &'static str, unit: &'static str, typical: f64) -> Para
 
 // 10 kg more, at (0.25, -0.1, 0.05) m.
 static PARAMETERS: [Parameter; 10] = [
-    amplitude("dm", "kg", 10.0),
-    amplitude("dmx", "kg m", 2.5),
-    amplitude("dmy", "kg m", -1.0),
-    amplitude("dmz", "kg m", 0.5),
-    amplitude("dIxx", "kg m2", 0.3),
-    amplitude("dIxy", "kg m2", 0.25),
-    amplitude("dIyy", "kg m2", 0.8),
-    amplitude("dIxz", "kg m2", -0.125),
-    amplitude("dIyz", "kg m2", 0.05),
-    amplitude("dIzz", "kg m2", 0.9),
+    amplitude("dm", Unit::Mass, 10.0),
+    amplitude("dmx", Unit::FirstMoment, 2.5),
+    amplitude("dmy", Unit::FirstMoment, -1.0),
+    amplitude("dmz", Unit::FirstMoment, 0.5),
+    amplitude("dIxx", Unit::MomentOfInertia, 0.3),
+    amplitude("dIxy", Unit::MomentOfInertia, 0.25),
+    amplitude("dIyy", Unit::MomentOfInertia, 0.8),
+    amplitude("dIxz", Unit::MomentOfInertia, -0.125),
+    amplitude("dIyz", Unit::MomentOfInertia, 0.05),
+    amplitude("dIzz", Unit::MomentOfInertia, 0.9),
 ];
 
 impl Effect for LinkInertiaError {

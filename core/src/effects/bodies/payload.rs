@@ -2,7 +2,7 @@
 
 use super::plausible::{arm_mass, spread};
 use crate::effects::{About, Derived, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::{Inertia, Pose, Robot};
+use crate::robot::{Inertia, Pose, Robot, Unit};
 use nalgebra::Matrix3;
 
 /// Ten inertial parameters, about the flange frame, added to the last link.
@@ -19,7 +19,7 @@ use nalgebra::Matrix3;
 /// assert!((arm.joints[5].inertia.mass() - before - 6.0).abs() < 1e-12);
 ///
 /// let derived = Payload.derived(&payload.parameters, 0, &arm);
-/// assert_eq!((derived[3].name, derived[3].unit), ("center_z", "m"));
+/// assert_eq!((derived[3].name, derived[3].unit), ("center_z", Unit::Length));
 /// assert!((derived[3].value - 0.12).abs() < 1e-12);
 /// # Ok::<(), tauscope::error::Error>(())
 /// ```
@@ -55,7 +55,7 @@ static ABOUT: About = About {
     hidden_by_base_parameters: Hidden::Wholly,
 };
 
-const fn amplitude(name: &'static str, unit: &'static str, lower: f64, typical: f64) -> Parameter {
+const fn amplitude(name: &'static str, unit: Unit, lower: f64, typical: f64) -> Parameter {
     Parameter { name, symbol: name, unit, role: Role::Amplitude, lower, upper: f64::INFINITY, typical }
 }
 
@@ -67,16 +67,16 @@ const ANY: f64 = f64::NEG_INFINITY;
 
 // A body of 6 kg with its centre of mass at (0.05, -0.03, 0.12) m.
 static PARAMETERS: [Parameter; 10] = [
-    amplitude("m", "kg", 0.0, 6.0),
-    amplitude("mx", "kg m", ANY, 0.3),
-    amplitude("my", "kg m", ANY, -0.18),
-    amplitude("mz", "kg m", ANY, 0.72),
-    amplitude("Ixx", "kg m2", 0.0, 0.132),
-    amplitude("Ixy", "kg m2", ANY, 0.009),
-    amplitude("Iyy", "kg m2", 0.0, 0.142),
-    amplitude("Ixz", "kg m2", ANY, -0.036),
-    amplitude("Iyz", "kg m2", ANY, 0.022),
-    amplitude("Izz", "kg m2", 0.0, 0.041),
+    amplitude("m", Unit::Mass, 0.0, 6.0),
+    amplitude("mx", Unit::FirstMoment, ANY, 0.3),
+    amplitude("my", Unit::FirstMoment, ANY, -0.18),
+    amplitude("mz", Unit::FirstMoment, ANY, 0.72),
+    amplitude("Ixx", Unit::MomentOfInertia, 0.0, 0.132),
+    amplitude("Ixy", Unit::MomentOfInertia, ANY, 0.009),
+    amplitude("Iyy", Unit::MomentOfInertia, 0.0, 0.142),
+    amplitude("Ixz", Unit::MomentOfInertia, ANY, -0.036),
+    amplitude("Iyz", Unit::MomentOfInertia, ANY, 0.022),
+    amplitude("Izz", Unit::MomentOfInertia, 0.0, 0.041),
 ];
 
 impl Effect for Payload {
@@ -125,16 +125,16 @@ pub(super) fn load(body: &Inertia, frame: &Pose, reach: f64) -> Vec<Derived> {
     if center.norm() > reach {
         let first = frame.rotation.transpose() * (body.first_moment() - body.mass() * frame.translation);
         let named = [("first_moment_x", first.x), ("first_moment_y", first.y), ("first_moment_z", first.z)];
-        let of = |(name, value)| Derived { name, unit: "kg m", value, of_the_first: false };
+        let of = |(name, value)| Derived { name, unit: Unit::FirstMoment, value, of_the_first: false };
         return named.map(of).to_vec();
     }
     let named = [
-        ("mass", "kg", body.mass()),
-        ("center_x", "m", center.x),
-        ("center_y", "m", center.y),
-        ("center_z", "m", center.z),
+        ("mass", Unit::Mass, body.mass()),
+        ("center_x", Unit::Length, center.x),
+        ("center_y", Unit::Length, center.y),
+        ("center_z", Unit::Length, center.z),
     ];
-    let of = |(k, (name, unit, value)): (usize, (&'static str, &'static str, f64))| Derived {
+    let of = |(k, (name, unit, value)): (usize, (&'static str, Unit, f64))| Derived {
         name,
         unit,
         value,

@@ -1,7 +1,7 @@
 //! Rotor inertia: the motor's rotor, turning fast behind the gear, beyond what the robot description gives.
 
 use crate::effects::{About, DriveParameter, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::Robot;
+use crate::robot::{Robot, Unit};
 
 /// Ia a.
 ///
@@ -44,7 +44,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "inertia",
     symbol: "Ia",
-    unit: "kg m2",
+    unit: Unit::Inertia,
     role: Role::Amplitude,
     lower: 0.0,
     upper: f64::INFINITY,

@@ -1,6 +1,7 @@
 //! Coulomb friction: torque of one size against the direction of motion; at standstill anything up to that size.
 
 use crate::effects::{About, DriveParameter, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// Fc sign(v).
 ///
@@ -46,7 +47,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "level",
     symbol: "Fc",
-    unit: "N m",
+    unit: Unit::Effort,
     role: Role::Amplitude,
     lower: 0.0,
     upper: f64::INFINITY,

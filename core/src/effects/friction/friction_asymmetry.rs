@@ -4,6 +4,7 @@
 //! joint needs Fc >= |dFc| and Fv >= |dFv| to take energy in both directions.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// dFc |sign v| + dFv |v|.
 ///
@@ -57,7 +58,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "coulomb",
         symbol: "dFc",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -66,7 +67,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "viscous",
         symbol: "dFv",
-        unit: "N m s/rad",
+        unit: Unit::Damping,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,

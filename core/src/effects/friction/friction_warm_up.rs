@@ -4,6 +4,7 @@
 //! spreads within the first moves. The typical time constant is of the second kind, in sight of one recording.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// A exp(-t/T) sign(v), t counted from the start of the recording.
 ///
@@ -62,7 +63,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "rise",
         symbol: "A",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
@@ -71,7 +72,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "time_constant",
         symbol: "T",
-        unit: "s",
+        unit: Unit::Time,
         role: Role::Shape,
         lower: 0.5,
         upper: 1e4,

@@ -1,6 +1,7 @@
 //! Load-dependent friction: dry friction in proportion to the torque that the gear passes on.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// mu |tau_load| sign(v).
 ///
@@ -58,7 +59,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "coefficient",
     symbol: "mu",
-    unit: "1",
+    unit: Unit::One,
     role: Role::Amplitude,
     lower: 0.0,
     // Half of the load lost each way: a gear worse than that locks itself.

@@ -4,6 +4,7 @@
 //! passes through zero straight and no faster than an integrator can follow.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// F |v|^alpha sign(v), rounded off at standstill.
 ///
@@ -63,14 +64,30 @@ static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "coefficient",
         symbol: "F",
-        unit: "N m (s/rad)^alpha",
+        unit: Unit::PowerDamping,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
         typical: 60.0,
     },
-    Parameter { name: "exponent", symbol: "alpha", unit: "1", role: Role::Shape, lower: 0.1, upper: 3.0, typical: 0.5 },
-    Parameter { name: "width", symbol: "w", unit: "rad/s", role: Role::Held, lower: 1e-4, upper: 0.1, typical: 0.01 },
+    Parameter {
+        name: "exponent",
+        symbol: "alpha",
+        unit: Unit::One,
+        role: Role::Shape,
+        lower: 0.1,
+        upper: 3.0,
+        typical: 0.5,
+    },
+    Parameter {
+        name: "width",
+        symbol: "w",
+        unit: Unit::Velocity,
+        role: Role::Held,
+        lower: 1e-4,
+        upper: 0.1,
+        typical: 0.01,
+    },
 ];
 
 impl Effect for NonlinearViscousFriction {

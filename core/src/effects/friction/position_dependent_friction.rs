@@ -4,6 +4,7 @@
 //! A = sqrt(Ac^2 + As^2) <= Fc; a larger A would push the joint along where cos(q - phi) is negative.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// A cos(q - phi) sign(v) = (Ac cos q + As sin q) sign(v).
 ///
@@ -61,7 +62,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "cosine",
         symbol: "Ac",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -70,7 +71,7 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "sine",
         symbol: "As",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,

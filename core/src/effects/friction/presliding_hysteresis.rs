@@ -6,6 +6,7 @@
 //! z = s + (z0 - s) exp(-|v| dt / d) with s = sign v.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// A Dahl bristle: level z.
 ///
@@ -66,13 +67,21 @@ static PARAMETERS: [Parameter; 2] = [
     Parameter {
         name: "level",
         symbol: "F",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
         typical: 30.0,
     },
-    Parameter { name: "distance", symbol: "d", unit: "rad", role: Role::Shape, lower: 1e-4, upper: 0.1, typical: 5e-3 },
+    Parameter {
+        name: "distance",
+        symbol: "d",
+        unit: Unit::Position,
+        role: Role::Shape,
+        lower: 1e-4,
+        upper: 0.1,
+        typical: 5e-3,
+    },
 ];
 
 impl Effect for PreslidingHysteresis {

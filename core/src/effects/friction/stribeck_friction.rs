@@ -1,6 +1,7 @@
 //! Stribeck friction: the rise of dry friction towards standstill, where the lubricant film is squeezed out.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// (Fs - Fc) exp(-(|v|/vs)^delta) sign(v).
 ///
@@ -59,7 +60,7 @@ static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "rise",
         symbol: "Fs - Fc",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
@@ -68,13 +69,21 @@ static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "velocity",
         symbol: "vs",
-        unit: "rad/s",
+        unit: Unit::Velocity,
         role: Role::Shape,
         lower: 1e-3,
         upper: 3.0,
         typical: 0.15,
     },
-    Parameter { name: "exponent", symbol: "delta", unit: "1", role: Role::Held, lower: 0.5, upper: 4.0, typical: 2.0 },
+    Parameter {
+        name: "exponent",
+        symbol: "delta",
+        unit: Unit::One,
+        role: Role::Held,
+        lower: 0.5,
+        upper: 4.0,
+        typical: 2.0,
+    },
 ];
 
 impl Effect for StribeckFriction {

@@ -1,6 +1,7 @@
 //! Viscous friction: torque proportional to speed.
 
 use crate::effects::{About, DriveParameter, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// Fv v.
 ///
@@ -46,7 +47,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "coefficient",
     symbol: "Fv",
-    unit: "N m s/rad",
+    unit: Unit::Damping,
     role: Role::Amplitude,
     lower: 0.0,
     upper: f64::INFINITY,

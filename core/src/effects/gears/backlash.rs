@@ -1,6 +1,7 @@
 //! Backlash: play in the gear, in which motor and link move freely of each other.
 
 use crate::effects::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// A dead zone of +- half_gap between motor and link.
 ///
@@ -44,7 +45,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "half_gap",
     symbol: "b",
-    unit: "rad",
+    unit: Unit::Position,
     role: Role::Departure,
     lower: 0.0,
     upper: 0.05,

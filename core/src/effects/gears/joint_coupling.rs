@@ -7,6 +7,7 @@
 //! the Fv and Ia of both joints.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site, direction};
+use crate::robot::Unit;
 
 /// Fvc v_other + Fcc sign(v_a + v_b) + Iac a_other on both joints of the pair.
 ///
@@ -62,7 +63,7 @@ static PARAMETERS: [Parameter; 4] = [
     Parameter {
         name: "viscous",
         symbol: "Fvc",
-        unit: "N m s/rad",
+        unit: Unit::Damping,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
@@ -71,7 +72,7 @@ static PARAMETERS: [Parameter; 4] = [
     Parameter {
         name: "coulomb",
         symbol: "Fcc",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
@@ -80,14 +81,22 @@ static PARAMETERS: [Parameter; 4] = [
     Parameter {
         name: "inertia",
         symbol: "Iac",
-        unit: "kg m2",
+        unit: Unit::Inertia,
         role: Role::Amplitude,
         lower: 0.0,
         upper: f64::INFINITY,
         typical: 0.3,
     },
     // The sum has no contact of its own that could stick, so its sign is smoothed.
-    Parameter { name: "width", symbol: "w", unit: "rad/s", role: Role::Held, lower: 1e-3, upper: 0.5, typical: 0.02 },
+    Parameter {
+        name: "width",
+        symbol: "w",
+        unit: Unit::Velocity,
+        role: Role::Held,
+        lower: 1e-3,
+        upper: 0.5,
+        typical: 0.02,
+    },
 ];
 
 impl Effect for JointCoupling {

@@ -1,6 +1,7 @@
 //! Joint elasticity: the gear gives way between the motor, whose encoder is read, and the link.
 
 use crate::effects::{About, Effect, Gear, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// A gear of stiffness K = 1 / compliance.
 ///
@@ -48,7 +49,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "compliance",
     symbol: "1/K",
-    unit: "rad/(N m)",
+    unit: Unit::Compliance,
     role: Role::Departure,
     lower: 0.0,
     upper: 1.0,

@@ -1,7 +1,7 @@
 //! Encoder eccentricity: the logged position errs once per revolution, as with a disc mounted off its centre.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::Robot;
+use crate::robot::{Robot, Unit};
 
 /// Logged position = q + e sin(q - phi), as q + s sin q + c cos q with s = e cos phi, c = -e sin phi.
 ///
@@ -50,7 +50,7 @@ static ABOUT: About = About {
 };
 
 const fn part(name: &'static str, symbol: &'static str, typical: f64) -> Parameter {
-    Parameter { name, symbol, unit: "rad", role: Role::Departure, lower: -0.2, upper: 0.2, typical }
+    Parameter { name, symbol, unit: Unit::Position, role: Role::Departure, lower: -0.2, upper: 0.2, typical }
 }
 
 /// Largest error of an encoder that works, rad: a disc of 10 mm radius that runs 0.5 mm off its centre.

@@ -1,6 +1,7 @@
 //! Encoder offset: the logged position is shifted by a constant.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// Logged position = q + d.
 ///
@@ -47,7 +48,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "offset",
     symbol: "d",
-    unit: "rad",
+    unit: Unit::Position,
     role: Role::Departure,
     lower: -0.5,
     upper: 0.5,
@@ -64,7 +65,7 @@ impl Effect for EncoderOffset {
     }
 
     /// An eccentricity of a joint that turns little is an offset.
-    fn contained_in(&self) -> Option<&'static str> {
+    fn indistinguishable_from(&self) -> Option<&'static str> {
         Some("encoder_eccentricity")
     }
 

@@ -2,7 +2,7 @@
 
 use crate::dynamics::inverse_dynamics_at;
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Site};
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, Robot, Unit};
 use nalgebra::Vector3;
 
 /// Rapier solves (M + h D) a = tau - n(q, v) with the step h and D = dn/dv, n the velocity torques, and steps
@@ -69,7 +69,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "step",
     symbol: "h",
-    unit: "s",
+    unit: Unit::Time,
     role: Role::Amplitude,
     lower: 0.0,
     upper: 0.05,

@@ -1,6 +1,7 @@
 //! Time delay: torque is logged later than position, or position later than torque.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// Logged torque at t = tau(t - d), on all joints.
 ///
@@ -53,7 +54,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "delay",
     symbol: "d",
-    unit: "s",
+    unit: Unit::Time,
     role: Role::Departure,
     lower: -0.05,
     upper: 0.05,

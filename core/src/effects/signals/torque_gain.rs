@@ -1,6 +1,7 @@
 //! Torque gain error: the logged torque is too large or too small by a factor.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// Logged torque = (1 + e) tau.
 ///
@@ -46,7 +47,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "error",
     symbol: "e",
-    unit: "1",
+    unit: Unit::One,
     role: Role::Departure,
     lower: -0.9,
     upper: 2.0,

@@ -1,6 +1,7 @@
 //! Torque lag: the logged torque follows the real one as through a first-order filter.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// T d(logged)/dt + logged = tau.
 ///
@@ -43,8 +44,15 @@ static ABOUT: About = About {
     hidden_by_base_parameters: Hidden::No,
 };
 
-static PARAMETERS: [Parameter; 1] =
-    [Parameter { name: "time", symbol: "T", unit: "s", role: Role::Departure, lower: 0.0, upper: 0.5, typical: 0.005 }];
+static PARAMETERS: [Parameter; 1] = [Parameter {
+    name: "time",
+    symbol: "T",
+    unit: Unit::Time,
+    role: Role::Departure,
+    lower: 0.0,
+    upper: 0.5,
+    typical: 0.005,
+}];
 
 impl Effect for TorqueLag {
     fn about(&self) -> &'static About {

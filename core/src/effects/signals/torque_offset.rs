@@ -1,6 +1,7 @@
 //! Torque offset: the logged torque is shifted by a constant.
 
 use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::robot::Unit;
 
 /// Logged torque = tau + o.
 ///
@@ -44,7 +45,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "offset",
     symbol: "o",
-    unit: "N m",
+    unit: Unit::Effort,
     role: Role::Amplitude,
     lower: f64::NEG_INFINITY,
     upper: f64::INFINITY,
@@ -61,7 +62,7 @@ impl Effect for TorqueOffset {
     }
 
     /// A constant torque is friction of one size in both directions, and an asymmetry that is not there.
-    fn contained_in(&self) -> Option<&'static str> {
+    fn indistinguishable_from(&self) -> Option<&'static str> {
         Some("friction_asymmetry")
     }
 

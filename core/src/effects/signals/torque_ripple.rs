@@ -1,6 +1,7 @@
 //! Torque ripple: a torque that repeats n times per turn of the joint, from motor cogging or gear meshing.
 
 use crate::effects::{About, Effect, Hidden, Instant, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// Ac cos(n q) + As sin(n q).
 ///
@@ -61,7 +62,7 @@ static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "cosine",
         symbol: "Ac",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -70,7 +71,7 @@ static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "sine",
         symbol: "As",
-        unit: "N m",
+        unit: Unit::Effort,
         role: Role::Amplitude,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -80,7 +81,7 @@ static PARAMETERS: [Parameter; 3] = [
     Parameter {
         name: "harmonic",
         symbol: "n",
-        unit: "1/turn",
+        unit: Unit::PerTurn,
         role: Role::Shape,
         lower: 3.0,
         upper: 2000.0,

@@ -1,6 +1,7 @@
 //! Torque saturation: the logged torque is cut off at a level.
 
-use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Site};
+use crate::effects::{About, Effect, Hidden, Nature, Parameter, Rival, Role, Scope, Search, Site};
+use crate::robot::Unit;
 
 /// Logged torque = tau clipped to +- L.
 ///
@@ -42,7 +43,7 @@ static ABOUT: About = About {
 static PARAMETERS: [Parameter; 1] = [Parameter {
     name: "level",
     symbol: "L",
-    unit: "N m",
+    unit: Unit::Effort,
     role: Role::Departure,
     lower: 0.0,
     upper: f64::INFINITY,
@@ -56,6 +57,10 @@ impl Effect for TorqueSaturation {
 
     fn parameters(&self) -> &'static [Parameter] {
         &PARAMETERS
+    }
+
+    fn search(&self, _: usize) -> Search {
+        Search::Level
     }
 
     fn distort_torque(&self, p: &[f64], signal: &mut [f64], _: f64) {

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::identification::numerics::sequences::combine_into;
 use crate::lane::Aligned;
 use crate::random;
-use crate::robot::{Drive, Inertia, Joint, PARAMETERS, Robot, SYMBOLS, UNITS};
+use crate::robot::{Drive, Inertia, Joint, PARAMETERS, Robot, SYMBOLS, UNITS, Unit};
 use crate::signal::Filter;
 use nalgebra::DMatrix;
 use rand::RngExt;
@@ -120,11 +120,11 @@ impl Model {
         (0..self.base.len()).any(|base| self.drive_of(base) == Some((joint, 0)))
     }
 
-    /// Unit of a standard parameter on a revolute joint.
-    pub fn unit(standard: usize) -> &'static str {
+    /// Unit of a standard parameter.
+    pub fn unit(standard: usize) -> Unit {
         match standard % STANDARD {
             inertial if inertial < PARAMETERS => UNITS[inertial],
-            ROTOR => "kg m2",
+            ROTOR => Unit::Inertia,
             VISCOUS => ViscousFriction.parameters()[0].unit,
             _ => CoulombFriction.parameters()[0].unit,
         }
@@ -132,11 +132,7 @@ impl Model {
 
     /// Unit of a standard parameter on the joint it belongs to.
     pub fn unit_on_joint(&self, standard: usize) -> &'static str {
-        let unit = Self::unit(standard);
-        match standard % STANDARD < PARAMETERS {
-            true => unit,
-            false => self.robot.body(standard / STANDARD).kind.unit(unit),
-        }
+        self.robot.body(standard / STANDARD).kind.unit(Self::unit(standard))
     }
 
     /// Base columns on one joint: indices of the base parameters that can act there (those of links from the joint outwards).

@@ -1,5 +1,6 @@
 //! The ten inertial parameters of a rigid body.
 
+use super::units::Unit;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Number of inertial parameters of one body.
@@ -9,8 +10,10 @@ pub const PARAMETERS: usize = 10;
 pub const SYMBOLS: [&str; PARAMETERS] = ["m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// Units of the inertial parameters, in the same order.
-pub const UNITS: [&str; PARAMETERS] =
-    ["kg", "kg m", "kg m", "kg m", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2", "kg m2"];
+pub const UNITS: [Unit; PARAMETERS] = {
+    let (moment, inertia) = (Unit::FirstMoment, Unit::MomentOfInertia);
+    [Unit::Mass, moment, moment, moment, inertia, inertia, inertia, inertia, inertia, inertia]
+};
 
 /// Inertial parameters m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz of a body, about the origin and in the axes of the
 /// frame it is attached to (kg, kg m, kg m2). Torque is linear in these ten (Atkeson, An and Hollerbach 1986).

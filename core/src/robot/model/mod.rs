@@ -21,3 +21,4 @@ pub use inertia::{Inertia, PARAMETERS, SYMBOLS, UNITS};
 pub use joint::{Drive, Joint, JointKind, Limits};
 pub use pose::Pose;
 pub use tree::{Follower, Tree};
+pub use units::Unit;

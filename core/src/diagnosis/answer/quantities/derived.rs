@@ -1,12 +1,10 @@
 //! What practitioners call the parameters of an effect: a payload's mass and centre of mass, the angle of a tilt.
 
+use crate::diagnosis::criteria::Levels;
 use crate::diagnosis::model::{Member, MemberBlock, linear};
 use crate::diagnosis::regression::Solved;
 use crate::effects::{self, Placed};
 use crate::robot::Robot;
-
-/// Standard deviations from zero at which the first quantity is significant: a centre of mass is given where the mass is.
-const SIGNIFICANT: f64 = 3.0;
 
 /// A quantity that follows from an effect's parameters.
 ///
@@ -37,6 +35,7 @@ pub(in crate::diagnosis::answer) fn derived(
     solved: &Solved,
     blocks: &[MemberBlock],
     robot: &Robot,
+    levels: &Levels,
 ) -> Vec<Vec<Derived>> {
     let each = members.iter().zip(blocks);
     each.map(|(member, block)| {
@@ -52,16 +51,16 @@ pub(in crate::diagnosis::answer) fn derived(
             .map(|(k, &place)| wider(member.std[k], solved.std(place)))
             .collect();
         let std = delta(&values, parameters, &places, &wider, solved).into_iter().map(|(_, std)| std);
-        meaningful(quantities.into_iter().zip(std).collect())
+        meaningful(quantities.into_iter().zip(std).collect(), levels.far)
     })
     .collect()
 }
 
-/// Quantities with their standard deviations, without those that mean nothing where the first is not significant.
-fn meaningful(quantities: Vec<(effects::Derived, f64)>) -> Vec<Derived> {
-    let significant = quantities.first().is_some_and(|(first, std)| first.value.abs() > SIGNIFICANT * std);
+/// Quantities with their standard deviations, without those that mean nothing where the first is not so many standard deviations from zero.
+fn meaningful(quantities: Vec<(effects::Derived, f64)>, least: f64) -> Vec<Derived> {
+    let significant = quantities.first().is_some_and(|(first, std)| first.value.abs() > least * std);
     let kept = quantities.into_iter().filter(|(quantity, _)| significant || !quantity.of_the_first);
-    kept.map(|(quantity, std)| Derived { name: quantity.name, value: quantity.value, std, unit: quantity.unit })
+    kept.map(|(quantity, std)| Derived { name: quantity.name, value: quantity.value, std, unit: quantity.unit.name() })
         .collect()
 }
 
@@ -136,7 +135,7 @@ mod tests {
             let of = |p: &[f64]| payload.derived(p, 0, &robot);
             let values = |p: &[f64]| of(p).iter().map(|quantity| quantity.value).collect();
             let std = delta(&values, parameters, &places, &[1.0; 10], &solved).into_iter().map(|(_, std)| std);
-            meaningful(of(parameters).into_iter().zip(std).collect())
+            meaningful(of(parameters).into_iter().zip(std).collect(), 3.0)
         };
         // Between blocks the mass scatters twice as much as the noise, the moment three times.
         let of = |p: &[f64]| payload.derived(p, 0, &robot).iter().map(|quantity| quantity.value).collect();

@@ -1,8 +1,8 @@
 //! Candidates: every effect of the library at every place, at a grid of the parameters that are not linear.
 
-mod grid;
+mod extent;
 
-pub(crate) use grid::{sizes, within_bounds};
+pub(crate) use extent::extent;
 
 use super::arm_columns::Moved;
 use super::roles::{acts_upon_arm, is_event, linear};
@@ -12,7 +12,6 @@ use crate::effects::{Effect, Hidden, LIBRARY, Nature, Placed, Role};
 use crate::error::Result;
 use crate::identification::effect_model::{Arm, Trust};
 use crate::robot::Robot;
-use grid::grid;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -231,7 +230,9 @@ fn wanted(rows: &Rows, trust: Trust, only: &[String]) -> impl Iterator<Item = &'
 /// Candidates of `effects` at all places, acting in all logs.
 fn throughout(arm: &Arm, rows: &Rows, effects: impl Iterator<Item = &'static dyn Effect>) -> Result<Vec<Candidate>> {
     let placed: Vec<Placed> = effects
-        .flat_map(|effect| places(effect, arm.described()).into_iter().flat_map(move |joint| grid(effect, joint, rows)))
+        .flat_map(|effect| {
+            places(effect, arm.described()).into_iter().flat_map(move |joint| extent(rows, joint).grid(effect, joint))
+        })
         .collect();
     let groups = columns(arm, rows, &placed)?;
     let candidates = placed.into_iter().zip(groups).map(|(placed, columns)| Candidate {

@@ -1,0 +1,247 @@
+//! Grids of the parameters of a law that are not linear: where a fit looks for them on a joint, given how far the joint goes in the logs.
+
+use super::about::{Parameter, Role};
+use super::law::Effect;
+use super::placed::Placed;
+use super::search::{Search, varies_by_factors};
+
+/// Points over the range of a shape, alone or one of several, and how far the range reaches to either side of the typical
+/// size.
+const ALONE: usize = 10;
+const ONE_OF_SEVERAL: usize = 6;
+const REACH: f64 = 30.0;
+
+/// Shares of the largest logged torque at which it may be cut off: noise alone exceeds the level.
+const CUT_OFF: [f64; 6] = [0.99, 0.96, 0.92, 0.87, 0.8, 0.7];
+
+/// Highest speed of a transition at low speed, over the joint's top speed; range of a drift's time constant, over the longest
+/// log.
+const LOW_SPEED: f64 = 0.3;
+const SHORTEST_DRIFT: f64 = 0.1;
+const LONGEST_DRIFT: f64 = 3.0;
+
+/// Least distance of a power of speed from one: nearer ones are the same bend of friction over speed, of coefficients that grow
+/// beyond any bound.
+const APART: f64 = 0.3;
+
+/// Sizes of departures of which the torque is not linear: times as multiples of the typical one, and the compliance of gears by
+/// how far they wind up under the largest torque of their joint, rad: gears of a base and of a hand differ by orders of magnitude
+/// in all but that.
+const TIMES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+const TWISTS: [f64; 6] = [1e-4, 4e-4, 1.6e-3, 6.4e-3, 2.5e-2, 0.1];
+
+/// Highest harmonic of a ripple scan, and its narrowest step.
+const HIGHEST_HARMONIC: f64 = 60.0;
+const HARMONIC_STEP: f64 = 0.4;
+
+/// Lengths of what happens once, s.
+const EVENTS_S: [f64; 3] = [1.5, 3.0, 6.0];
+
+/// Size below which a departure drowns in rounding, over its typical one.
+const LEAST_SIZE: f64 = 1e-3;
+
+/// How far a joint goes in logs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    /// Highest speed, rad/s or m/s.
+    pub speed: f64,
+    /// Distance between its farthest positions, rad or m.
+    pub range: f64,
+    /// Largest torque, N m or N.
+    pub torque: f64,
+    /// First and last instant of all logs by their clocks, s.
+    pub time: [f64; 2],
+}
+
+impl Extent {
+    /// Every combination of the values at which the law is looked for on a joint.
+    pub(crate) fn grid(&self, effect: &'static dyn Effect, joint: usize) -> Vec<Placed> {
+        let typical = Placed::typical(effect, joint);
+        let parameters = effect.parameters();
+        if parameters.iter().enumerate().any(|(index, _)| effect.search(index) == Search::Instant) {
+            return self.events(&typical);
+        }
+        let alone = parameters.iter().filter(|parameter| parameter.role == Role::Shape).count() == 1;
+        let mut all = vec![typical];
+        for (index, parameter) in parameters.iter().enumerate() {
+            let values = match parameter.role {
+                Role::Amplitude | Role::Held => continue,
+                Role::Departure => self.departures(effect, index),
+                Role::Shape => {
+                    let values = self.shapes(effect, index, alone);
+                    values.into_iter().map(|value| self.within_bounds(effect, index, value)).collect()
+                }
+            };
+            let with = |placed: &Placed, value: f64| {
+                let mut placed = placed.clone();
+                placed.parameters[index] = value;
+                placed
+            };
+            all = all.iter().flat_map(|placed| values.iter().map(|&value| with(placed, value))).collect();
+        }
+        all
+    }
+
+    /// Values of a departure. Those in the log's timing bend with their size; the others are straight as far as one looks.
+    fn departures(&self, effect: &dyn Effect, index: usize) -> Vec<f64> {
+        let parameter = &effect.parameters()[index];
+        match effect.search(index) {
+            Search::Level => CUT_OFF.iter().map(|share| share * self.torque).filter(|level| *level > 0.0).collect(),
+            Search::Shift | Search::Compliance => {
+                let sizes = self.sizes(effect, index);
+                let both = sizes.iter().map(|size| -size).chain(sizes.iter().copied());
+                both.filter(|size| (parameter.lower..=parameter.upper).contains(size)).collect()
+            }
+            _ => vec![parameter.typical],
+        }
+    }
+
+    /// Sizes at which the columns of a departure that bends are taken, without signs, the smallest first: below that one the torque is as
+    /// good as straight in it.
+    pub(crate) fn sizes(&self, effect: &dyn Effect, index: usize) -> Vec<f64> {
+        let parameter = &effect.parameters()[index];
+        match effect.search(index) {
+            Search::Compliance if self.torque > 0.0 => {
+                TWISTS.iter().map(|twist| (twist / self.torque).min(parameter.upper)).collect()
+            }
+            Search::Compliance => Vec::new(),
+            _ => TIMES.iter().map(|multiple| multiple * parameter.typical.abs()).collect(),
+        }
+    }
+
+    fn shapes(&self, effect: &dyn Effect, index: usize, alone: bool) -> Vec<f64> {
+        let parameter = &effect.parameters()[index];
+        let (low, high) = self.bounds(effect, index);
+        if effect.search(index) == Search::PerTurn {
+            let step = (std::f64::consts::PI / (2.0 * self.range)).max(HARMONIC_STEP);
+            let count = ((HIGHEST_HARMONIC - low) / step) as usize;
+            return (0..=count).map(|k| low + k as f64 * step).collect();
+        }
+        let points = if alone { ALONE } else { ONE_OF_SEVERAL };
+        if varies_by_factors(low, high) {
+            let (low, high) = (low.max(parameter.typical / REACH), high.min(parameter.typical * REACH));
+            return (0..points).map(|k| low * (high / low).powf(k as f64 / (points - 1) as f64)).collect();
+        }
+        (0..points).map(|k| low + (high - low) * (k as f64 + 0.5) / points as f64).collect()
+    }
+
+    /// Bounds of a shape on this joint: what is called a transition at low speed must lie at low speed, and a time constant longer than the
+    /// logs is a drift.
+    fn bounds(&self, effect: &dyn Effect, index: usize) -> (f64, f64) {
+        let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
+        let (least, most) = match effect.search(index) {
+            Search::LowSpeed => (0.0, LOW_SPEED * self.speed),
+            Search::TimeConstant => (SHORTEST_DRIFT * self.time[1], LONGEST_DRIFT * self.time[1]),
+            _ => (low, high),
+        };
+        let least = low.max(least).min(high);
+        (least, high.min(most).max(least))
+    }
+
+    /// A shape within its bounds and away from where its effect is one of the baseline: a power of speed near one takes coefficients of any
+    /// size that all but cancel the viscous friction's.
+    pub(crate) fn within_bounds(&self, effect: &dyn Effect, index: usize, value: f64) -> f64 {
+        let (low, high) = self.bounds(effect, index);
+        let value = value.clamp(low, high);
+        match effect.search(index) == Search::PowerOfSpeed && (value - 1.0).abs() < APART {
+            true if value < 1.0 => 1.0 - APART,
+            true => 1.0 + APART,
+            false => value,
+        }
+    }
+
+    /// What happens once, for a few lengths, at any time of the longest log.
+    fn events(&self, typical: &Placed) -> Vec<Placed> {
+        // A clock may have started long before the logs.
+        let [begin, end] = self.time;
+        let of_length = |length: f64| {
+            let starts = (0..).map(move |k| begin + f64::from(k) * 0.5 * length);
+            starts.take_while(move |start| start + 0.5 * length < end).map(move |start| {
+                let mut placed = typical.clone();
+                placed.effect.move_between(start, start + length, &mut placed.parameters);
+                placed
+            })
+        };
+        EVENTS_S.into_iter().flat_map(of_length).collect()
+    }
+}
+
+/// The value of a shape moved by a `share`: of itself where it is positive and wide, else of its range.
+pub(crate) fn moved(effect: &dyn Effect, index: usize, value: f64, share: f64) -> f64 {
+    let Parameter { lower: low, upper: high, .. } = effect.parameters()[index];
+    match effect.search(index) {
+        Search::PerTurn => value + 2.0 * share,
+        Search::Instant => value + 4.0 * share,
+        _ if low == 0.0 || varies_by_factors(low, high) => value * (4.0 * share).exp(),
+        _ => value + 0.4 * share * (high - low),
+    }
+}
+
+/// An estimate as the size at which the column of a parameter is taken next: within its bounds, and no smaller than rounding.
+pub(crate) fn as_size(parameter: &Parameter, estimate: f64) -> f64 {
+    let least = LEAST_SIZE * parameter.typical.abs();
+    let size = if estimate.abs() < least { least } else { estimate };
+    size.clamp(parameter.lower, parameter.upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::catalogue::{LIBRARY, find};
+    use super::*;
+
+    fn extent() -> Extent {
+        Extent { speed: 2.0, range: 3.0, torque: 50.0, time: [100.0, 120.0] }
+    }
+
+    #[test]
+    fn compliances_are_those_of_the_joint() {
+        // A gear that winds up by 0.1 rad under 500 N m, and one under 0.5 N m.
+        let elasticity = find("joint_elasticity").unwrap();
+        for torque in [500.0, 0.5] {
+            let sizes = Extent { torque, ..extent() }.sizes(elasticity, 0);
+            assert!((sizes[0] * torque - 1e-4).abs() < 1e-12 && (sizes.last().unwrap() * torque - 0.1).abs() < 1e-12);
+        }
+        assert!(Extent { torque: 0.0, ..extent() }.sizes(elasticity, 0).is_empty());
+    }
+
+    #[test]
+    fn a_transition_at_low_speed_lies_at_low_speed() {
+        let stribeck = find("stribeck_friction").unwrap();
+        // 30 % of 2 rad/s.
+        assert!((extent().within_bounds(stribeck, 1, 2.5) - 0.6).abs() < 1e-12);
+        assert_eq!(extent().within_bounds(stribeck, 1, 0.1), 0.1);
+        let power = find("nonlinear_viscous_friction").unwrap();
+        let index = power.parameters().iter().position(|parameter| parameter.name == "exponent").unwrap();
+        let of = |exponent: f64| extent().within_bounds(power, index, exponent);
+        assert_eq!([of(0.9), of(1.1), of(0.5), of(2.0)], [0.7, 1.3, 0.5, 2.0]);
+    }
+
+    #[test]
+    fn torque_is_cut_off_near_its_largest() {
+        let levels: Vec<f64> =
+            extent().grid(find("torque_saturation").unwrap(), 0).iter().map(|p| p.parameters[0]).collect();
+        assert!(levels.len() == CUT_OFF.len() && levels.iter().all(|level| (35.0..50.0).contains(level)), "{levels:?}");
+    }
+
+    #[test]
+    fn events_lie_in_the_logs() {
+        let contacts = extent().grid(find("external_contact").unwrap(), 0);
+        assert!(contacts.len() > 20);
+        for contact in contacts {
+            let [from, to] = contact.effect.acts_between(&contact.parameters);
+            assert!(from < 120.0 && to > 100.0, "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn every_law_is_looked_for_within_its_bounds() {
+        for &effect in LIBRARY {
+            let grid = extent().grid(effect, 0);
+            assert!(!grid.is_empty(), "{}", effect.about().name);
+            for placed in grid {
+                let bounds = effect.parameters().iter().zip(&placed.parameters);
+                assert!(bounds.clone().all(|(p, v)| (p.lower..=p.upper).contains(v)), "{placed:?}");
+            }
+        }
+    }
+}

@@ -270,8 +270,9 @@ pub(super) fn withdraw(
     }
 }
 
-/// Held-out residual with a finding over that without it, on the joints that it acts on together, in squares over the noise: one that fits the
-/// training logs alone is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square, `[joint]`.
+/// Held-out residual with a finding over that without it, on the joints that it acts on together, in squares over the noise: one that fits
+/// the training logs alone is not what these joints have in common with the held-out ones. `noise` is the floor's root mean square,
+/// `[joint]`.
 fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     let joints = found.member.candidate.joints();
     let [before, after] =

@@ -24,8 +24,8 @@ pub struct StructureCriteria {
     /// ended, of logs too short to separate what it follows. Noise that is estimated without the structure is up to 1.7 times too small on
     /// quiet logs.
     pub above_noise: f64,
-    /// Share of the noise of a joint, and of its residual, from which a part of the residual is reported, root mean squares. With many rows that of
-    /// any simplification of a simulator or a sensor is significant.
+    /// Share of the noise of a joint, and of its residual, from which a part of the residual is reported, root mean squares. With many rows
+    /// that of any simplification of a simulator or a sensor is significant.
     pub clear: f64,
     /// Ratio to the background from which the model's own torque has a spectral line at the same frequency: then it is the motion's.
     pub of_the_motion: f64,

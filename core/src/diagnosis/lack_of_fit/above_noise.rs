@@ -1,5 +1,5 @@
-//! Residuals well above the noise of which no test says what they are: of a search that was ended before it looked for their structure, and of logs
-//! in which it is not separated from slow noise.
+//! Residuals well above the noise of which no test says what they are: of a search that was ended before it looked for their structure, and
+//! of logs in which it is not separated from slow noise.
 
 use super::structure::Unexplained;
 use crate::diagnosis::criteria::{Levels, StructureCriteria};
@@ -38,9 +38,9 @@ fn untested(joint: usize, [residual, noise]: [f64; 2], structure: &'static str) 
 /// What is said of a joint whose residual is far above the noise of the map, though nothing in it is significant.
 const NOT_SEPARATED: &str = "is far above the noise, and not separated from noise that is slow";
 
-/// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few independent
-/// stretches of time no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over half a second
-/// have up to 2.1 times that noise.
+/// The joints whose residual in all logs is far above the noise of the map, but those on which something is reported already: with few
+/// independent stretches of time no part of it is significant, and yet it is not nothing. Quiet logs with noise that is correlated over
+/// half a second have up to 2.1 times that noise.
 pub(crate) fn not_separated(map: &ResidualMap, reported: &[Unexplained], levels: &Levels) -> Vec<Unexplained> {
     let is_open = |own: &&JointMap| {
         own.residual >= levels.far * own.noise && reported.iter().all(|other| other.joint != own.joint)

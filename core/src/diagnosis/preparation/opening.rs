@@ -44,7 +44,8 @@ impl<'a> Session<'a> {
         let (arm, knows) = (known.arm.clone(), known.clone());
         let model = ArmModel { base: model, trust, known: knows, arm, open_play: Vec::new() };
         let mut session = Session::unfitted(logs, model, criteria);
-        // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine it.
+        // The Coulomb smoothing velocity is that from before a change, if one is in question; low-pass filtered torque does not determine
+        // it.
         let rounding = match known.reference.is_empty() && passband.is_none() {
             true if apart => coulomb_width::likeliest(&session.over_all_logs())?,
             true => coulomb_width::likeliest(&session)?,

@@ -27,8 +27,8 @@ const ROWS: usize = 100;
 /// Share of a direction of a block's residual below which the fit has taken all of it.
 const TAKEN: f64 = 1e-3;
 
-/// Standard deviation of every parameter of a weighted fit, `beta` with the standard deviations `sigma` of the joints, whose rows have these
-/// `times` (not a number between logs). None where there are too few blocks, or the rows looked at do not separate the parameters.
+/// Standard deviation of every parameter of a weighted fit, `beta` with the standard deviations `sigma` of the joints, whose rows have
+/// these `times` (not a number between logs). None where there are too few blocks, or the rows looked at do not separate the parameters.
 pub(super) fn between_blocks(
     joints: &[JointRegression],
     [beta, sigma]: [&[f64]; 2],

@@ -4,8 +4,8 @@
 //! that leaves a joint almost at rest does the same. The part of such a column that is orthogonal to the others is below the noise: its
 //! parameter is held at the description's value, and the others take over what it would have had.
 //!
-//! Base parameters that small tilts alone separate from others, which are merged into these ([`crate::dynamics::BaseParameters`]), are held until the log
-//! shows that they differ from the description: all that is held then is the little that the tilt makes of them.
+//! Base parameters that small tilts alone separate from others, which are merged into these ([`crate::dynamics::BaseParameters`]), are held
+//! until the log shows that they differ from the description: all that is held then is the little that the tilt makes of them.
 
 use super::joint_regression::JointRegression;
 use super::joint_sums::JointSums;
@@ -78,8 +78,8 @@ const SURE: f64 = 3.0;
 /// 370 is by chance; and one that is held wrongly makes less torque than three standard deviations of its estimate.
 const SHOWN: f64 = 3.0;
 
-/// The parameter that is least sure beside the largest of its unit, if its standard deviation is larger than that. One at a time: of two that
-/// the log knows together only, neither is sure, and either is once the other is held.
+/// The parameter that is least sure beside the largest of its unit, if its standard deviation is larger than that. One at a time: of two
+/// that the log knows together only, neither is sure, and either is once the other is held.
 fn least_sure(
     normal: &DMatrix<f64>,
     right: &DVector<f64>,

@@ -16,8 +16,8 @@ const COSTS: f64 = 2.0;
 const ALONE_S: f64 = 0.015;
 const ALONE_COSTS: f64 = 4.0;
 
-/// Dead times of signals that two programs log are no longer than this, s. Those are looked for in steps first, which a motion of three turns per
-/// second cannot hide, and at every sample around the best.
+/// Dead times of signals that two programs log are no longer than this, s. Those are looked for in steps first, which a motion of three
+/// turns per second cannot hide, and at every sample around the best.
 const FAR_S: f64 = 0.5;
 const STEP_S: f64 = 0.02;
 

@@ -16,8 +16,8 @@ use crate::robot::Robot;
 /// Passes over the joints, in each of which every joint is asked once: two units have little to settle.
 const PASSES: usize = 3;
 
-/// Those of the `assumed` joints that are in SI units, as the torques show. The positions of a log are so many times larger than in SI units where
-/// `factors` say so, which is sure of all joints but those assumed.
+/// Those of the `assumed` joints that are in SI units, as the torques show. The positions of a log are so many times larger than in SI
+/// units where `factors` say so, which is sure of all joints but those assumed.
 ///
 /// # Errors
 /// Those of the filters.
@@ -71,8 +71,8 @@ impl Units<'_> {
         Some((in_si, best))
     }
 
-    /// Joints that are clearly in SI units. Where one is, the recorder does not give all joints one unit, and the others have the units that fit
-    /// best.
+    /// Joints that are clearly in SI units. Where one is, the recorder does not give all joints one unit, and the others have the units
+    /// that fit best.
     fn in_si(&self) -> Vec<usize> {
         let count = self.assumed.len();
         let ends = [false, true].into_iter().filter_map(|in_si| self.settled(vec![in_si; count]));

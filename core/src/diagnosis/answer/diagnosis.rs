@@ -281,9 +281,8 @@ fn predicts(found: &Found, noise: &[f64], criteria: &Criteria) -> Judgement {
     Judgement::at_most(Gate::Predicts, after / before, criteria.worse.powi(2)).or(after <= before)
 }
 
-/// A finding as what sampling does, if it is that: torque that is held over a step, or read at one end of it, lies up to half a sample
-/// beside the motion. That is worth no name as long as what it adds to the held-out torque, root mean square, is below the `noise` of
-/// every joint.
+/// A finding as an effect of sampling, if it is one: torque that is held over a step, or read at one end of it, is up to half a sample
+/// late or early. It is no finding as long as its part of the held-out torque, root mean square, is below the `noise` of every joint.
 ///
 /// # Errors
 /// If a log is too short to differentiate.
@@ -397,7 +396,7 @@ pub(super) fn next_experiment(
         ),
         (true, Some(joint)) if robot.joints[joint].drive.is_frictionless() => format!(
             "the description of {} has no friction, which leaves {:.1} times as much as re-identified inertias and friction do: \
-             extended.urdf holds these; --trust nominal tells whether its inertias are right",
+             extended.urdf holds these; --trust nominal shows whether its inertias are right",
             robot.joints[joint].name,
             off(joint)
         ),

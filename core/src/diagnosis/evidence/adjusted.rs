@@ -76,7 +76,7 @@ fn over_blocks(rows: usize, whitener: &Whitener, fit: &Projection, columns: &[Co
     let mut covariance = DMatrix::zeros(count, count);
     scores.iter().for_each(|score| covariance += score * score.transpose());
     let total = DVector::from_iterator(count, columns.iter().map(|column| column.dot(&fit.residual)));
-    // Directions in which the columns say nothing have no scatter either.
+    // Directions in which the columns have no information have no scatter either.
     let eigen = SymmetricEigen::new(covariance);
     let least = SINGULAR * eigen.eigenvalues.max();
     let statistic: f64 = (0..count)

@@ -1,11 +1,11 @@
-//! Residuals well above the noise of which no test says what they are: of a search that was ended before it looked for their structure, and
-//! of logs in which it is not separated from slow noise.
+//! Residuals well above the noise whose cause no test indicates: of a search that was ended before it looked for their structure, and of
+//! logs in which structure is not separable from slow noise.
 
 use super::structure::Unexplained;
 use crate::diagnosis::criteria::{Levels, StructureCriteria};
 use crate::diagnosis::variance::{JointMap, ResidualMap};
 
-/// What is said of such a joint.
+/// How such a joint is reported.
 pub(super) const ABOVE_NOISE: &str = "is above the noise";
 
 /// The joints whose held-out residual is well above the noise (root mean squares, `[joint]`, N m), but those on which something is
@@ -23,7 +23,7 @@ pub(crate) fn above_noise(
     (0..residual.len()).filter(is_open).map(unexplained).collect()
 }
 
-/// What a joint's residual has above the noise, of which no test says what it is.
+/// The part of a joint's residual above the noise whose cause no test indicates.
 fn untested(joint: usize, [residual, noise]: [f64; 2], structure: &'static str) -> Unexplained {
     Unexplained {
         joint,

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Share of a log that is held out where no other is held out.
 const HELD_OUT: f64 = 0.3;
 
-/// Least and largest share of a joint's path in the parts that are held out: beyond these, one of the two sets says nothing of it.
+/// Least and largest share of a joint's path in the parts that are held out: beyond these, one of the two sets has no information on it.
 const LEAST_PATH: f64 = 0.02;
 const LARGEST_PATH: f64 = 0.9;
 

@@ -88,8 +88,8 @@ impl<'a> Session<'a> {
         Ok(noise)
     }
 
-    /// Leaves out rows in which the low-pass bent the motion, by the arm as settled without any effect and the noise under it: what is
-    /// left of a jerk there is no noise, and a few such rows can carry any effect. The arm is then as known before.
+    /// Leaves out rows in which the low-pass distorted the motion, by the arm as estimated without any effect and the noise under it: the
+    /// residual of a jerk there is no noise, and a few such rows can support any effect. The arm is then as known before.
     fn leave_out_distorted(&mut self, whitener: &Whitener) {
         let bearable: Vec<f64> = whitener.innovation_std().iter().map(|std| DISTORTED * std).collect();
         let smoothing = [&self.logs.train, &self.logs.test].map(|set| self.errors(set).smoothing.clone());

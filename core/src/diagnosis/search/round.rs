@@ -68,7 +68,7 @@ impl Round {
         Self::renewed(session, whitener, fit, self.all, options)
     }
 
-    /// With the candidates for the arm as settled.
+    /// With the candidates for the arm as estimated.
     fn renewed(
         session: &Session,
         whitener: Whitener,

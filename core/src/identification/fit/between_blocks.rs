@@ -18,7 +18,7 @@ const BLOCKS: f64 = 40.0;
 const SHORTEST_S: f64 = 1.0;
 const LONGEST_S: f64 = 4.0;
 
-/// Fewest blocks with rows: a standard deviation from fewer says little.
+/// Fewest blocks with rows: a standard deviation from fewer is itself uncertain.
 const FEWEST: usize = 12;
 
 /// Rows of a block that are looked at for the share that the fit takes of it.

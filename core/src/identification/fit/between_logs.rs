@@ -19,7 +19,7 @@ use std::ops::Range;
 /// Rows of a log that are looked at: few determine whether a parameter is another.
 const ROWS: usize = 4000;
 
-/// Length of a block, longer than what is left of a motion stays alike, s; and fewest blocks of a log.
+/// Length of a block, s, longer than the correlation time of the residual; and fewest blocks of a log.
 const BLOCK_S: f64 = 4.0;
 const FEWEST_BLOCKS: f64 = 5.0;
 

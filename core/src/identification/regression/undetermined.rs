@@ -11,8 +11,8 @@ use super::joint_regression::JointRegression;
 use super::joint_sums::JointSums;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Share of a column's length that must be left over those before it for sums of squares to resolve it: its square is
-/// ten thousand times what rounding of the sums leaves.
+/// Least share of a column's length orthogonal to those before it that sums of squares resolve: its square is ten thousand times the
+/// rounding of the sums.
 const RESOLVED: f64 = 1e-6;
 
 /// Rounds of weighting the joints by the residual of the fit.
@@ -78,7 +78,7 @@ const SURE: f64 = 3.0;
 /// 370 is by chance; and one that is held wrongly makes less torque than three standard deviations of its estimate.
 const SHOWN: f64 = 3.0;
 
-/// The parameter that is least sure beside the largest of its unit, if its standard deviation is larger than that. One at a time: of two
+/// The least determined parameter relative to the largest of its unit, if its standard deviation is larger than that. One at a time: of two
 /// that the log knows together only, neither is sure, and either is once the other is held.
 fn least_sure(
     normal: &DMatrix<f64>,
@@ -130,7 +130,7 @@ fn equations(sums: &[JointSums], sigma: &[f64], known: &[f64]) -> (DMatrix<f64>,
     (normal, right)
 }
 
-/// Those of `candidates`, in their order, of whose column more than a `share` is left over the ones kept before it.
+/// Those of `candidates`, in their order, whose column has more than a `share` orthogonal to the ones kept before it.
 fn independent(normal: &DMatrix<f64>, candidates: Vec<usize>, share: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     // Row i: what the kept column i has along the orthonormal directions of those before it, and its own length last.

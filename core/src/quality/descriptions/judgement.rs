@@ -281,7 +281,7 @@ struct Confirmed {
     replicated: bool,
     /// The described bodies contradict it.
     unlike_bodies: bool,
-    /// Motions are changed, and no bodies are described that could tell another arm.
+    /// Motions are changed, and no bodies are described that could exclude another arm.
     without_bodies: bool,
     /// Joints whose assumed positions are as good a cause.
     assumed: Vec<String>,

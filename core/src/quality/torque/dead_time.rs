@@ -122,7 +122,7 @@ impl Lags {
         }
         let text = format!(
             "this torque comes {:.0} ms behind its motion, and the others do not: it is filtered or logged late, or its drive or gear lags; \
-             `tauscope diagnose` tells a torque_lag from a time_delay and an elastic gear",
+             `tauscope diagnose` separates a torque_lag from a time_delay and an elastic gear",
             1e3 * lag.samples * view.period
         );
         Some(Finding::new(Kind::DeadTime, Severity::Note, format!("tau{}", joint + 1), text))

@@ -37,7 +37,7 @@ const OF_TEN: f64 = 0.12;
 /// Samples that are looked at, from the middle of the log.
 const MOST_SAMPLES: usize = 20_000;
 
-/// A controller whose masses are wrong by half takes off so much of gravity that inertia is three times as large against what is left: as
+/// A controller whose masses are wrong by half takes off so much of gravity that inertia is three times as large against the rest: as
 /// under a clock with this factor, the square root of a third. Larger factors are none of gravity.
 const OF_GRAVITY: f64 = 0.577;
 

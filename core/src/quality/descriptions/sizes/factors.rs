@@ -11,7 +11,7 @@ use super::super::shares::{ALIKE, WRONG_MASSES};
 use super::super::tried::Tried;
 use super::scale::{PLAUSIBLE, STEP, best, between, differ, merit, spread, without_load};
 
-/// Factors below it are not reported: torque constants, gears and described bodies are up to twice from what files say.
+/// Factors below it are not reported: torque constants, gears and described bodies differ from those of files by up to a factor of two.
 const REPORTED: f64 = 2.0;
 
 /// Factors up to so many times larger and smaller are tried: gears have up to 300, and units 1000.

@@ -29,7 +29,7 @@ const REPORTED_DEG: f64 = 15.0;
 const NEAR_DEG: f64 = 2.5;
 const CONVENTION_DEG: f64 = 45.0;
 
-/// So are offsets within this of one, degrees, where the torques say no more against it than chance would: offsets of parallel axes make up
+/// So are offsets within this of one, degrees, where the torques contradict it no more than chance would: offsets of parallel axes make up
 /// for each other.
 const PERHAPS_DEG: f64 = 8.0;
 
@@ -67,7 +67,7 @@ pub(crate) fn of_neighbours(physics: &Physics, rows: &Rows, from: &Description) 
     })
 }
 
-/// The description with an offset of one more zero, which takes one of what `taken` says for a joint.
+/// The description with an offset of one more zero, which takes one of those that `taken` gives for a joint.
 fn with_more(
     physics: &Physics,
     rows: &Rows,
@@ -186,7 +186,7 @@ fn reported(offsets: &[f64]) -> Option<Vec<f64>> {
 }
 
 /// The same offsets, by turns more or less where the joint is then within its limits or nearer to them: by whole ones, and by half ones
-/// where the torques say no more against these than chance would, as where gravity is compensated.
+/// where the torques contradict these no more than chance would, as where gravity is compensated.
 fn in_limits(rows: &Rows, from: &Description, offsets: Vec<f64>, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let logged = from.with_zeros(&vec![0.0; from.dof()]).positions(&rows.motion.q);
     let turned = |joint: usize| {
